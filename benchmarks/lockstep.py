@@ -16,23 +16,24 @@ TARGETS = dict(zip((HERE, *ELSEWHERE), (">= 10", ">= 20, aim 25", ">= 12"), stri
 
 def measure(effort: Effort) -> Table:
     """Speed, throughput, losses, and how long the slowest node was waited for."""
-    config = Run.of(duration=effort.seconds)
+    run = Run.of(duration=effort.seconds)
     results: dict[str, list[RunResult]] = {way: [] for way in TARGETS}
 
     def here() -> float:
-        return _kept(results[HERE], ros_runs.run(config))
+        return _kept(results[HERE], ros_runs.run(run))
 
     def across(way: str) -> float:
         names = tuple(f"metrics_node_{i}" for i in range(ELSEWHERE[way]))
         with ExitStack() as at_end:
             for name in names:
                 at_end.enter_context(ros_runs.metrics_node(name))
-            return _kept(results[way], ros_runs.run(config, wait_for=names))
+            return _kept(results[way], ros_runs.run(run, wait_for=names))
 
     contestants = {HERE: here} | {way: partial(across, way) for way in ELSEWHERE}
     rounds = Rounds(contestants, effort.rounds)
     return Table(
-        title=f"Lock-step, {effort.seconds:g} simulated seconds of {config.robot} on {config.terrain}",
+        title=f"Lock-step, {effort.seconds:g} simulated seconds of {run.rover.robot} on "
+        f"{run.world.terrain}",
         columns=(
             "metrics_node",
             "times real time",
@@ -45,7 +46,7 @@ def measure(effort: Effort) -> Table:
         rows=tuple(
             (
                 way,
-                f"**{config.duration / rounds.median(way):.1f}**",
+                f"**{run.duration / rounds.median(way):.1f}**",
                 target,
                 f"{results[way][0].messages / rounds.median(way):,.0f}",
                 f"{sum(r.messages for r in results[way]):,}",

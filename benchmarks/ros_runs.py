@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.episode.result import RunResult
+from harness.episode.result import Outputs, RunResult
 from harness.ros.session import run_through_ros
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -17,13 +17,13 @@ QUIET = ("--ros-args", "--log-level", "warn")
 NODE = "/metrics_node"
 
 
-def run(config: Run, wait_for: tuple[str, ...] = ()) -> RunResult:
+def run(what: Run, wait_for: tuple[str, ...] = ()) -> RunResult:
     """Runs an episode with a MetricsNode here, or in lock-step with nodes elsewhere."""
     with TemporaryDirectory(prefix="harness_bench_") as folder, StopRequest() as stop:
         options = RosOptions(
             log_dir=Path(folder), host_metrics=not wait_for, wait_for=wait_for, ros_args=QUIET
         )
-        result = run_through_ros(config, options, stop)
+        (result,) = run_through_ros(what, (Outputs(log_dir=options.log_dir),), options, stop)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
     assert result.failure is None, result.failure

@@ -25,8 +25,8 @@ def measure(effort: Effort) -> Table:
     """Speed of each robot in these ways, on the default terrain."""
     rows: list[tuple[str, ...]] = []
     for robot in ROVERS:
-        config = Run.of(robot=robot, duration=effort.seconds)
-        rows += _rows(config, effort)
+        run = Run.of(robot=robot, duration=effort.seconds)
+        rows += _rows(run, effort)
     return Table(
         title=f"The same drive in four ways, {effort.seconds:g} simulated seconds",
         columns=("robot", "way", "times real time", "speed against physics alone", "target", "lost"),
@@ -34,22 +34,22 @@ def measure(effort: Effort) -> Table:
     )
 
 
-def _rows(config: Run, effort: Effort) -> list[tuple[str, ...]]:
-    commands = recorded(config)
+def _rows(run: Run, effort: Effort) -> list[tuple[str, ...]]:
+    commands = recorded(run)
     lost: list[int] = []
 
     def through_ros() -> float:
-        result = ros_runs.run(config)
+        result = ros_runs.run(run)
         lost.append(result.lost)
         return result.wall_s
 
     def without_transforms() -> float:
-        with patch.object(session, "EpisodeProcess", lambda configs, _: EpisodeProcess(configs, None)):
+        with patch.object(session, "EpisodeProcess", lambda run, _: EpisodeProcess(run, None)):
             return through_ros()
 
     ways = {
-        PHYSICS: lambda: physics(config, commands),
-        EPISODE: lambda: _episode(config),
+        PHYSICS: lambda: physics(run, commands),
+        EPISODE: lambda: _episode(run),
         ROS: through_ros,
         WITHOUT_TF: without_transforms,
     }
@@ -61,9 +61,9 @@ def _rows(config: Run, effort: Effort) -> list[tuple[str, ...]]:
     }
     return [
         (
-            config.robot,
+            run.rover.robot,
             way,
-            f"{config.duration / rounds.median(way):.1f}",
+            f"{run.duration / rounds.median(way):.1f}",
             f"**{rounds.ratio(PHYSICS, way):.2f}**",
             *facts.get(way, ("-", "-")),
         )
@@ -71,18 +71,18 @@ def _rows(config: Run, effort: Effort) -> list[tuple[str, ...]]:
     ]
 
 
-def recorded(config: Run) -> Commands:
+def recorded(run: Run) -> Commands:
     """Returns the wheel commands of an episode, tick by tick."""
-    simulation = (episode := Episode(config)).simulation
+    simulation = (episode := Episode(run)).simulation
     with patch.object(simulation, "command_wheels", wraps=simulation.command_wheels) as spy:
         for _ in episode.batches():
             pass
     return [call.args[0] for call in spy.call_args_list]
 
 
-def physics(config: Run, commands: Commands) -> float:
+def physics(run: Run, commands: Commands) -> float:
     """Returns the wall time [s] of mj_step alone under these commands: same contacts, same path."""
-    simulation = Episode(config).simulation
+    simulation = Episode(run).simulation
     start = time.perf_counter()
     for speeds in commands:
         simulation.command_wheels(speeds)
@@ -90,8 +90,8 @@ def physics(config: Run, commands: Commands) -> float:
     return time.perf_counter() - start
 
 
-def _episode(config: Run) -> float:
-    episode = Episode(config)
+def _episode(run: Run) -> float:
+    episode = Episode(run)
     start = time.perf_counter()
     for _ in episode.batches():
         pass

@@ -8,10 +8,9 @@ from typing import NamedTuple
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.runs import physics, recorded
 from harness.scenario.attempt import attempt
-from harness.scenario.case import Case
-from harness.scenario.selection import plan
+from harness.scenario.case import Case, plan
 from harness.scenario.suite import run_all
-from harness.tune.backend.local import LocalBackend
+from harness.workers import workers_of
 
 
 class _Way(NamedTuple):
@@ -31,14 +30,14 @@ def measure(effort: Effort) -> Table:
         place = Path(folder)
         logged, *_ = _cases(place, seconds, "run.lost_messages: {max: 0}", 1)
         suite = _cases(place, seconds, "truth.tipped_over: {max: 0}", jobs * effort.rounds**2)
-        commands = recorded(suite[0].config)
+        commands = recorded(suite[0].run)
         ways = (
-            _Way("physics alone", lambda: physics(suite[0].config, commands)),
+            _Way("physics alone", lambda: physics(suite[0].run, commands)),
             _Way("expectations of the truth", timed(lambda: attempt(suite[0], place))),
             _Way("expectations of the log", timed(lambda: attempt(logged, place))),
             _Way(
                 f"of the truth, {jobs} processes",
-                timed(lambda: run_all(suite, LocalBackend(jobs), place, lambda *_: None)),
+                timed(lambda: run_all(suite, workers_of("local", jobs=jobs), place, lambda *_: None)),
                 *(len(suite), jobs, ">= 100"),
             ),
         )

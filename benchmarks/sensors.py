@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from benchmarks import ros_runs
 from benchmarks.lidar import EVERYTHING_BUT_THE_ROVER, NOBODY
 from benchmarks.measuring import Effort, Rounds, Table
+from harness.episode.assembly import sensor_rows
 from harness.episode.episode import Episode
 from harness.frames.rover_frames import rover_frames
 from harness.sensors.rays.bundle import RayBundle, Surroundings
@@ -81,9 +82,9 @@ def _cpu() -> Array:
 
 def _rays(word: str, effort: Effort) -> tuple[str, ...]:
     """How many rays, how many a second, MuJoCo's time over ours for each, largest difference."""
-    config = Run.of(sensors=(word,), duration=1.0)
-    options = cast("RangeOptions", config.sensor_rows()[-1].given)
-    simulation = Episode(config).simulation
+    run = Run.of(sensors=(word,), duration=1.0)
+    options = cast("RangeOptions", sensor_rows(run.rover)[-1].given)
+    simulation = Episode(run).simulation
     model, data, rover = simulation.model, simulation.data, simulation.scene.rover
     mujoco.mj_kinematics(model, data)
     frames = rover_frames(rover, options.frames(rover))

@@ -6,10 +6,10 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from harness.robots import ROVERS
-from harness.tune.backend import backend_of
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store
 from harness.tune.episodes.sweep import sweep
+from harness.workers import workers_of
 
 MOST_WORLDS, ROUNDS = 8, 3
 TARGETS = {1: "-", 2: ">= 1.8"}
@@ -23,9 +23,9 @@ def measure(effort: Effort) -> Table:
 
     def driving(jobs: int) -> Callable[[], float]:
         def drive() -> None:
-            with TemporaryDirectory() as folder, backend_of("local", None, jobs) as backend:
+            with TemporaryDirectory() as folder, workers_of("local", jobs=jobs) as workers:
                 store = Store(Path(folder), planned)
-                records = sweep(planned, store, backend, lambda _: None)
+                records = sweep(planned, store, workers, lambda _: None)
             simulated.append(sum(record.duration for record in records.values()))
 
         return timed(drive)

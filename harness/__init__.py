@@ -38,6 +38,8 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> object:
+    if name == "EpisodeConfig":  # what scripts written for 0.1 call
+        return __getattr__("Run").of  # type: ignore[attr-defined]  # the class Run
     if name not in _PLACES:
         raise AttributeError(f"module 'harness' has no attribute '{name}'; public: {', '.join(__all__)}")
     return getattr(importlib.import_module(_PLACES[name]), name)

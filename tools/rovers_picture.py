@@ -25,11 +25,11 @@ IMAGE = Quality(width=420, height=280, samples=4, shadow_map=2048, slices=20)
 GAP, COMPRESSION = 4, 60  # [pixels] between the two; quality of WebP, 0 to 100
 
 
-def film(config: Run, folder: Path) -> Iterator[Image.Image]:
+def film(run: Run, folder: Path) -> Iterator[Image.Image]:
     """Drives, and yields an image of each of the states that are shown."""
-    path = folder / config.robot
-    with closing(StateWriter(path, config)) as states:
-        run_episode(config, folder / "logs", observers=[states])
+    path = folder / run.rover.robot
+    with closing(StateWriter(path, run)) as states:
+        run_episode(run, folder / "logs", observers=[states])
     with Studio(path, IMAGE, lidar=False) as studio:
         for index, view in list(enumerate(chase(studio.recording)))[::EVERY]:
             yield Image.fromarray(studio.image(index, view))

@@ -20,4 +20,4 @@ if [ ! "$venv/.ready" -nt tools/cluster.txt ]; then
 fi
 echo "test-cluster: $("$venv/bin/python" --version), $("$venv/bin/python" -m pip list 2>/dev/null |
     sed -n 's/^\(ray\|distributed\|joblib\)  */\1 /p' | paste -sd ' ')"
-PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/harness/tune/backend "$@"
+PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/harness/workers "$@"

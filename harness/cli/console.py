@@ -16,6 +16,8 @@ from harness.robots import ROVERS
 from harness.sensors.noise import PRESETS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
+from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.sheet import Sheet
 
 OWN_ROBOT = ("FOLDER", "your own: python -m harness.robot new NAME --from robot.urdf (docs/robots.md)")
 
@@ -53,7 +55,7 @@ class RunProgress(Progress):
 
 @contextmanager
 def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
-    """Yields what moves a bar, told how much of how much is done; silent where there is no terminal."""
+    """Yields what moves a bar, called with what is done of what; silent where there is no terminal."""
     bar = Progress(
         TextColumn(f"[bold]{title}"),
         BarColumn(bar_width=None),
@@ -69,8 +71,7 @@ def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]
 
 def print_summary(console: Console, run: result.RunResult) -> None:
     """Prints counts, metrics against truth, and where the CSV is."""
-    console.print(_counts_table(run))
-    console.print(_metrics_table(run))
+    console.print(*terminal((_messages(run), _metrics(run)), console.width), sep="\n", highlight=False)
     console.print(
         f"{run.simulated_s:.2f} simulated seconds in {run.wall_s:.2f} s: "
         f"[bold]{run.real_time_factor:.1f}x real time[/], "
@@ -89,23 +90,24 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         console.print(f"people: {run.social_log}", soft_wrap=True, highlight=False)
 
 
-def _counts_table(run: result.RunResult) -> Table:
-    counts = (Column(name, justify="right") for name in ("published", "received", "lost"))
-    table = Table("topic", *counts, title="Messages", title_justify="left")
-    for topic, count in run.topics.items():
-        heard = count.received is not None
-        received, lost = (f"{count.received:,}", f"{count.lost:,}") if heard else ("-", "-")
-        table.add_row(topic, f"{count.published:,}", received, lost)
-    return table
+def _messages(run: result.RunResult) -> Sheet:
+    rows = (
+        {
+            "topic": topic,
+            "published": f"{count.published:,}",
+            "received": "-" if count.received is None else f"{count.received:,}",
+            "lost": "-" if count.received is None else f"{count.lost:,}",
+        }
+        for topic, count in run.topics.items()
+    )
+    return Sheet.of(rows, "Messages")
 
 
-def _metrics_table(run: result.RunResult) -> Table:
+def _metrics(run: result.RunResult) -> Sheet:
     row, truth = run.last_row or {}, run.truth
-    sides = (Column(name, justify="right") for name in ("metrics_node", "truth"))
-    table = Table("quantity", *sides, title="Metrics and truth", title_justify="left")
     hits = f"{truth.hazard_contacts} contacts, {truth.hazard_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
-    for cells in (
+    rows = (
         ("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m"),
         ("collisions", _metric(row, "Total Collisions", " scans"), hits),
         ("clearance", _metric(row, "Obstacle Clearance", " m"), ""),
@@ -114,9 +116,8 @@ def _metrics_table(run: result.RunResult) -> Table:
         ("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
         ("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
         ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),
-    ):
-        table.add_row(*cells)
-    return table
+    )
+    return Sheet(("quantity", "metrics_node", "truth"), rows, "Metrics and truth")
 
 
 def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
-from harness.samples import Imu, LaserScan, Odometry, Pose, Quaternion, Sample, Twist
+from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
+from rover_metrics.core import rotation
 
 Point = tuple[float, float]
 Limits = tuple[tuple[float, ...], tuple[float, ...]]  # of each number of an array, or one for all
@@ -51,7 +52,7 @@ def observed(
     """
     imu, twist = latest(readings, Imu), latest(readings, Odometry).twist
     distance, bearing = way_to(goal, latest(readings, Pose))
-    roll, pitch, _ = attitude(imu.orientation)
+    roll, pitch = rotation.roll_pitch(imu.orientation)
     return {
         "lidar": visible(latest(readings, LaserScan).ranges, range_max),
         "goal": (distance, math.sin(bearing), math.cos(bearing)),
@@ -88,19 +89,11 @@ def latest(readings: Mapping[type[Sample], Sample], kind: type[S]) -> S:
     return cast("S", readings[cast("type[Sample]", kind)])
 
 
-def attitude(quaternion: Quaternion) -> tuple[float, float, float]:
-    """Returns roll, pitch and yaw [rad] of a frame in the world (REP-103: z, then y, then x)."""
-    x, y, z, w = quaternion
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
-    return roll, pitch, math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-
-
 def way_to(goal: Point, pose: Pose) -> tuple[float, float]:
     """Returns distance [m] and bearing [rad] of a goal as seen from a pose, left positive."""
     x, y, _ = pose.position
     east, north = goal[0] - x, goal[1] - y
-    bearing = math.atan2(north, east) - attitude(pose.orientation)[2]
+    bearing = math.atan2(north, east) - rotation.yaw(pose.orientation)
     return math.hypot(east, north), math.remainder(bearing, math.tau)
 
 

@@ -13,11 +13,11 @@ from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.row_times import RowSchedule
+from rover_metrics.timing import RowSchedule
 from rover_metrics.topics import SENSORS, TRUTH
 
 if TYPE_CHECKING:
-    from rover_metrics.core.row import Row
+    from rover_metrics.core.columns import Row
 
 
 def extended_settings(rover: RoverSpec, gravity: float | None = None) -> ExtendedSettings:

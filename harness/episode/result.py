@@ -15,7 +15,7 @@ from harness.spec.ros import RosOptions
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.settings import Settings
 

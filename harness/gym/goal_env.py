@@ -6,25 +6,24 @@ an achieved and a desired goal, one by one or in batches.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.drivers.point_nav import attitude, latest
+from harness.drivers.point_nav import latest
 from harness.gym.env import Info
 from harness.gym.observation import Part, space_of
 from harness.gym.point_nav import PointNavEnv, PointNavOptions
 from harness.gym.ride import Ride
 from harness.samples import Pose
+from rover_metrics.core import rotation
 
 FARTHEST = 1000.0  # [m] from the map's middle: maps are smaller, or nobody drives there in an episode
 POSITION = "x, y of the rover in the world [m], of /rover/pose_array"
 Numbers = NDArray[np.floating[Any]]
 
 
-@dataclass(frozen=True, kw_only=True)
 class PointNavGoalOptions(PointNavOptions):
     """What PointNavGoal understands: what PointNav does; the weights of `reward` have no effect."""
 
@@ -88,7 +87,7 @@ class PointNavGoalEnv(PointNavEnv):
     def _observe(self, ride: Ride) -> Mapping[str, object]:
         values = super()._observe(ride)
         pose = latest(ride.readings, Pose)
-        yaw = attitude(pose.orientation)[2]
+        yaw = rotation.yaw(pose.orientation)
         flat = [np.asarray(values[name], np.float32) for name in self._own]
         flat.append(np.array([math.sin(yaw), math.cos(yaw)], np.float32))
         achieved, desired = pose.position[:2], self.goal

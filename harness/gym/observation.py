@@ -9,10 +9,11 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from harness.drivers.point_nav import attitude, limits
+from harness.drivers.point_nav import limits
 from harness.samples import Pose
 from harness.sensors.depth import DepthOptions
 from harness.world.heightfield import Heightfield
+from rover_metrics.core import rotation
 
 Observation = dict[str, NDArray[np.float32]]
 
@@ -73,7 +74,7 @@ def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
     Obstacles are not in it; the grid turns with the heading, not with roll and pitch.
     """
     x, y, z = pose.position
-    yaw = attitude(pose.orientation)[2]
+    yaw = rotation.yaw(pose.orientation)
     cos, sin = math.cos(yaw), math.sin(yaw)
     ahead, left = (axis.ravel() for axis in np.meshgrid(AHEAD, LEFT, indexing="ij"))
     heights = ground.heights_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left)

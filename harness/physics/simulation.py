@@ -1,6 +1,5 @@
 """One rover in a world: what its sensors, its truth and its driver read and command."""
 
-import math
 from collections.abc import Sequence
 
 import mujoco
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from harness.physics.physics import Physics
 from harness.physics.scene import Scene, motors_of
 from harness.samples import Quaternion, Vector3
+from rover_metrics.core import rotation
 
 
 class Simulation:
@@ -72,8 +72,7 @@ class Simulation:
     @property
     def yaw(self) -> float:
         """Heading of the model frame in the world [rad]."""
-        x, y, z, w = self.orientation
-        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return rotation.yaw(self.orientation)
 
     def rotation(self) -> NDArray[np.float64]:
         """Returns the rotation R_world_model of the model frame, shape (3, 3)."""
@@ -84,12 +83,12 @@ class Simulation:
     @property
     def velocity(self) -> Vector3:
         """Linear velocity of the model frame's origin in the model frame [m/s]."""
-        w, x, y, z = self.pose[3:].tolist()
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.matrix(self.orientation)
         vx, vy, vz = self.twist[:3].tolist()  # a free joint's is in the world frame
         return (
-            (1 - 2 * (y * y + z * z)) * vx + 2 * (x * y + w * z) * vy + 2 * (x * z - w * y) * vz,
-            2 * (x * y - w * z) * vx + (1 - 2 * (x * x + z * z)) * vy + 2 * (y * z + w * x) * vz,
-            2 * (x * z + w * y) * vx + 2 * (y * z - w * x) * vy + (1 - 2 * (x * x + y * y)) * vz,
+            xx * vx + yx * vy + zx * vz,
+            xy * vx + yy * vy + zy * vz,
+            xz * vx + yz * vy + zz * vz,
         )
 
     def summed(self, sensor: str) -> NDArray[np.float64]:

@@ -22,11 +22,11 @@ from harness.report.recorder import RunRecorder, Stretch
 from harness.report.series import MOST_ROWS, series_figure, varies
 from harness.report.tables import (
     comparisons,
-    contact_rows,
-    encounter_rows,
+    contact_table,
+    encounter_table,
     facts,
     key_figures,
-    people,
+    message_table,
     steady_text,
 )
 from harness.report.terrain_map import map_figure
@@ -34,6 +34,7 @@ from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
 from harness.spec.rover import RoverSetup
 from harness.world.heightfield import Heightfield
+from rover_metrics.sheet.sheet import Sheet
 
 NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
@@ -56,15 +57,20 @@ def content(
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
         "map": terrain_map,
-        "comparisons": [*comparisons(result, log), *people(recorder.track)],
-        "encounters": encounter_rows(met, world_of(result.run).people),
+        "comparisons": comparisons(result, log, recorder.track),
+        "encounters": encounter_table(met, world_of(result.run).people),
         "near": NEAR,
-        "contacts": contact_rows(result),
+        "contacts": contact_table(result),
+        "messages": message_table(result),
         "series": series,
-        "steady": [
-            (plot.heading, steady_text(plot.heading, log.columns[plot.heading]), plot.caption)
+        "steady": Sheet.of(
+            {
+                "Column": plot.heading,
+                "Value": steady_text(plot.heading, log.columns[plot.heading]),
+                "Meaning": plot.caption,
+            }
             for plot in steady
-        ],
+        ),
         "notes": log.notes,
         "figures": named((terrain_map, *series)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,

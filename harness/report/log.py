@@ -13,25 +13,20 @@ from pathlib import Path
 from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
+from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
-from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.truth_columns import SLIP, slip_column
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
-LONGEST_GAP = 0.5  # [s] in what is still one event, as in harness.truth.contact_events
 MOST_NOTES = 20  # kinds
 
 
 # The thresholds that the values of a column are compared with.
-THRESHOLDS = {
-    "Current Smoothness": ("smoothness_threshold",),
-    "Obstacle Clearance": ("collision_threshold", "min_safe_clearance"),
-    "IMU Acceleration Magnitude": ("rough_terrain_threshold",),
-}
-FLAGS = ("Current Collision Status", "Is Rough Terrain")
+THRESHOLDS = {metric.column: metric.thresholds for metric in METRICS.values() if metric.thresholds}
 WITH_GRAVITY = ("Current Smoothness", "IMU Acceleration Magnitude", "Vertical Roughness")
 DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
     column.header: column for column in EXTENDED_COLUMNS
@@ -138,7 +133,7 @@ def _between(track: Sequence[Stretch], start_s: float, end_s: float) -> Sequence
 def _joined(events: Iterable[Event]) -> list[Event]:
     joined: list[Event] = []
     for event in events:
-        if joined and event.start_s - joined[-1].end_s <= LONGEST_GAP:
+        if joined and event.start_s - joined[-1].end_s <= EVENT_GAP_NS / NANOSECONDS:
             joined[-1] = replace(joined[-1], end_s=event.end_s)
         else:
             joined.append(event)

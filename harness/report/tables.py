@@ -1,8 +1,7 @@
-"""The report's tables as rows of text: metrics against truth, and the manifest."""
+"""The tables of a report: metrics against truth, people, contacts, messages, and the manifest."""
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,90 +13,100 @@ from harness.report.log import Log, describe, meetings
 from harness.report.recorder import Stretch
 from harness.world.actors.actor import Actor
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
+from rover_metrics.sheet.sheet import Sheet, unbroken
 
 MOST_CONTACTS = 50
 DOING = {"hazard": "hits", "rock": "on", "scrape": "scrapes"}
 UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  # of the manifest
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """What the metrics say about a quantity and what the simulator knows, as text with units."""
+def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
+    """Returns the metrics of a run against its truth.
 
-    quantity: str
-    metric: str = DASH
-    truth: str = DASH
-    difference: str = DASH
-
-
-def comparisons(result: RunResult, log: Log) -> list[Comparison]:
-    """Returns the metrics of a run against its truth."""
+    Args:
+        result: The run.
+        log: Its metrics log.
+        track: What was recorded of it.
+    """
     truth, row = result.truth, result.last_row or {}
     threshold = result.thresholds.collision_threshold
     clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]
     mean_speed = float(np.mean(log.columns.get("Current Velocity") or math.nan))
     rough = log.columns.get("Is Rough Terrain", [])
+    collisions = f"{row['Total Collisions']} scans below {threshold:g} m" if row else DASH
+    hits = f"{truth.hazard_contacts} contacts with hazards, {truth.hazard_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
-    return [
+    rows = (
         _compared("Distance", "m", row.get("Distance Traveled"), truth.path_length),
         _compared("Mean speed", "m/s", mean_speed, result.mean_speed),
-        Comparison(
-            "Collisions",
-            f"{row['Total Collisions']} scans below {threshold:g} m" if row else DASH,
-            f"{truth.hazard_contacts} contacts with hazards, {truth.hazard_contact_s:.2f} s",
-        ),
-        Comparison("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else DASH),
-        Comparison("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else DASH),
-        Comparison("Wheel slip, mean of moving wheels", truth=f"{truth.mean_slip:.2f}"),
-        Comparison("On rocks", truth=f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
-        Comparison("Body scraping the ground", truth=f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
-        Comparison("Largest tilt", truth=f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
-    ]
+        ("Collisions", collisions, hits),
+        ("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else DASH),
+        ("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else DASH),
+        ("Wheel slip, mean of moving wheels", DASH, f"{truth.mean_slip:.2f}"),
+        ("On rocks", DASH, f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
+        ("Body scraping the ground", DASH, f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
+        ("Largest tilt", DASH, f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
+        *_people(track),
+    )
+    titles = ("Quantity", "metrics_node", "Truth", "Diff.")
+    return Sheet(titles, tuple((*cells, DASH, DASH)[: len(titles)] for cells in rows))
 
 
-def people(track: Sequence[Stretch]) -> list[Comparison]:
-    """Returns how near people were; nothing of a run without any."""
+def _people(track: Sequence[Stretch]) -> list[tuple[str, ...]]:
+    """How near people were; no rows of a run without any."""
     nearest = min((stretch.nearest_person for stretch in track), default=math.inf)
     if math.isinf(nearest):
         return []
-    near = f"People within {PERSONAL_SPACE:g} m"
     return [
-        Comparison(near, truth=f"{len(meetings(track))} times"),
-        Comparison("Nearest person", truth=f"{nearest:.2f} m"),
+        (f"People within {PERSONAL_SPACE:g} m", DASH, f"{len(meetings(track))} times"),
+        ("Nearest person", DASH, f"{nearest:.2f} m"),
     ]
 
 
-def encounter_rows(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[tuple[str, ...]]:
-    """Returns encounters as text: number, who, distance, when, how long near, both places."""
-    return [
-        (
-            str(number),
-            actors[one.person].name,
-            f"{one.nearest.distance:.2f} m",
-            f"{one.nearest.time_s:.1f} s",
-            f"{one.near_s:.1f} s" if one.near_s else DASH,
-            _place(one.nearest.rover),
-            _place(one.nearest.person),
-        )
+def encounter_table(met: Sequence[Encounter], actors: Sequence[Actor]) -> Sheet:
+    """Returns encounters in the order of their numbers on the map."""
+    return Sheet.of(
+        {
+            "No.": str(number),
+            "Person": actors[one.person].name,
+            "Distance": f"{one.nearest.distance:.2f} m",
+            "At": f"{one.nearest.time_s:.1f} s",
+            "Near for": f"{one.near_s:.1f} s" if one.near_s else DASH,
+            "Rover x, y [m]": _place(one.nearest.rover),
+            "Person x, y [m]": _place(one.nearest.person),
+        }
         for number, one in enumerate(met, 1)
-    ]
+    )
 
 
 def _place(place: tuple[float, float]) -> str:
     return ", ".join(f"{value:.1f}".replace("-", MINUS) for value in place)
 
 
-def contact_rows(result: RunResult) -> list[tuple[str, str, str, str]]:
-    """Returns the first MOST_CONTACTS contacts as text: what with what, start, length, peak force."""
-    return [
-        (
-            f"{event.part} {DOING[event.kind]} {event.other}",
-            f"{event.start_ns / NANOSECONDS:.2f} s",
-            f"{(event.end_ns - event.start_ns) / NANOSECONDS:.2f} s",
-            f"{event.force:.0f} N",
-        )
+def contact_table(result: RunResult) -> Sheet:
+    """Returns the first MOST_CONTACTS contacts: what touched what, start, length, peak force."""
+    return Sheet.of(
+        {
+            "Contact": f"{event.part} {DOING[event.kind]} {event.other}",
+            "From": f"{event.start_ns / NANOSECONDS:.2f} s",
+            "For": f"{(event.end_ns - event.start_ns) / NANOSECONDS:.2f} s",
+            "Peak force": f"{event.force:.0f} N",
+        }
         for event in result.along.events[:MOST_CONTACTS]
-    ]
+    )
+
+
+def message_table(result: RunResult) -> Sheet:
+    """Returns how many messages of each topic were published, received and lost."""
+    return Sheet.of(
+        {
+            "Topic": topic,
+            "Published": str(count.published),
+            "Received": DASH if count.received is None else str(count.received),
+            "Lost": DASH if count.received is None else str(count.lost),
+        }
+        for topic, count in result.topics.items()
+    )
 
 
 def steady_text(name: str, values: Sequence[float]) -> str:
@@ -135,14 +144,16 @@ def facts(values: Mapping[str, object], *, prefix: str = "") -> list[tuple[str, 
     return pairs
 
 
-def _compared(quantity: str, unit: str, metric: float | str | None, truth: float) -> Comparison:
+def _compared(
+    quantity: str, unit: str, metric: float | str | None, truth: float
+) -> tuple[str, str, str, str]:
     if not isinstance(metric, int | float) or not math.isfinite(metric):
-        return Comparison(quantity, truth=f"{truth:.2f} {unit}")
+        return quantity, DASH, f"{truth:.2f} {unit}", DASH
     difference = DASH
     if truth > 0.0:
         percent = round(100.0 * ((metric - truth) / truth), 1)
-        difference = f"{percent:+} %".replace("-", MINUS) if percent else "0.0 %"
-    return Comparison(quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference)
+        difference = unbroken(f"{percent:+} %".replace("-", MINUS) if percent else "0.0 %")
+    return quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference
 
 
 def _text(value: object) -> str:

@@ -27,6 +27,7 @@ from harness.sensors.table import Topic
 from harness.spec.run import Run
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.occupancy import OccupancyMap, occupancy
+from rover_metrics.core import rotation
 
 FRAMES = ("map", "odom", "world")
 MAP = Topic("map", "nav_msgs/msg/OccupancyGrid", depth=1, latched=True)
@@ -127,5 +128,4 @@ class Navigation:
 def place_of(pose: Any) -> Place:  # noqa: ANN401 - rclpy's classes have no types
     """Returns where a geometry_msgs/Pose is, seen from above."""
     q = pose.orientation
-    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-    return Place(pose.position.x, pose.position.y, yaw)
+    return Place(pose.position.x, pose.position.y, rotation.yaw((q.x, q.y, q.z, q.w)))

@@ -22,11 +22,11 @@ from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.scenario.baseline import write_baselines
-from harness.scenario.selection import Selected, find_files, plan
+from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
-from harness.tune.backend import BACKENDS, backend_of
+from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
 
 OUT = Path("scenario_runs")
@@ -48,11 +48,11 @@ def _run(options: argparse.Namespace, console: Console) -> int:
         check_target(flag, target)
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
-        backend_of(options.backend, options.address, options.jobs) as backend,
+        workers_of(options.backend, options.address, options.jobs) as workers,
         counted(console, "driving scenarios") as show,
     ):
         compare = not options.update_baseline
-        attempts = run_all(cases, backend, options.out, show, compare=compare, resume=options.resume)
+        attempts = run_all(cases, workers, options.out, show, compare=compare, resume=options.resume)
     verdicts = verdicts_of(attempts)
     tell(console, verdicts)
     _write(options, console, verdicts)
@@ -115,20 +115,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="only runs with this value of their matrix; repeatable",
     )
-    _add_backend(parser)
+    add_options(parser)
     _add_files(parser)
     return parser
-
-
-def _add_backend(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one per CPU)")
-    parser.add_argument(
-        "--backend",
-        default="local",
-        metavar="NAME",
-        help=f"who drives: {', '.join(BACKENDS)} (default: %(default)s)",
-    )
-    parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:

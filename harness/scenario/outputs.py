@@ -1,16 +1,19 @@
 """The files that a suite is asked for, and its tables on a terminal."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
+from rich.console import Console, Group
 
 from harness.base.files import write_whole
+from harness.scenario.case import scenario_name
 from harness.scenario.comparison import comparisons_of
 from harness.scenario.junit import write_junit
 from harness.scenario.page.page import render
-from harness.scenario.tables import HOW, csv_of, json_of, printable
+from harness.scenario.tables import HOW, WIDE, csv_of, json_of, sheets
 from harness.scenario.verdict import Verdict
+from rover_metrics.sheet.render import terminal
 
 
 def write_outputs(
@@ -47,7 +50,8 @@ def print_tables(console: Console, verdicts: Sequence[Verdict]) -> None:
     """Prints the cells of every scenario that has several runs."""
     several = [comparisons_of(verdict) for verdict in verdicts if len(verdict.attempts) > 1]
     for compared in several:
-        for table in printable(compared, console.width):
-            console.print(table)
+        name = scenario_name(compared.verdict.path)
+        named = [replace(sheet, title=f"{name}: {sheet.title}") for sheet in sheets(compared)]
+        console.print(Group(*terminal(named, console.width, WIDE)), highlight=False)
     if several:
         console.print(HOW, style="dim", highlight=False)

@@ -11,6 +11,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import Pose, Sample, TruthState, Vector3
 from harness.scenario.quantities import NO_VALUE, QUANTITIES, Moment
+from rover_metrics.core import rotation
 
 SAMPLES: set[type[Sample]] = {Pose, TruthState}  # that quantities of the truth are made of
 STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
@@ -82,6 +83,5 @@ class TruthSeries:
 
 
 def _tilt(pose: Pose) -> float:
-    """Angle [rad] between the vertical axes of a pose and the world: R_zz is 1 - 2 (x^2 + y^2)."""
-    x, y, _, _ = pose.orientation
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
+    """Angle between the vertical axes of a pose and the world [rad]."""
+    return math.acos(max(-1.0, min(1.0, rotation.upright(pose.orientation))))

@@ -9,15 +9,14 @@ from harness.base.interrupt import Interrupted
 from harness.scenario.attempt import SCRATCH, Attempt, attempt
 from harness.scenario.case import Case
 from harness.scenario.progress import Progress
-from harness.tune.backend import Backend
-from harness.tune.backend.work_off import work_off
+from harness.workers import Workers, work_off
 
 KEPT = "the same command with --resume goes on with the rest"
 
 
 def run_all(
     cases: Sequence[Case],
-    backend: Backend,
+    workers: Workers,
     folder: Path,
     show: Callable[[int, int], None],
     *,
@@ -28,7 +27,7 @@ def run_all(
 
     Args:
         cases: What to run.
-        backend: Who runs it.
+        workers: Who runs them.
         folder: For what runs leave that do not pass.
         show: Told how many of how many are done.
         compare: Whether they are compared with their baselines.
@@ -49,12 +48,12 @@ def run_all(
         done[index] = outcome
         show(len(done), len(cases))
 
-    left = {index: (index, case) for index, case in enumerate(cases) if index not in done}
+    left = {index: case for index, case in enumerate(cases) if index not in done}
     # A worker that is killed leaves its files: they are below a folder of this process.
     with TemporaryDirectory(prefix=SCRATCH) as scratch:
-        work = partial(_one, folder=folder, compare=compare, scratch=Path(scratch))
+        work = partial(_attempt, folder=folder, compare=compare, scratch=Path(scratch))
         try:
-            work_off(left, work, backend, keep, name=lambda index: cases[index].name, mend=KEPT)
+            work_off(left, work, workers, keep, name=lambda index: cases[index].name, mend=KEPT)
         except Interrupted as error:
             kept = f"; {KEPT}" if progress.exists else ""
             error.args = (f"{error} after {len(done)} of {len(cases)} runs{kept}",)
@@ -63,8 +62,5 @@ def run_all(
     return [done[index] for index in range(len(cases))]
 
 
-def _one(
-    numbered: tuple[int, Case], *, folder: Path, compare: bool, scratch: Path
-) -> tuple[int, Attempt]:
-    index, case = numbered
-    return index, attempt(case, folder / case.folder, compare=compare, scratch=scratch)
+def _attempt(case: Case, *, folder: Path, compare: bool, scratch: Path) -> Attempt:
+    return attempt(case, folder / case.folder, compare=compare, scratch=scratch)

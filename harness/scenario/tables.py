@@ -1,15 +1,8 @@
 """Comparisons of scenarios as tables: texts for terminal and page, every number for CSV and JSON."""
 
-import csv
 import json
 from collections.abc import Iterator, Sequence
-from io import StringIO
-from itertools import compress
 from typing import Any
-
-from rich.box import SIMPLE_HEAD
-from rich.table import Column, Table
-from rich.text import Text
 
 from harness import __version__
 from harness.scenario.attempt import Attempt
@@ -18,84 +11,59 @@ from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Cell, Compared, Comparisons, Row
 from harness.scenario.spec import Matrix
 from harness.scenario.verdict import outcome_of, reasons_of
-from rover_metrics.analysis.tables.sheets import NONE, interval_text, number, probability
-from rover_metrics.log.csv_log import harmless
 from rover_metrics.log.files import json_safe
+from rover_metrics.sheet.render import csv_text
+from rover_metrics.sheet.sheet import Sheet, interval_text, number, probability
 
-Texts = list[tuple[str, ...]]  # the head, then rows that their first cell names
-
-HEAD = ("cell", "runs", "mean", "95 % interval", "difference", "g", "delta", "p (Holm)")
 HOW = (
     "A run is one observation. Interval: Student's. The difference is that from the first cell; "
     "g: Hedges' standardised difference; delta: Cliff's, -1 to 1; p: exact permutation or Mann-Whitney "
     "U, where both cells drove in the same worlds exact sign flips or Wilcoxon, run by run; "
     "Holm: adjusted for all comparisons of the scenario."
 )
-SPARE, WIDE = ("difference", "delta"), 100  # what terminals with fewer columns leave out
+SPARE, WIDE = frozenset({"difference", "delta"}), 100  # what terminals with fewer columns leave out
 PASSED = "passed"
 
 
-def passed_texts(compared: Comparisons) -> Texts:
-    """Returns how many runs of each cell are as they should be."""
+def sheets(compared: Comparisons) -> list[Sheet]:
+    """Returns the tables of a scenario: how many runs pass in each cell, then each quantity."""
+    return [_passed(compared), *map(_quantity, compared.quantities)]
+
+
+def _passed(compared: Comparisons) -> Sheet:
     rows = (
-        (
-            cell.name,
-            f"{cell.good} of {len(cell.attempts)}",
-            f"{cell.good / len(cell.attempts):.0%}",
-            " to ".join(f"{limit:.0%}" for limit in cell.interval),
-        )
+        {
+            "cell": cell.name,
+            PASSED: f"{cell.good} of {len(cell.attempts)}",
+            "rate": f"{cell.good / len(cell.attempts):.0%}",
+            "95 % interval (Wilson)": " to ".join(f"{limit:.0%}" for limit in cell.interval),
+        }
         for cell in compared.cells
     )
-    return [("cell", PASSED, "rate", "95 % interval (Wilson)"), *rows]
+    return Sheet.of(rows, "Runs that pass")
 
 
-def quantity_texts(quantity: Compared) -> Texts:
+def _quantity(quantity: Compared) -> Sheet:
     """Returns what a quantity came to in each cell, and how it differs from the first one."""
-    return [HEAD, *(_texts(row) for row in quantity.rows)]
-
-
-def _texts(row: Row) -> tuple[str, ...]:
-    summary, difference = row.summary, row.difference
-    own = (row.cell.name, str(summary.n), number(summary.mean), interval_text(summary.interval))
-    if difference is None:
-        return (*own, *(NONE,) * 4)
-    return (
-        *own,
-        number(difference.difference),
-        number(difference.hedges_g),
-        number(difference.cliffs_delta),
-        probability(difference.p_holm),
+    rows = (
+        {
+            "cell": row.cell.name,
+            "runs": str(row.summary.n),
+            "mean": number(row.summary.mean),
+            "95 % interval": interval_text(row.summary.interval),
+            "difference": number(getattr(row.difference, "difference", None)),
+            "g": number(getattr(row.difference, "hedges_g", None)),
+            "delta": number(getattr(row.difference, "cliffs_delta", None)),
+            "p (Holm)": probability(getattr(row.difference, "p_holm", None)),
+        }
+        for row in quantity.rows
     )
-
-
-def printable(compared: Comparisons, width: int) -> Iterator[Table]:
-    """Yields the tables of a scenario for a terminal of so many columns; a narrow one is shown less."""
-    name = scenario_name(compared.verdict.path)
-    yield _table(f"{name}: {PASSED}", passed_texts(compared))
-    for quantity in compared.quantities:
-        texts = quantity_texts(quantity)
-        if width < WIDE:
-            shown = [head not in SPARE for head in HEAD]
-            texts = [tuple(compress(row, shown)) for row in texts]
-        yield _table(f"{name}: {quantity.heading}", texts)
-
-
-def _table(title: str, texts: Texts) -> Table:
-    columns = (Column(head, justify="right", no_wrap=True) for head in texts[0][1:])
-    table = Table(texts[0][0], *columns, title=Text(title), title_justify="left", box=SIMPLE_HEAD)
-    for row in texts[1:]:
-        table.add_row(*map(Text, row))
-    return table
+    return Sheet.of(rows, quantity.heading, spare=SPARE)
 
 
 def csv_of(several: Sequence[Comparisons]) -> str:
     """Returns every number as CSV, a row a cell and quantity; an empty cell is no number."""
-    records = [record for compared in several for record in _records(compared)]
-    text = StringIO()
-    writer = csv.DictWriter(text, list(records[-1]))
-    writer.writeheader()
-    writer.writerows({name: harmless(cell) for name, cell in record.items()} for record in records)
-    return text.getvalue()
+    return csv_text([record for compared in several for record in _records(compared)])
 
 
 def json_of(several: Sequence[Comparisons]) -> str:

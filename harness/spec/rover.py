@@ -2,9 +2,9 @@
 
 import math
 import re
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import CONTROL_PERIOD, period_ticks
@@ -62,12 +62,16 @@ class RoverSetup(Value):
     """
 
     name: Annotated[str, AfterValidator(checked(_check_name))] = ""
-    robot: Annotated[str, Option("NAME|FOLDER")] = "leo"
+    robot: Annotated[str, Option("NAME|FOLDER")] = Field(
+        default="leo", description="a rover that ships, or a folder (docs/robots.md)"
+    )
     start: Annotated[StartText | None, Option("X,Y[,YAW]")] = Field(
         default=None,
         description="start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle",
     )
-    driver: Annotated[str, Option("NAME")] = "wander"
+    driver: Annotated[str, Option("NAME")] = Field(
+        default="wander", description="who chooses the commands, or policy:FILE.npz (docs/gym.md)"
+    )
     goal_area: Annotated[AreaText | None, Option("XMIN,XMAX,YMIN,YMAX")] = Field(
         default=None,
         description="give the driver one random goal after another in this rectangle [m], as "
@@ -84,14 +88,14 @@ class RoverSetup(Value):
     imu_rate: Annotated[int, AfterValidator(checked(period_ticks)), Option("HZ")] = Field(
         default=IMU_RATE, description="samples of the IMU a second"
     )
-    noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = None
-    sensors: Annotated[SensorChoices, Option("NAME[,...]")] = None
-    faults: Annotated[tuple[FaultText, ...], listed(), Option("SPEC", flag="fault")] = Field(
-        default=(), description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
+    noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = Field(
+        default=None, description="a preset of sensor errors; none if left out"
     )
-
-    @model_validator(mode="after")
-    def _waits_only_for_commands(self) -> Self:
-        if self.cmd_vel_timeout is not None and self.driver != CMD_VEL:
-            raise ValueError("cmd_vel_timeout is for driver cmd_vel only; other drivers go on")
-        return self
+    sensors: Annotated[SensorChoices, Option("NAME[,...]")] = Field(
+        default=None,
+        description="optional sensors, NAME or NAME=PRESET; those of rover.yaml if left out",
+    )
+    faults: Annotated[tuple[FaultText, ...], listed(), Option("SPEC", flag="fault")] = Field(
+        default=(),
+        description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable; default: none",
+    )

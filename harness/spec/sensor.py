@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, PlainSerializer
 
-from harness.spec.value import AsText, parsed
+from harness.spec.value import AsText, as_tuple, parsed
 
 NONE = "none"  # alone: without the sensors of rover.yaml
 
@@ -38,10 +38,10 @@ def parse_choice(text: str) -> SensorChoice:
 
 def _split(value: object) -> object:
     """Splits a comma-separated text; "none" alone is no sensor at all."""
-    words = value.split(",") if isinstance(value, str) else value
+    words: object = value.split(",") if isinstance(value, str) else value
     if isinstance(words, list | tuple) and [str(word).strip() for word in words] == [NONE]:
         return ()
-    return words
+    return as_tuple(words)
 
 
 def _shown(choices: tuple[SensorChoice, ...] | None) -> list[str] | None:

@@ -1,16 +1,18 @@
 """Frozen values, and the one door through which text and the keys of files become them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Self, TypeVar
+from typing import Annotated, Any, Self, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from harness.base.errors import UsageError, unknown
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Seconds = NotNegative
 Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Seed = Annotated[int, Field(ge=0)]
@@ -81,24 +83,76 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
         cls: What was to be made of them.
         name: How a user calls a field.
     """
-    first = _foremost(error.errors(include_url=False))
+    first = foremost(error)
     keys = [str(key) for key in first["loc"]]
     field = ".".join([name(keys[0]), *keys[1:]]) if keys else ""
-    match first["type"]:
-        case "extra_forbidden":
-            known = _model_at(cls, keys[:-1]).model_fields
-            valid = [name(item.alias or key) for key, item in known.items()]
-            return unknown("key", name(keys[-1]) if len(keys) == 1 else keys[-1], valid)
-        case "missing":
-            return f"key '{field}' is missing"
-        case "value_error":
-            return str(first["ctx"]["error"])
-    message = first["msg"].replace("Input should be", "it must be").replace("Input should", "it must")
-    return f"{field} {_shown(first['input'])} is not valid: {message[:1].lower()}{message[1:]}"
+    if first["type"] == "extra_forbidden":
+        key = name(keys[-1]) if len(keys) == 1 else keys[-1]
+        return unknown_key(key, _model_at(cls, keys[:-1]), name)
+    if first["type"] == "value_error":
+        return str(first["ctx"]["error"])
+    return not_valid(first, field, cls.model_fields.get(keys[0]) if keys else None)
 
 
-def _foremost(errors: list[ErrorDetails]) -> ErrorDetails:
-    """The first mistake; a key that is missing beside one that nobody knows has been mistyped."""
+def unknown_key(key: str, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:
+    """Returns that a model has no such key, and which it has."""
+    return unknown("key", key, [name(item.alias or own) for own, item in cls.model_fields.items()])
+
+
+def not_valid(error: ErrorDetails, field: str, info: FieldInfo | None = None) -> str:
+    """Returns what is wrong with a value, and what would be valid.
+
+    Args:
+        error: What pydantic says of it.
+        field: How a user calls it.
+        info: Of the field, for the range of its numbers.
+    """
+    if error["type"] == "missing":
+        return f"key '{field}' is missing"
+    return f"{field} {_shown(error['input'])} is not valid; give {_valid(error, info)}"
+
+
+NUMBERS = {
+    "int": "a whole number",
+    "float": "a number",
+    "finite": "a finite number",
+    "bool": "true or false",
+}
+
+
+def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
+    """What is valid in place of a wrong value: a range, names, or a kind of value."""
+    kind = error["type"]
+    if kind.startswith(("greater_than", "less_than")) and field is not None:
+        bounds = dict(_bounds(field.metadata, field.annotation))
+        low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
+        if low is None or high is None:
+            word = {"ge": "or more", "gt": "and more than that", "le": "or less", "lt": "and less"}
+            return " ".join(f"{value:g} {word[name]}" for name, value in bounds.items())
+        return f"{low:g} to {high:g}" + (", the lower end excluded" if "gt" in bounds else "")
+    if kind in ("too_long", "too_short"):
+        limit = error["ctx"].get("max_length", error["ctx"].get("min_length"))
+        return f"at {'most' if kind == 'too_long' else 'least'} {limit}"
+    if kind == "literal_error":
+        return f"one of {error['ctx']['expected']}"
+    return NUMBERS.get(kind.partition("_")[0]) or error["msg"].replace("Input should be ", "")
+
+
+def _bounds(metadata: Iterable[Any], annotation: Any) -> Iterator[tuple[str, float]]:  # noqa: ANN401
+    """Yields the first limits that an annotation holds, its own before those of its parts."""
+    for extra in metadata:
+        if isinstance(extra, FieldInfo):
+            yield from _bounds(extra.metadata, None)
+        for name in ("ge", "gt", "le", "lt"):
+            if (limit := getattr(extra, name, None)) is not None:
+                yield name, float(limit)
+    for part in get_args(annotation):
+        yield from _bounds(getattr(part, "__metadata__", ()), part)
+
+
+def foremost(error: ValidationError) -> ErrorDetails:
+    """Returns the first mistake; a key that is missing beside one that nobody knows is mistyped."""
+    errors = error.errors(include_url=False)
     first = errors[0]
     if first["type"] != "missing":
         return first
@@ -107,16 +161,22 @@ def _foremost(errors: list[ErrorDetails]) -> ErrorDetails:
 
 
 def _model_at(cls: type[BaseModel], keys: list[str]) -> type[BaseModel]:
+    """The model at a place in another one; items of lists are of the kind that the list holds."""
     for key in keys:
         kind = cls.model_fields[key].annotation if key in cls.model_fields else None
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            cls = kind
+        kinds = (kind, *get_args(kind))
+        cls = next((k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel)), cls)
     return cls
 
 
 def _shown(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def as_tuple(value: object) -> object:
+    """Returns a list as a tuple, which strict types of fields demand, and anything else as it is."""
+    return tuple(value) if isinstance(value, list) else value
 
 
 def parsed(parse: Callable[[str], Any]) -> BeforeValidator:
@@ -128,7 +188,7 @@ def parsed(parse: Callable[[str], Any]) -> BeforeValidator:
 
     def convert(value: object) -> object:
         if not isinstance(value, str):
-            return value
+            return as_tuple(value)
         try:
             return parse(value)
         except UsageError as error:
@@ -187,6 +247,6 @@ def listed(separator: str = "") -> BeforeValidator:
     def convert(value: object) -> object:
         if isinstance(value, str) and separator:
             return tuple(word.strip() for word in value.split(separator))
-        return (value,) if isinstance(value, str) else value
+        return (value,) if isinstance(value, str) else as_tuple(value)
 
     return BeforeValidator(convert)

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from harness.spec.actor import ActorText
-from harness.spec.value import Finite, Option, Share, Value, listed, numbers
+from harness.spec.value import Finite, Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
@@ -24,7 +24,8 @@ def _both_lengths(value: object) -> object:
     """One length is that of both sides."""
     if isinstance(value, str | float | int):
         return (value, value)
-    return (*value, *value) if isinstance(value, list | tuple) and len(value) == 1 else value
+    sides = as_tuple(value)
+    return (*sides, *sides) if isinstance(sides, tuple) and len(sides) == 1 else sides
 
 
 class WorldSpec(Value):
@@ -76,7 +77,7 @@ class WorldSpec(Value):
         default=(),
         description="a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a "
         "trajectory, or actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
-        "speed, route, delay, radius, height, within, push (docs/worlds.md)",
+        "speed, route, delay, radius, height, within, push (docs/worlds.md); default: nobody",
     )
     datum: Annotated[
         tuple[Finite, Finite, Finite],

@@ -6,12 +6,11 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.samples import ContactKind, Vector3
 from harness.truth.traversal import ContactEvent
-
-EVENT_GAP_NS = NANOSECONDS // 2  # contacts of a kind closer together than this are one event
+from rover_metrics.timing import EVENT_GAP_NS
 
 
 class ContactEvents:

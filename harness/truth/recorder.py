@@ -14,6 +14,7 @@ from harness.truth.contact_events import ContactEvents
 from harness.truth.traversal import Truth
 from harness.truth.wheels import Wheels
 from harness.world.statistics import RoughnessMap
+from rover_metrics.core import rotation
 
 TIPPED_OVER = math.radians(75.0)  # between the static tip angles (44-59 deg) and lying on a side
 
@@ -48,8 +49,7 @@ class TruthRecorder:
         position = self._simulation.position
         self._path += math.dist(position, self._previous)
         self._previous = position
-        _, x, y, _ = self._simulation.pose[3:].tolist()
-        self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
+        self._lowest_upright = min(self._lowest_upright, rotation.upright(self._simulation.orientation))
         strongest = self._simulation.contacts.strongest
         self.events.observe(self._simulation.time_ns, strongest)
         for kind, touch in strongest.items():

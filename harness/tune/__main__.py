@@ -21,12 +21,12 @@ from rich.console import Console
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.cli.console import counted
 from harness.robots import ROVERS, find_rover
-from harness.tune.backend import BACKENDS, backend_of
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store
 from harness.tune.episodes.sweep import sweep
 from harness.tune.output import print_studies, write_results
 from harness.tune.scoring.study import study
+from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
@@ -52,10 +52,10 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     for robot in robots:
         find_rover(robot)
     planned = plan(robots, options.episodes, options.seed, options.duration, options.driver)
-    with backend_of(options.backend, options.address, options.jobs) as backend:
+    with workers_of(options.backend, options.address, options.jobs) as workers:
         store = Store(options.out, planned)
         with counted(console, f"driving {options.duration:g} s episodes") as show:
-            records = sweep(planned, store, backend, lambda done: show(done, len(planned)))
+            records = sweep(planned, store, workers, lambda done: show(done, len(planned)))
     studies = []
     for robot in robots:
         with console.status(f"scoring the thresholds of {robot}"):
@@ -103,11 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
     about = "who drives where none is to meet hazards, e.g. policy:FILE.npz; default: roam and wander"
     parser.add_argument("--driver", default="", metavar="NAME", help=about)
-    parser.add_argument("--jobs", type=int, metavar="N", help="processes; default: one per CPU")
-    parser.add_argument(
-        "--backend", default="local", metavar="NAME", help=f"who drives: {', '.join(BACKENDS)}"
-    )
-    parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
+    add_options(parser)
     about = "folder for episodes and results"
     parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
     return parser

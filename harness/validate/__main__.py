@@ -19,12 +19,10 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
-from harness.robots import MODELS_DIR, ROVERS, find_rover
+from harness.robots import ROVERS, find_rover
 from harness.validate.realism import compare, print_comparison
-from harness.validate.suite import as_markdown, print_table, validate, write_between_markers
+from harness.validate.suite import print_table, validate
 from rover_metrics.errors import OneLineParser
-
-README = MODELS_DIR / "README.md"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -48,8 +46,6 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
         with console.status(f"driving {rover.name}"):
             results[rover.name] = validate(rover, options.seed)
         print_table(console, rover.name, results[rover.name])
-    if options.write:
-        write_between_markers(README, as_markdown(results))
     checked = [(robot, check) for robot, checks in results.items() for check in checks]
     return [f"{robot}: {check.quantity}" for robot, check in checked if not check.passed]
 
@@ -66,8 +62,6 @@ def _check(options: argparse.Namespace) -> None:
         find_rover(options.robot)
     if options.seed < 0:
         raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
-    if options.write and (options.robot is not None or options.realism):
-        raise UsageError("--write makes the whole table; leave out --robot and --realism")
     if options.realism and options.robot is None:
         raise UsageError("--realism needs --robot, the rover that the logs are of")
 
@@ -82,7 +76,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
     )
-    parser.add_argument("--write", action="store_true", help="put the table into models/README.md")
     parser.add_argument(
         "--realism",
         nargs=2,

@@ -49,12 +49,11 @@ class StateWriter:
     def take(self, batch: Batch) -> None:
         """Writes the states of a batch; a fault may have taken one."""
         for tick in batch.ticks:
-            if people := next((s for s in tick.samples if isinstance(s, ActorPoses)), None):
+            if people := tick.of(ActorPoses):
                 self._people = _row_of(people)  # not on every tick of a state: the latest
             if tick.stamp_ns % PERIOD_NS:
                 continue
-            pose = next((s for s in tick.samples if isinstance(s, Pose)), None)
-            joints = next((s for s in tick.samples if isinstance(s, JointStates)), None)
+            pose, joints = tick.of(Pose), tick.of(JointStates)
             if pose is not None and joints is not None:
                 x, y, z, w = pose.orientation
                 row = (tick.stamp_ns / NANOSECONDS, *pose.position, w, x, y, z, *joints.position)
@@ -93,7 +92,10 @@ class States:
 
     @property
     def yaw(self) -> NDArray[np.float64]:
-        """Heading at those times [rad], continuous, shape (n,)."""
+        """Heading at those times [rad], continuous, shape (n,).
+
+        NumPy's arctan2 differs from math's in the last bit, so that this is not core.rotation's.
+        """
         w, x, y, z = self.orientations.T
         return np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.world.heightfield import Heightfield
+from rover_metrics.core import rotation
 
 OUTLINE_POINTS = 24
 TRIES_PER_POINT = 50
@@ -200,10 +201,4 @@ def _furthest(obstacle: Obstacle, directions: Points) -> Points:
 def rotation_matrix(quaternion: tuple[float, float, float, float]) -> Points:
     """Returns the rotation matrix of a unit quaternion w, x, y, z."""
     w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return np.array(rotation.matrix((x, y, z, w)))

@@ -7,8 +7,8 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rover_metrics.core.columns import COLUMNS, Row
     from rover_metrics.core.metrics import TraversalMetrics
-    from rover_metrics.core.row import COLUMNS, Row
     from rover_metrics.core.thresholds import Thresholds
     from rover_metrics.extended.settings import ExtendedSettings, Settings
     from rover_metrics.log.csv_log import CsvLog
@@ -26,12 +26,12 @@ __all__ = [
     "TraversalMetrics",
 ]
 _PLACES = {
-    "COLUMNS": "rover_metrics.core.row",
+    "COLUMNS": "rover_metrics.core.columns",
     "CsvLog": "rover_metrics.log.csv_log",
     "ExtendedSettings": "rover_metrics.extended.settings",
     "MetricsSession": "rover_metrics.session",
     "Remark": "rover_metrics.session",
-    "Row": "rover_metrics.core.row",
+    "Row": "rover_metrics.core.columns",
     "Settings": "rover_metrics.extended.settings",
     "Thresholds": "rover_metrics.core.thresholds",
     "TraversalMetrics": "rover_metrics.core.metrics",

@@ -11,15 +11,14 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 try:
     import numpy as np
-    from rich.console import Console, Group
 
     from rover_metrics.analysis.choice import ALL, choose
     from rover_metrics.analysis.logs.header import UnreadableLog, read_header
-    from rover_metrics.analysis.logs.log import Log
     from rover_metrics.analysis.logs.reading import read_log
     from rover_metrics.analysis.logs.time_axis import TimeAxis
     from rover_metrics.analysis.metric import METRICS, Metric
@@ -27,17 +26,16 @@ try:
     from rover_metrics.analysis.outcome import analyse
     from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots, save_tables
     from rover_metrics.analysis.pairing import PairingError, Pairs, pair
-    from rover_metrics.analysis.result import Result, Skipped
+    from rover_metrics.analysis.program import different, read_each, show, tell
+    from rover_metrics.analysis.result import Skipped
     from rover_metrics.analysis.study import Member, Options, Study, labels
-    from rover_metrics.analysis.tables.terminal import report
+    from rover_metrics.analysis.tables import sheets
 except ImportError as error:
     needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
     print(f"analyze needs {needed} ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import printable, run_program
-
-_PRINTED_WIDTH = 160  # columns, where the output is not a terminal
+from rover_metrics.errors import run_program
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -63,20 +61,26 @@ def _run(options: argparse.Namespace) -> int:
     files += save_tables(result, options.output, as_csv=options.csv, as_latex=options.latex)
     if options.save_outliers:
         files.append(save_outliers(study, options.output))
-    _show(replace(result, files=tuple(map(str, files))), as_json=options.json)
+    if options.json:
+        print(replace(result, files=tuple(map(str, files))).to_json())
+    else:
+        show(sheets(result), f"{len(files)} files in {options.output}" if files else "")
     return UnreadableLog.exit_code if skipped else 0
 
 
 def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
-    """Reads every log that can be read, and tells which cannot."""
+    """Reads every log that can be read, and reports those that cannot."""
     groups = tuple(options.group_names) if options.versus else ("all logs",)
-    paths = [_unique(options.logs), _unique(options.versus)]
+    paths = [different(named, _named_again) for named in (options.logs, options.versus)]
     metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
     members: list[Member] = []
     skipped: list[Skipped] = []
     for group, of_group in zip(groups, paths, strict=False):
-        found = (_read_one(path, metrics, options.gap, skipped) for path in of_group)
-        members += [Member(log, "", group) for log in found if log is not None]
+        logs, unreadable = read_each(
+            "analyze", of_group, partial(read_log, metrics=metrics, gap=options.gap)
+        )
+        members += [Member(log, "", group) for log in logs]
+        skipped += unreadable
     names = labels([member.log for member in members])
     named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
     chosen = Options(
@@ -95,7 +99,7 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
 
 
 def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
-    """Yields the column names of the logs that have them; what is odd about others is told later."""
+    """Yields the column names of the logs that have them; others are reported when they are read."""
     for path in paths:
         with contextlib.suppress(UnreadableLog):
             yield read_header(path)
@@ -118,41 +122,8 @@ def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequ
     return pair(first, second, options.pair_by)
 
 
-def _read_one(path: Path, metrics: Sequence[Metric], gap: float, skipped: list[Skipped]) -> Log | None:
-    try:
-        return read_log(path, metrics, gap)
-    except UnreadableLog as error:
-        _tell(f"skipped {path}: {error}")
-        skipped.append(Skipped(str(path), str(error)))
-        return None
-
-
-def _unique(paths: Sequence[Path]) -> list[Path]:
-    """Leaves out a file that is named again, which would count twice."""
-    different: dict[Path, Path] = {}
-    for path in paths:
-        if path.resolve() in different:
-            _tell(f"{path} is named more than once and counts once")
-        different.setdefault(path.resolve(), path)
-    return list(different.values())
-
-
-def _show(result: Result, *, as_json: bool) -> None:
-    if as_json:
-        print(result.to_json())
-        return
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console.width = _PRINTED_WIDTH
-    console.print(Group(*report(result, console.width)))
-    if result.files:
-        folder = Path(result.files[0]).parent
-        console.print(f"{len(result.files)} files in {folder}", markup=False, soft_wrap=True)
-
-
-def _tell(message: str) -> None:
-    """Prints one line to stderr; a file name cannot make it two."""
-    print(f"analyze: {printable(message)}", file=sys.stderr)
+def _named_again(path: Path) -> None:
+    tell("analyze", f"{path} is named more than once and counts once")
 
 
 if __name__ == "__main__":

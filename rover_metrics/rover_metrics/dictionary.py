@@ -1,26 +1,21 @@
 """Command: the data dictionary of the log, made from the code that writes it.
 
-python -m rover_metrics.dictionary [--write docs/metrics.md]
+python -m rover_metrics.dictionary
 """
 
 import argparse
 import sys
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-
-from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program, run_program
-
-if __name__ == "__main__":
-    begin_program("dictionary")
 
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
+from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
+from rover_metrics.sheet.render import markdown
+from rover_metrics.sheet.sheet import Sheet
 
-MADE = "<!-- Made by `python -m rover_metrics.dictionary"  # how its pages begin
-HEAD = f"""{MADE} --write docs/metrics.md`; edit the code instead. -->
-# What the columns of a metrics log mean
+HEAD = """# What the columns of a metrics log mean
 
 A log has one row per second of ROS time, numbers rounded to four decimals. The first twelve columns
 are those of RoboTerrain, with its names, order and meaning. a is the specific force that an IMU
@@ -43,27 +38,16 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    options = _parser().parse_args(arguments)
-    return run_program("dictionary", lambda: _write(options.write))
-
-
-def _write(target: Path | None) -> int:
-    if target is None:
-        print(dictionary(), end="")
-        return 0
-    if target.exists() and not target.read_bytes().startswith(MADE.encode()):
-        raise RoverMetricsError(f"{target} was not made by this command; name another file")
-    target.write_text(dictionary(), encoding="utf-8")
+    _parser().parse_args(arguments)
+    print(dictionary(), end="")
     return 0
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = OneLineParser(
+    return OneLineParser(
         prog="python -m rover_metrics.dictionary",
         description="Prints what the columns of a log and the thresholds mean, as Markdown.",
     )
-    parser.add_argument("--write", type=Path, metavar="FILE", help="write there; default: stdout")
-    return parser
 
 
 def dictionary() -> str:
@@ -87,7 +71,8 @@ def _columns(columns: Iterable[tuple[str, Column]]) -> str:
         (f"`{header}`", each.unit, each.meaning, each.formula, each.source, each.rate_invariant)
         for header, each in columns
     )
-    return _table(("column", "unit", "meaning", "formula", "source", "same at any rate"), rows)
+    titles = ("column", "unit", "meaning", "formula", "source", "same at any rate")
+    return markdown(Sheet(titles, tuple(rows)))
 
 
 def _thresholds() -> str:
@@ -96,13 +81,7 @@ def _thresholds() -> str:
         (f"`{name}`", f"{p.default:g}", p.unit, f"{p.minimum:g} to {p.maximum:g}", p.description)
         for name, p in {**THRESHOLD_INFO, **extended}.items()
     )
-    return _table(("parameter", "default", "unit", "valid", "meaning"), rows)
-
-
-def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [titles, ["---"] * len(titles), *rows]
-    escaped = ([cell.replace("|", r"\|") for cell in line] for line in lines)
-    return "".join(f"| {' | '.join(line)} |\n" for line in escaped)
+    return markdown(Sheet(("parameter", "default", "unit", "valid", "meaning"), tuple(rows)))
 
 
 if __name__ == "__main__":

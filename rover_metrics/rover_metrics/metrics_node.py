@@ -34,11 +34,11 @@ from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.session_record import SessionRecord
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.clocks import NANOSECONDS
+from rover_metrics.timing import NANOSECONDS
 from rover_metrics.topics import SENSORS, TRUTH, Message, Source, stamp_ns
 
 if TYPE_CHECKING:
-    from rover_metrics.core.row import Row
+    from rover_metrics.core.columns import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
 KEEPS_ORDER = "handles everything, its rows included, in the order of its arrival"

@@ -18,25 +18,20 @@ from rover_metrics.errors import (
     OneLineParser,
     RoverMetricsError,
     begin_program,
-    printable,
     run_program,
 )
 
 if __name__ == "__main__":
     begin_program("social")
 
-from rich.console import Console, Group
-
 from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.program import different, level, positive, read_each, show, tell
 from rover_metrics.analysis.social.comparison import Group as Runs
 from rover_metrics.analysis.social.comparison import differences, make_group
 from rover_metrics.analysis.social.log import SocialLog, read_social_log
 from rover_metrics.analysis.social.metrics import RISK_DISTANCE, WINDOW_GOALS
 from rover_metrics.analysis.social.sheets import social_sheets
-from rover_metrics.analysis.tables.terminal import show
 from rover_metrics.log.files import json_safe, whole_file
-
-PRINTED_WIDTH = 160  # columns, where the output is not a terminal
 
 
 class GroupError(RoverMetricsError):
@@ -49,34 +44,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    logs, skipped = _read(_files(options.logs))
+    logs, skipped = read_each("social", _files(options.logs), read_social_log)
     if not logs:
         return UnreadableLog.exit_code
     groups = {
         name: make_group(name, members, options.window, options.risk_distance)
         for name, members in _grouped(logs, options.groups).items()
     }
-    found = differences(groups, options.confidence_level)
-    sheets = list(social_sheets(groups, found, options.window, options.risk_distance))
+    compared = differences(groups, options.confidence_level)
+    sheets = list(social_sheets(groups, compared, options.window, options.risk_distance))
     if options.page is not None:
         from rover_metrics.analysis.social.page import render  # noqa: PLC0415 - matplotlib takes a second
 
         with whole_file(options.page) as part:
             part.write_text(render(groups, sheets), encoding="utf-8")
     if options.json:
-        print(json.dumps(json_safe(_values(groups, found)), indent=2))
+        print(json.dumps(json_safe(_values(groups, compared)), indent=2))
     else:
-        console = Console(highlight=False)
-        if not console.is_terminal:
-            console.width = PRINTED_WIDTH
-        console.print(Group(*show(sheets, console.width)))
-        if options.page is not None:
-            console.print(f"page: {options.page}", soft_wrap=True, markup=False)
+        show(sheets, "" if options.page is None else f"page: {options.page}")
     return UnreadableLog.exit_code if skipped else 0
 
 
-def _values(groups: dict[str, Runs], found: Sequence[Any]) -> dict[str, Any]:
-    """Everything that was found out, as JSON has it."""
+def _values(groups: dict[str, Runs], compared: Sequence[Any]) -> dict[str, Any]:
+    """Returns all results as JSON values."""
     return {
         "groups": {
             name: {
@@ -94,30 +84,19 @@ def _values(groups: dict[str, Runs], found: Sequence[Any]) -> dict[str, Any]:
             }
             for name, group in groups.items()
         },
-        "differences": [asdict(each) for each in found],
+        "differences": [asdict(each) for each in compared],
     }
 
 
 def _files(named: Sequence[Path]) -> list[Path]:
     """The logs named, and those in the folders named; each once."""
-    files: dict[Path, Path] = {}
+    files: list[Path] = []
     for path in named:
         inside = sorted(path.glob("*.csv")) if path.is_dir() else [path]
         if not inside:
             raise GroupError(f"{path}: there is no log (*.csv) in this folder; name another")
-        for file in inside:
-            files.setdefault(file.resolve(), file)
-    return list(files.values())
-
-
-def _read(files: Sequence[Path]) -> tuple[list[SocialLog], bool]:
-    logs: list[SocialLog] = []
-    for path in files:
-        try:
-            logs.append(read_social_log(path))
-        except UnreadableLog as error:  # noqa: PERF203 - a file is read, which takes longer
-            print(f"social: {printable(f'skipped {path}: {error}')}", file=sys.stderr)
-    return logs, len(logs) < len(files)
+        files += inside
+    return different(files)
 
 
 def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list[SocialLog]]:
@@ -145,7 +124,7 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
                 "or name a group and the logs in it: NAME=PATTERN, as in nav2='*/nav2_*.csv'"
             )
     for log in lonely:
-        print(f"social: {printable(str(log.path))} is in no group and left out", file=sys.stderr)
+        tell("social", f"{log.path} is in no group and left out")
     return groups
 
 
@@ -174,9 +153,9 @@ def _parser() -> argparse.ArgumentParser:
     about = "goals of a window"
     add("--window", type=_goals, default=WINDOW_GOALS, metavar="N", help=about)
     about = "distance below which a second counts as risk"
-    add("--risk-distance", type=_distance, default=RISK_DISTANCE, metavar="M", help=about)
+    add("--risk-distance", type=positive, default=RISK_DISTANCE, metavar="M", help=about)
     about = "of the intervals, between 0 and 1"
-    add("--confidence-level", type=_level, default=0.95, metavar="P", help=about)
+    add("--confidence-level", type=level, default=0.95, metavar="P", help=about)
     add("--page", type=Path, metavar="FILE.html", help="write a page with pictures and tables")
     add("--json", action="store_true", help="print everything as JSON instead of tables")
     return parser
@@ -186,24 +165,6 @@ def _goals(text: str) -> int:
     if text.isdecimal() and int(text) > 0:
         return int(text)
     raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a whole number from 1 up")
-
-
-def _distance(text: str) -> float:
-    return _number(text, float("inf"), "a distance above 0 in metres")
-
-
-def _level(text: str) -> float:
-    return _number(text, 1.0, "a number between 0 and 1, such as 0.95")
-
-
-def _number(text: str, below: float, wanted: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if 0.0 < value < below:
-        return value
-    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give {wanted}")
 
 
 if __name__ == "__main__":

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from rover_metrics.core.metrics import Vector3
+from rover_metrics.core.rotation import Vector3
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.session import MetricsSession, Remark
-from rover_metrics.timing.clocks import NANOSECONDS
+from rover_metrics.timing import NANOSECONDS
 
 UNKNOWN = -1.0  # first covariance of what a sensor does not give (sensor_msgs/Imu)
 

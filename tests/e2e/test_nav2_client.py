@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.interrupt import StopRequest
+from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.frames.tree import Edge
 from harness.robots import find_rover
@@ -138,7 +139,7 @@ def test_another_dds_implementation_hears_tf_and_joining_late_what_is_latched(dr
     assert fixed["odom"].header.frame_id == "map"
     assert latched["rt/robot_description"].data.startswith('<robot name="leo">')
     rover, grid = find_rover("leo"), latched["rt/map"]
-    cells = occupancy(CONFIG.world(), rover.slope_limit, rover.step_limit).cells
+    cells = occupancy(world_of(CONFIG), rover.slope_limit, rover.step_limit).cells
     assert (np.array(grid.data).reshape(grid.info.height, -1) == cells).all()
 
 

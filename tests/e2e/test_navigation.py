@@ -17,6 +17,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from harness.base.interrupt import StopRequest
+from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.robots import find_rover
 from harness.ros import session
@@ -105,7 +106,7 @@ def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
     assert result.failure is None
     assert (result.lost, result.truth.resets) == (0, 1)
     rover = find_rover("leo")
-    cells = occupancy(config.world(), rover.slope_limit, rover.step_limit).cells
+    cells = occupancy(world_of(config), rover.slope_limit, rover.step_limit).cells
     for grid in client.maps.values():
         assert (np.array(grid.data).reshape(grid.info.height, -1) == cells).all()
     assert sorted(client.maps) == ["early", "late"]

@@ -8,7 +8,7 @@ import pytest
 
 from harness.robots import ROVERS
 from harness.run import main
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 

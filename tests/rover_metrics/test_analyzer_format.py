@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 from pandas.api.types import is_numeric_dtype
 
+from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.extended.metrics import EXTENDED_HEADER, ExtendedMetrics
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.log.csv_log import CsvLog

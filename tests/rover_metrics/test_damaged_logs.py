@@ -1,9 +1,5 @@
 """What is left of a log after a full disk, a power cut or a kill is read as far as it is whole."""
 
-import os
-import signal
-import subprocess
-import sys
 from datetime import datetime
 from pathlib import Path
 
@@ -56,29 +52,3 @@ def test_lines_of_another_length_are_skipped_with_their_numbers(log: Path) -> No
     read = read_log(log)
     assert read.stamps.tolist() == [7, 9]
     assert "1 row with fewer fields than the header (line 3): left out" in read.findings
-
-
-def test_a_writer_killed_in_mid_write_leaves_a_log_that_can_be_read(tmp_path: Path) -> None:
-    child = (
-        "import datetime, sys\n"
-        "from rover_metrics.log.csv_log import CsvLog\n"
-        "from rover_metrics.core.metrics import TraversalMetrics\n"
-        "log = CsvLog('.', datetime.datetime(2025, 1, 16))\n"
-        "for second in range(10**9):\n"
-        "    log.write(TraversalMetrics().row(second))\n"
-        "    if second == 200: print('there', flush=True)\n"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", child],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": PACKAGE},
-        stdout=subprocess.PIPE,
-    ) as writer:
-        assert writer.stdout is not None
-        writer.stdout.readline()
-        writer.send_signal(signal.SIGKILL)
-    assert writer.returncode == -signal.SIGKILL
-    (path,) = tmp_path.glob("*.csv")
-    stamps = read_log(path).stamps.tolist()
-    assert len(stamps) > 200
-    assert stamps == list(range(len(stamps)))

@@ -118,18 +118,20 @@ def test_an_exception_in_a_callback_is_in_the_record_and_on_the_terminal(tmp_pat
 
 
 MISTAKES = {
-    "debug_mode:=1": "parameter debug_mode must be true or false, not 0 or 1",
-    "collision_threshold:=1": "(1.0, not 1) from 0.0 to 100.0 m",
-    "colision_threshold:=1.0": "no parameter colision_threshold; did you mean collision_threshold?",
-    "debug_interval:=0": "an integer from 1 to",
-    "log_dir:=/dev/null": "/dev/null: File exists; a file stands where a folder should be",
-    "debug_mode": "Couldn't parse parameter override rule",
+    "-p debug_mode:=1": "parameter debug_mode must be true or false, not 0 or 1",
+    "-p collision_threshold:=1": "(1.0, not 1) from 0.0 to 100.0 m",
+    "-p colision_threshold:=1.0": "no parameter colision_threshold; did you mean collision_threshold?",
+    "-p debug_interval:=0": "an integer from 1 to",
+    "-p log_dir:=/dev/null": "/dev/null: File exists; a file stands where a folder should be",
+    "--parms-file x": "--ros-args knows no '--parms-file'; did you mean --params-file?",
+    "-p debug_mode": "Couldn't parse parameter override rule",
 }
 ONE_AFTER_THE_OTHER = """
 import sys
 from rover_metrics.metrics_node import main
-for parameter in sys.argv[1:]:
-    print(f"<{main(['--ros-args', '-p', parameter])}>", file=sys.stderr)
+for words in sys.argv[1:]:
+    sys.argv[1:] = ["--ros-args", *words.split()]
+    print(f"<{main()}>", file=sys.stderr)
 """
 
 

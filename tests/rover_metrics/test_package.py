@@ -33,10 +33,6 @@ def test_colcon_takes_it_for_an_ament_python_package(tmp_path: Path) -> None:
     assert re.fullmatch(r"rover_metrics\t.*\t\(ros\.ament_python\)\n", colcon("list", cwd=tmp_path))
 
 
-def test_the_resource_marker_exists() -> None:
-    assert (PACKAGE / "resource/rover_metrics").is_file()
-
-
 def test_both_packages_carry_one_version(monkeypatch: pytest.MonkeyPatch) -> None:
     given: dict[str, object] = {}
     monkeypatch.setattr("setuptools.setup", lambda **options: given.update(options))
@@ -48,7 +44,7 @@ def test_both_packages_carry_one_version(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_the_package_knows_nothing_of_the_harness_or_mujoco() -> None:
-    for module in (PACKAGE / "rover_metrics").glob("*.py"):
+    for module in (PACKAGE / "rover_metrics").rglob("*.py"):
         assert not re.search(r"^\s*(import|from) (harness|mujoco)\b", module.read_text(), re.MULTILINE)
 
 

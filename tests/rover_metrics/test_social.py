@@ -7,7 +7,13 @@ from pathlib import Path
 import pytest
 
 from rover_metrics import social
+from rover_metrics.analysis.social.comparison import make_group
+from rover_metrics.analysis.social.figures import draw_distances, draw_meetings, draw_windows
+from rover_metrics.analysis.social.log import read_social_log
+from tests.support.figures import described
+from tests.support.snapshots import check_snapshot
 
+FOLDERS = ("fast", "slow")
 HEADER = "step,time_s,robot_x,robot_y,speed_mps,guide_actor_dist,dmin,goals_count"
 
 
@@ -18,7 +24,8 @@ def logs(tmp_path: Path) -> Path:
         for run in range(2):
             path = tmp_path / folder / f"{folder}_{run}.csv"
             path.parent.mkdir(exist_ok=True)
-            rows = [f"{n},{n}.00,{n},{run},1.00,{far},{far},{n // period}" for n in range(1, 41)]
+            near = [f"{far + 0.1 * (n % 3):.1f}" for n in range(41)]
+            rows = [f"{n},{n}.00,{n},{run},1.00,{near[n]},{near[n]},{n // period}" for n in range(1, 41)]
             path.write_text("\n".join([HEADER, *rows, ""]))
     return tmp_path
 
@@ -27,28 +34,34 @@ def test_folders_are_groups_and_the_numbers_are_those_of_the_logs(
     logs: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert social.main([str(logs / "fast"), str(logs / "slow"), "--json", "--window", "5"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert list(told["groups"]) == ["fast", "slow"]
-    assert [run["s_per_goal"] for run in told["groups"]["fast"]["runs"]] == [2.0, 2.0]
-    assert told["groups"]["fast"]["windows"] == [[2.0, 2.0]] * 8
-    assert told["groups"]["slow"]["runs"][0]["risk_s"] == 0
-    assert [each["runs"]["p"] for each in told["differences"]] == pytest.approx([1 / 3, 1 / 3])
+    result = json.loads(capsys.readouterr().out)
+    assert list(result["groups"]) == ["fast", "slow"]
+    assert [run["s_per_goal"] for run in result["groups"]["fast"]["runs"]] == [2.0, 2.0]
+    assert [len(group["windows"]) for group in result["groups"].values()] == [8, 4]
+    assert result["groups"]["slow"]["runs"][0]["risk_s"] == 0
+    assert result["differences"][1]["runs"]["p"] == pytest.approx(1 / 3)
 
 
-def test_groups_by_pattern_the_tables_and_the_page(
+def test_tables_page_and_pictures_are_as_somebody_has_checked(
     logs: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = logs / "page.html"
     groups = ["$b<i>=*_1.csv", "a=*_0.csv"]
     words = [str(logs / "fast"), str(logs / "slow"), "--groups", *groups, "--window", "3"]
-    assert social.main([*words, "--page", str(page)]) == 0
-    told = capsys.readouterr().out
-    assert "Risk seconds a goal, $b<i> and a" in told
-    html = page.read_text()
-    assert html.count("<svg") == 3
-    assert "&lt;i&gt;" in html
-    assert "<i>" not in html
-    assert not re.search(r"""(?:src|href)=["']https?:""", html)
+    assert social.main([*words, "--page", str(page), "--risk-distance", "0.55"]) == 0
+    printed, written = capsys.readouterr().out, page.read_text()
+    html, pictures = re.subn(r"<svg.*?</svg>", "<svg/>", written, flags=re.DOTALL)
+    assert pictures == 3
+    assert not re.search(r"""(?:src|href)=["']https?:|<i>""", written)
+    assert social.main([*words, "--confidence-level", "0.8"]) == 0
+    again = capsys.readouterr().out.partition("Differences")[2]
+    read = {
+        name: [read_social_log(path) for path in sorted((logs / name).iterdir())] for name in FOLDERS
+    }
+    made = {name: make_group(name, some, goals=3) for name, some in read.items()}
+    figures = (described(draw(made)) for draw in (draw_windows, draw_distances, draw_meetings))
+    text = "\n".join([printed, again, html.partition("</style>")[2], *figures])
+    check_snapshot("social.txt", text.replace(str(logs), "FOLDER"))
 
 
 @pytest.mark.parametrize(

@@ -98,27 +98,6 @@ def test_the_sourced_workspace_brings_the_package_whole(workspace: Path) -> None
     assert installed == {path.relative_to(source) for path in source.rglob("*.py")}
 
 
-def test_the_build_has_what_ros2_run_and_ament_look_for(workspace: Path) -> None:
-    installed = workspace / "install/rover_metrics"
-    index = installed / "share/ament_index/resource_index/packages"
-    assert (installed / "lib/rover_metrics/metrics_node").stat().st_mode & 0o111
-    assert (index / "rover_metrics").is_file()
-    assert (installed / "share/rover_metrics/package.xml").is_file()
-
-
-def test_launch_files_and_parameters_are_where_ros2_launch_looks(workspace: Path) -> None:
-    pytest.importorskip("ament_index_python", reason="needs ROS 2: pip install 'rover-harness[ros]'")
-    code = (
-        "from ament_index_python.packages import get_package_share_directory as share\n"
-        "print(share('rover_metrics'))"
-    )
-    share = Path(told(workspace, code))
-    for folder, ending in (("launch", "*.launch.py"), ("config", "*.yaml")):
-        names = {path.name for path in (PACKAGE / folder).glob(ending)}
-        assert names
-        assert {path.name for path in (share / folder).iterdir()} == names
-
-
 def test_the_installed_commands_need_nothing_that_is_not_declared(
     workspace: Path, tmp_path: Path, declared_only: dict[str, str]
 ) -> None:

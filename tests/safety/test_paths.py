@@ -11,7 +11,7 @@ from harness.run import main as run
 from rover_metrics import analyze
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.extended.parameter_file import read_values
 

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -13,10 +14,11 @@ from harness.robots import ROVERS
 from harness.sensors.table import SENSORS
 from harness.world.terrains import TERRAINS
 from tests.support.documents import PAGES
-from tools.site.__main__ import write
+from tools.site.__main__ import build, main
+from tools.site.documents import FILES, MEASURED, PART, PARTS, part
 from tools.site.links import BrokenLinks, Links
 from tools.site.pages import GUIDES, ROOT, navigation, sources
-from tools.site.tables import PART, TABLES, topics
+from tools.site.tables import topics
 
 MKDOCS = ROOT / "build/environments/docs/bin/mkdocs"
 BLOB = "https://github.com/OWNER/rover-harness/blob/main"
@@ -31,9 +33,9 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
         return f"# {notebook.stem}\n"
 
     with pytest.MonkeyPatch.context() as patch:  # tests/test_examples.py runs the notebooks
-        patch.setattr("tools.site.__main__.told", told)
+        patch.setattr("tools.site.__main__.as_markdown", told)
         patch.chdir(folder.parent)
-        write(Path(folder.name))
+        build(Path(folder.name))
     return folder
 
 
@@ -122,19 +124,36 @@ def test_the_page_of_commands_has_the_help_of_each(written: Path) -> None:
     assert len(helps) == len(usages)
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_a_table_of_a_page_is_the_one_that_the_code_makes(page: str) -> None:
-    text = (ROOT / page).read_text()
-    places = [found[2] for found in PART.finditer(text)]
-    assert places or "tools.site.tables:" not in text
-    for name in {*places} - {"terrains"}:  # measured by tests/harness/world/terrains
-        assert f": {name} -->\n{TABLES[name]()}\n<!-- end -->" in text, "python -m tools.site.tables"
-
-
-def test_every_table_has_a_page_and_every_terrain_a_picture() -> None:
+def test_documents_have_what_the_code_gives_and_every_part_is_in_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     told = "".join((ROOT / page).read_text() for page in PAGES)
-    assert {found[2] for found in PART.finditer(told)} == TABLES.keys()
+    assert {found[2] for found in PART.finditer(told)} == PARTS.keys()
     assert {path.stem for path in (ROOT / "docs/terrains").glob("*.webp")} == TERRAINS.keys()
+    assert main(["check"]) == 0, capsys.readouterr().out
+    shutil.copytree(ROOT / "docs", tmp_path / "docs")
+    for name in ("models/README.md", *FILES):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copyfile(ROOT / name, tmp_path / name)
+    topics = tmp_path / "docs/topics.md"
+    topics.write_text(topics.read_text().replace("| `/scan` |", "| `/old` |"))
+    for module in ("documents", "__main__"):
+        monkeypatch.setattr(f"tools.site.{module}.ROOT", tmp_path)
+    for name in MEASURED:
+        monkeypatch.setitem(PARTS, name, lambda: "measured anew\n")
+    part.cache_clear()
+    assert main(["check"]) == 1
+    assert capsys.readouterr().out.startswith(
+        "docs/topics.md is not what the code gives; run: python -m"
+    )
+    assert main(["write"]) == main(["check"]) == 0
+    part.cache_clear()
+    assert topics.read_text() == (ROOT / "docs/topics.md").read_text()
+    assert "\nmeasured anew\n" in (tmp_path / "models/README.md").read_text()
+    topics.write_text("<!-- generated: chess -->\n<!-- end -->\n")
+    assert main(["check"]) == 1
+    part.cache_clear()
+    assert "nothing generates 'chess'; available: topics, " in capsys.readouterr().err
 
 
 def test_the_page_of_topics_says_types_rates_and_frames() -> None:

@@ -1,40 +1,55 @@
-"""Writes the site's pages and its configuration, for mkdocs to build. Called by `make docs`.
+"""The documents: what they have from the code, and the site that they are.
 
-    python -m tools.site build
-
-Leaves FOLDER/docs (Markdown and pictures) and FOLDER/mkdocs.yml.
+python -m tools.site write          renews what documents have from the code
+python -m tools.site check          names the documents that are not what the code gives
+python -m tools.site build          writes build/docs and build/mkdocs.yml, for `make docs`
 """
 
 import argparse
 import json
 import shutil
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
+from tools.site.documents import MEASURED, UnknownPart, outdated
 from tools.site.generated import generated
 from tools.site.links import REPOSITORY, BrokenLinks, Links
-from tools.site.notebooks import told
+from tools.site.notebooks import as_markdown
 from tools.site.pages import ROOT, navigation, sources
 
 ASSETS = Path(__file__).with_name("assets")
 CONFIG = Path(__file__).with_name("mkdocs.yml")
 
 
-def main() -> int:
-    """Runs the command; returns its exit code: 1 if a link leads nowhere."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 1 if a link leads nowhere or a document is outdated."""
     parser = argparse.ArgumentParser(prog="python -m tools.site", description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, help="gets docs/ and mkdocs.yml; made anew")
-    folder: Path = parser.parse_args().folder
+    about = "write or check what documents have from the code, or build the site's pages"
+    parser.add_argument("what", choices=("write", "check", "build"), help=about)
+    what = parser.parse_args(arguments).what
     try:
-        write(folder)
-    except BrokenLinks as error:
+        if what == "build":
+            build(ROOT / "build")
+            return 0
+        return _renew(write=what == "write")
+    except (BrokenLinks, UnknownPart) as error:
         print(f"tools.site: {error}", file=sys.stderr)
         return 1
-    return 0
 
 
-def write(folder: Path) -> None:
-    """Writes the pages and the configuration.
+def _renew(*, write: bool) -> int:
+    files = list(outdated(without=() if write else MEASURED))
+    for path, text in files:
+        if write:
+            path.write_text(text, encoding="utf-8")
+        mend = "" if write else " is not what the code gives; run: python -m tools.site write"
+        print(f"{'wrote ' if write else ''}{path.relative_to(ROOT)}{mend}")
+    return 0 if write else int(bool(files))
+
+
+def build(folder: Path) -> None:
+    """Writes the site's pages to FOLDER/docs, made anew, and mkdocs' configuration beside them.
 
     Raises:
         BrokenLinks: A link of a document leads nowhere.
@@ -69,7 +84,7 @@ def write(folder: Path) -> None:
 def _text(document: Path, logs: Path) -> str:
     """A document as Markdown; a notebook writes its logs there."""
     if document.suffix == ".ipynb":
-        return told(document, {"LOGS": logs / document.stem}, {})
+        return as_markdown(document, {"LOGS": logs / document.stem}, {})
     return document.read_text(encoding="utf-8")
 
 

@@ -13,9 +13,10 @@ import tomllib
 
 import harness
 import rover_metrics
+from rover_metrics.sheet.render import markdown
+from rover_metrics.sheet.sheet import Sheet
 from tools.site.links import REPOSITORY
 from tools.site.pages import ROOT
-from tools.site.tables import table
 
 SCHEMA = "scenarios/scenario.schema.json"
 WIDTH = "100"  # columns of a help text
@@ -46,12 +47,12 @@ def _help(script: str, entry_point: str) -> tuple[str, str]:
     """The module of an installed command, and its help."""
     place, _, name = entry_point.partition(":")
     (module,) = getattr(importlib.import_module(place), name).args
-    told = io.StringIO()
+    printed = io.StringIO()
     environment = mock.patch.dict(os.environ, COLUMNS=WIDTH)
     called = mock.patch.object(sys, "argv", [script])
-    with environment, called, redirect_stdout(told), suppress(SystemExit):
+    with environment, called, redirect_stdout(printed), suppress(SystemExit):
         importlib.import_module(module).main(["--help"])
-    return module.removesuffix(".__main__"), told.getvalue()
+    return module.removesuffix(".__main__"), printed.getvalue()
 
 
 def scenario_file() -> str:
@@ -64,12 +65,12 @@ def scenario_file() -> str:
     ]
     for name, rules in (("The file", schema), *schema["$defs"].items()):
         required = rules.get("required", ())
-        rows = [
+        rows = tuple(
             (f"`{key}`", _type(rule), "required" if key in required else _default(rule))
             for key, rule in rules["properties"].items()
-        ]
+        )
         about = rules["description"].partition("\n")[0]
-        parts.append(f"## {name}\n\n{about}\n\n{table('key | type | default', rows)}")
+        parts.append(f"## {name}\n\n{about}\n\n{markdown(Sheet(('key', 'type', 'default'), rows))}")
     return "\n".join(parts)
 
 

@@ -1,12 +1,4 @@
-"""Program: the tables of documents that are made from the code, between marks in docs/*.md.
-
-    python -m tools.site.tables
-
-The documents keep them, so that they are read on GitHub, too; a test holds them to the code.
-"""
-
-import re
-from collections.abc import Callable, Iterable, Sequence
+"""Tables of topics, parameters and terrains for documents."""
 
 import numpy as np
 
@@ -19,24 +11,12 @@ from harness.world.terrains import TERRAINS
 from harness.world.world import build_world
 from rover_metrics.core.parameter import ParameterInfo
 from rover_metrics.extended.settings import PARAMETERS
+from rover_metrics.sheet.render import markdown
+from rover_metrics.sheet.sheet import Sheet
 from rover_metrics.topics import SENSORS as HEARD
 from rover_metrics.topics import TRUTH
-from tools.site.pages import ROOT
 
-PART = re.compile(r"(<!-- python -m tools\.site\.tables: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 SEED = 1  # of the terrains that are measured; tools/terrains_picture.py draws it
-
-
-def filled(page: str) -> str:
-    """Returns a page with its tables as the code makes them now."""
-    return PART.sub(lambda found: f"{found[1]}{TABLES[found[2]]()}\n{found[3]}", page)
-
-
-def table(titles: str, rows: Iterable[Sequence[object]]) -> str:
-    """Returns a table; the titles are separated by '|'."""
-    names = [title.strip() for title in titles.split("|")]
-    lines = [names, ["---"] * len(names), *rows]
-    return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
 
 
 def topics() -> str:
@@ -49,11 +29,11 @@ def topics() -> str:
         for topic in row.topics:
             cells = (f"`/{topic.name}`", topic.message_type.replace("/msg/", "/"), _qos(topic), rates)
             rows.append((*cells, frames, row.fault or ""))
-    told = table("topic | type | QoS | rate | frame | `--fault`", rows)
+    text = markdown(Sheet(("topic", "type", "QoS", "rate", "frame", "`--fault`"), tuple(rows)))
     heard, truth = (
         ", ".join(f"`/{source.name.lstrip('/')}`" for source in kind) for kind in (HEARD, TRUTH)
     )
-    return f"{told}\n`metrics_node` reads {heard}; with extended columns also {truth}.\n"
+    return f"{text}\n`metrics_node` reads {heard}; with extended columns also {truth}.\n"
 
 
 def _by_robot(values: dict[str, str]) -> str:
@@ -74,7 +54,7 @@ def parameters() -> str:
         (f"`{name}`", f"{p.description}. Default: {_default(p)}; valid: {_valid(p)}")
         for name, p in PARAMETERS.items()
     )
-    return table("parameter | meaning", rows)
+    return markdown(Sheet(("parameter", "meaning"), tuple(rows)))
 
 
 def _default(parameter: ParameterInfo) -> str:
@@ -91,11 +71,12 @@ def _valid(parameter: ParameterInfo) -> str:
 
 def terrains() -> str:
     """Returns what each terrain measures, from the easiest difficulty to the hardest."""
-    titles = "terrain | slope p50 [deg] | slope p95 [deg] | roughness over 1 m [mm] | over 0.3 m [mm]"
-    return table(f"{titles} | obstacles per 100 m²", map(_measured, TERRAINS))
+    slope, rough = ("slope p50 [deg]", "slope p95 [deg]"), ("roughness over 1 m [mm]", "over 0.3 m [mm]")
+    titles = ("terrain", *slope, *rough, "obstacles per 100 m²")
+    return markdown(Sheet(titles, tuple(map(_measured, TERRAINS))))
 
 
-def _measured(name: str) -> list[str]:
+def _measured(name: str) -> tuple[str, ...]:
     figures = []
     for difficulty in DIFFICULTIES:
         world = build_world(name, SEED, difficulty)
@@ -104,7 +85,7 @@ def _measured(name: str) -> list[str]:
         density = 100 * len(world.obstacles) / (4 * np.prod(world.ground.half_size))
         figures.append([f"{figure:.1f}" for figure in (p50, p95, *rms, density)])
     columns = zip(*figures, strict=True)
-    return [f"[{name}](#{name})", *(", ".join(c if len({*c}) > 1 else c[:1]) for c in columns)]
+    return (f"[{name}](#{name})", *(", ".join(c if len({*c}) > 1 else c[:1]) for c in columns))
 
 
 def gallery() -> str:
@@ -116,16 +97,3 @@ def gallery() -> str:
         for name, terrain in TERRAINS.items()
     )
     return "\n".join(parts)
-
-
-TABLES: dict[str, Callable[[], str]] = {
-    each.__name__: each for each in (topics, parameters, terrains, gallery)
-}
-
-
-if __name__ == "__main__":
-    for path in sorted((ROOT / "docs").glob("*.md")):
-        text = path.read_text(encoding="utf-8")
-        if (new := filled(text)) != text:
-            path.write_text(new, encoding="utf-8")
-            print(f"wrote {path.relative_to(ROOT)}")

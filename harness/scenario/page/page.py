@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from markupsafe import Markup
+
 from harness import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
@@ -13,8 +15,9 @@ from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Comparisons
 from harness.scenario.page.figures import height, plots_of
-from harness.scenario.tables import HOW, Texts, passed_texts, quantity_texts
+from harness.scenario.tables import HOW, sheets
 from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+from rover_metrics.sheet.sheet import NONE, Sheet
 
 CLASSES = {Outcome.PASSED: "complete", Outcome.FAILED: "failed", Outcome.ERROR: "interrupted"}
 
@@ -37,7 +40,7 @@ def render(several: Sequence[Comparisons], page: Path) -> str:
         **_headline(verdicts),
         "version": __version__,
         "bad": [*_bad(verdicts, page)],
-        "overview": [_line(number, verdict) for number, verdict in enumerate(verdicts)],
+        "overview": Sheet.of(_line(number, verdict) for number, verdict in enumerate(verdicts)),
         "scenarios": scenarios,
         "how": HOW,
         "figures": named(plots),
@@ -48,9 +51,9 @@ def render(several: Sequence[Comparisons], page: Path) -> str:
 def _headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
     count = len(verdicts)
     failed, errors = (sum(v.outcome is o for v in verdicts) for o in (Outcome.FAILED, Outcome.ERROR))
-    told = [f"{n} {words}" for n, words in ((failed, "failed"), (errors, "could not run")) if n]
+    counts = [f"{n} {words}" for n, words in ((failed, "failed"), (errors, "could not run")) if n]
     scenarios = f"{count} scenario{'' if count == 1 else 's'}"
-    headline = f"{scenarios}: {', '.join(told) if told else 'passed'}"
+    headline = f"{scenarios}: {', '.join(counts) if counts else 'passed'}"
     worst = Outcome.ERROR if errors and not failed else Outcome.FAILED if failed else Outcome.PASSED
     return {"headline": headline, "state": CLASSES[worst]}
 
@@ -80,29 +83,27 @@ def _link(attempt: Attempt, page: Path) -> str | None:
     return quote(Path(there).as_posix())
 
 
-def _line(number: int, verdict: Verdict) -> dict[str, Any]:
+def _line(number: int, verdict: Verdict) -> dict[str, str]:
+    """Returns the row of a scenario in the table of all; of several runs it links to their section."""
     good = sum(outcome_of(attempt).is_good for attempt in verdict.attempts)
-    several = len(verdict.attempts) > 1
+    several, name = len(verdict.attempts) > 1, scenario_name(verdict.path)
+    state = Markup('<span class="state {}">{}</span>')
     return {
-        "name": scenario_name(verdict.path),
-        "anchor": f"scenario-{number}" if several else None,
-        "state": CLASSES[verdict.outcome],
-        "outcome": verdict.outcome.value,
-        "runs": f"{good} of {len(verdict.attempts)}",
-        "interval": " to ".join(f"{limit:.0%}" for limit in verdict.interval) if several else "",
-        "about": verdict.attempts[0].case.scenario.about,
+        "Scenario": Markup('<a href="#scenario-{}">{}</a>').format(number, name) if several else name,
+        "Outcome": state.format(CLASSES[verdict.outcome], verdict.outcome.value),
+        "Runs that pass": f"{good} of {len(verdict.attempts)}",
+        "95 % interval": " to ".join(f"{e:.0%}" for e in verdict.interval) if several else NONE,
+        "What is checked": verdict.attempts[0].case.scenario.about,
     }
 
 
 def _scenario(name: str, compared: Comparisons) -> dict[str, Any]:
     plots: list[Plot] = [*plots_of(name, compared)]
-    tables: list[tuple[str, Texts]] = [("Runs that pass", passed_texts(compared))]
-    tables += [(quantity.heading, quantity_texts(quantity)) for quantity in compared.quantities]
     return {
         "anchor": name,
         "name": scenario_name(compared.verdict.path),
         "about": compared.verdict.attempts[0].case.scenario.about,
         "height": height(compared.cells),
         "plots": plots,
-        "tables": tables,
+        "tables": sheets(compared),
     }

@@ -1,57 +1,89 @@
-"""The samples of an episode that tuning looks at -> rows: a scan's extrema, a second's extrema."""
+"""An episode -> what a MetricsSession and the truth say of it, by scan and by second."""
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
-from harness.episode.metrics_feed import extended_settings
+from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.robots import RoverSpec
-from harness.samples import Imu, LaserScan, PlacedScan, Pose, Sample, TruthState
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, Sample, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
-from harness.truth.traversal import ContactEvent
 from harness.tune.episodes.record import SCAN, WINDOW, Table
-from rover_metrics.extended.footprint import Footprint, FootprintClearance
+from rover_metrics.session import MetricsSession
+
+if TYPE_CHECKING:
+    from harness.truth.traversal import ContactEvent
 
 STRIDE = 5  # poses from one to the next if four between them are lost
-
-S = TypeVar("S", bound=Sample)
-Series = NDArray[np.float64]  # shape (n, 1 + k): time [s] and k values
+FOOTPRINT = "Footprint Clearance [m]"  # an extended column: of the scans since the row before
 
 
-@dataclass
 class Collected:
-    """Lists in order of time; `states` are as many as `scans`, each of the same tick."""
+    """Observes an episode: keeps its samples, and what the metrics say at each scan and IMU sample.
 
-    scans: list[LaserScan] = field(default_factory=list)
-    states: list[TruthState] = field(default_factory=list)
-    imu: list[Imu] = field(default_factory=list)
-    poses: list[Pose] = field(default_factory=list)
-    events: list[ContactEvent] = field(default_factory=list)
+    Args:
+        rover: Who drives.
+        lidar: Whose scans they are.
+
+    Attributes:
+        scans: Every scan in order of time, as are `poses`.
+        events: Contacts that have ended.
+        path_length: True path [m].
+        tipped_over: Whether the rover lies on its side.
+    """
+
+    def __init__(self, rover: RoverSpec, lidar: LidarSpec | None = None) -> None:
+        self.scans: list[LaserScan] = []
+        self.poses: list[Pose] = []
+        self.events: list[ContactEvent] = []
+        self.path_length, self.tipped_over = 0.0, False
+        self._session = MetricsSession(settings=extended_settings(rover))
+        self._feed = SampleFeed(self._session, lidar or LidarSpec())
+        self._scan_rows: list[tuple[float, ...]] = []
+        self._imu: list[tuple[float, ...]] = []  # time, |a|, the sum of |a| + |w| up to then
+        self._states: list[tuple[float, ...]] = []
+        self._steps: list[tuple[float, ...]] = []
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
-        for sample in (sample for tick in batch.ticks for sample in tick.samples):
-            match sample:
-                case LaserScan():
-                    self.scans.append(sample)
-                case TruthState():
-                    self.states.append(sample)
-                case Imu():
-                    self.imu.append(sample)
-                case Pose():
-                    self.poses.append(sample)
+        for tick in batch.ticks:
+            self._take(tick)
         self.events += batch.events
+        self.tipped_over = batch.truth.tipped_over
 
-    @property
-    def path_length(self) -> float:
-        """True path [m]."""
-        return self.states[-1].path_length if self.states else 0.0
+    def _take(self, tick: Tick) -> None:
+        time, metrics = tick.stamp_ns / NANOSECONDS, self._session.metrics
+        by_type: dict[type[Sample], Sample] = {}
+        for sample in tick.samples:
+            self._feed.take(sample)
+            by_type[type(sample)] = sample
+            if isinstance(sample, Pose):
+                self._steps.append((time, metrics.last_step))
+                self.poses.append(sample)
+            elif isinstance(sample, TruthState):
+                truth = (sample.speed, sample.roughness, sample.rock_contact, sample.hazard_contact)
+                self._states.append((time, *truth))
+                self.path_length = sample.path_length
+        scan = by_type.get(LaserScan)
+        if scan is None and Imu not in by_type:
+            return
+        row = self._session.row(tick.stamp_ns)
+        if Imu in by_type:
+            self._imu.append((time, row.imu_acceleration_magnitude, row.smoothness_metric))
+        if isinstance(scan, LaserScan):
+            self.scans.append(scan)
+            footprint = float(row.extended[FOOTPRINT] or 0.0)
+            # A scan without a finite range leaves the metrics' clearance as it was.
+            nearest = metrics.clearance if math.isfinite(footprint) else math.inf
+            near = float(np.count_nonzero(np.isneginf(scan.ranges)))
+            _, speed, *_, contact = self._states[-1]
+            self._scan_rows.append(
+                (scan.stamp_ns // 1_000_000, nearest, near, footprint, contact, speed)
+            )
 
     def placed_scans(self) -> list[PlacedScan]:
         """Returns each scan with the pose nearest to it in time, at most 10 ms away."""
@@ -60,65 +92,35 @@ class Collected:
         nearest = np.searchsorted(halfway, [scan.stamp_ns for scan in self.scans])
         return [PlacedScan(scan, self.poses[at]) for scan, at in zip(self.scans, nearest, strict=True)]
 
+    def scan_rows(self) -> Table:
+        """Returns one row of dtype SCAN per scan."""
+        return np.array(self._scan_rows, SCAN)
 
-def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
-    """Returns one row of dtype SCAN per scan."""
-    rows = np.zeros(len(collected.scans), SCAN)
-    if not collected.scans:
+    def window_rows(self) -> Table:
+        """Returns one row of dtype WINDOW per full second."""
+        imu, states, steps = (
+            np.array(rows, np.float64).reshape(-1, width)
+            for rows, width in ((self._imu, 3), (self._states, 5), (self._steps, 2))
+        )
+        positions = np.array([pose.position for pose in self.poses]).reshape(-1, 3)
+        smoothness = np.diff(imu[:, 2], prepend=0.0)
+        strides = np.linalg.norm(positions[STRIDE:] - positions[:-STRIDE], axis=1)
+        rows = np.zeros(int(states[-1, 0]) if len(states) else 0, WINDOW)
+        for second, row in enumerate(rows):
+            felt, true, moved = (_within(series, second) for series in (imu, states, steps))
+            row["time_s"] = second + 1
+            row["peak_acceleration"] = imu[felt, 1].max()
+            row["mean_smoothness"] = smoothness[felt].mean()
+            row["peak_smoothness"] = smoothness[felt].max()
+            row["speed"] = np.abs(states[true, 1]).mean()
+            row["roughness"], row["rocks"] = states[true, 2:4].mean(axis=0)
+            row["contact"] = states[true, 4].any()
+            row["largest_step"] = steps[moved, 1].max(initial=0.0)
+            row["largest_stride"] = strides[_within(steps[STRIDE:], second)].max(initial=0.0)
+            row["from_start"] = np.linalg.norm(positions[moved][-1] - positions[0])
         return rows
-    settings = extended_settings(rover)
-    angles = LidarSpec(beams=len(collected.scans[0].ranges)).angles
-    clearance = FootprintClearance(Footprint.rectangle(rover.footprint), settings.lidar_pose, angles)
-    for row, scan, state in zip(rows, collected.scans, collected.states, strict=True):
-        row["stamp_ms"] = scan.stamp_ns // 1_000_000
-        row["nearest"] = np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges))
-        row["near_returns"] = np.count_nonzero(np.isneginf(scan.ranges))
-        row["footprint"] = clearance.nearest(scan.ranges)
-        row["contact"], row["speed"] = state.hazard_contact, state.speed
-    return rows
 
 
-def window_rows(collected: Collected) -> Table:
-    """Returns one row of dtype WINDOW per full second."""
-    imu = _series(collected.imu, _felt, 2)
-    states = _series(
-        collected.states, lambda s: (s.speed, s.roughness, s.rock_contact, s.hazard_contact), 4
-    )
-    poses = _series(collected.poses, lambda pose: pose.position, 3)
-    steps, strides = _distances(poses, 1), _distances(poses, STRIDE)
-    seconds = int(states[-1, 0]) if len(states) else 0
-    rows = np.zeros(seconds, WINDOW)
-    for second, row in enumerate(rows):
-        acceleration, smoothness = _within(imu, second).T
-        speed, roughness, rocks, contact = _within(states, second).T
-        row["time_s"] = second + 1
-        row["peak_acceleration"] = acceleration.max()
-        row["mean_smoothness"], row["peak_smoothness"] = smoothness.mean(), smoothness.max()
-        row["speed"], row["roughness"] = np.abs(speed).mean(), roughness.mean()
-        row["rocks"], row["contact"] = rocks.mean(), contact.any()
-        row["largest_step"] = _within(steps, second).max(initial=0.0)
-        row["largest_stride"] = _within(strides, second).max(initial=0.0)
-        row["from_start"] = np.linalg.norm(_within(poses, second)[-1] - poses[0, 1:])
-    return rows
-
-
-def _within(series: Series, second: int) -> NDArray[np.float64]:
-    """The values of (second, second + 1], shape (m, k)."""
-    first, last = np.searchsorted(series[:, 0], (second, second + 1), side="right")
-    return series[first:last, 1:]
-
-
-def _felt(sample: Imu) -> tuple[float, float]:
-    acceleration = math.hypot(*sample.linear_acceleration)
-    return acceleration, acceleration + math.hypot(*sample.angular_velocity)
-
-
-def _series(samples: Sequence[S], values: Callable[[S], Sequence[float]], width: int) -> Series:
-    rows = [(sample.stamp_ns / NANOSECONDS, *values(sample)) for sample in samples]
-    return np.array(rows, dtype=np.float64).reshape(-1, 1 + width)
-
-
-def _distances(poses: Series, stride: int) -> Series:
-    """From each pose to the one `stride` later, stamped as that one."""
-    distances = np.linalg.norm(poses[stride:, 1:] - poses[:-stride, 1:], axis=1)
-    return np.column_stack([poses[stride:, 0], distances])
+def _within(series: NDArray[np.float64], second: int) -> slice:
+    """Which rows are of (second, second + 1], by the time in their first column [s]."""
+    return slice(*np.searchsorted(series[:, 0], (second, second + 1), side="right").tolist())

@@ -1,20 +1,21 @@
-"""Drives what is left of a plan on a backend's workers; whatever happens, no episode counts twice."""
+"""Drives what is left of a plan on workers; whatever happens, no episode counts twice."""
 
 from collections.abc import Callable, Sequence
 from operator import attrgetter
 
 from harness.base.errors import Diverged, RunFailed
-from harness.episode.assembly import world_of
-from harness.episode.episode import Episode
+from harness.episode import loop
+from harness.episode.assembly import injector, world_of
+from harness.episode.episode import Episode, together
+from harness.episode.loop import Route
 from harness.robots import find_rover
 from harness.spec.run import Run
-from harness.tune.backend import Backend
-from harness.tune.backend.work_off import work_off
 from harness.tune.episodes.contacts import event_rows
 from harness.tune.episodes.plan import Planned
-from harness.tune.episodes.recompute import Collected, scan_rows, window_rows
+from harness.tune.episodes.recompute import Collected
 from harness.tune.episodes.record import Ending, EpisodeRecord
 from harness.tune.episodes.store import Store, encode
+from harness.workers import Workers, work_off
 
 KEPT = "the episodes so far are kept, and the same command goes on with them"
 
@@ -24,14 +25,16 @@ def drive(run: Run) -> EpisodeRecord:
 
     The same run gives the same record, to the bit, on one machine.
     """
-    episode, collected = Episode(run), Collected()
-    ending = _drive(episode, collected)
     rover = find_rover(run.rover.robot)
-    scans, placed = scan_rows(collected, rover), collected.placed_scans()
+    collected = Collected(rover)
+    ending = _ending(run, collected)
+    scans = collected.scan_rows()
     return EpisodeRecord(
         scans=scans,
-        windows=window_rows(collected),
-        events=event_rows(collected.events, placed, scans["speed"], world_of(run), rover),
+        windows=collected.window_rows(),
+        events=event_rows(
+            collected.events, collected.placed_scans(), scans["speed"], world_of(run), rover
+        ),
         ending=ending,
         path_length=collected.path_length,
         driver=run.rover.driver,
@@ -39,33 +42,34 @@ def drive(run: Run) -> EpisodeRecord:
     )
 
 
-def _drive(episode: Episode, collected: Collected) -> Ending:
+def _ending(run: Run, collected: Collected) -> Ending:
+    """Drives, with nobody but `collected` to look."""
+    route = Route(injector(run), lambda *_: None, (collected,))
     try:
-        for batch in episode.batches():
-            collected.take(batch)
-            if batch.truth.tipped_over:
+        for _ in loop.drive(together([Episode(run)]), [route]):
+            if collected.tipped_over:
                 return Ending.TIPPED_OVER
     except Diverged:
         return Ending.DIVERGED
     except RunFailed:
         return Ending.LEFT_THE_MAP
-    return Ending.COMPLETE
+    return Ending.TIPPED_OVER if collected.tipped_over else Ending.COMPLETE
 
 
-def drive_to_bytes(planned: Planned) -> tuple[Planned, bytes]:
-    """Returns an episode and its record as bytes: a worker shares no file system with the sweep."""
-    return planned, encode(drive(planned.run))
+def drive_to_bytes(planned: Planned) -> bytes:
+    """Returns an episode's record as bytes: a worker shares no file system with the sweep."""
+    return encode(drive(planned.run))
 
 
 def sweep(
-    planned: Sequence[Planned], store: Store, backend: Backend, show: Callable[[int], None]
+    planned: Sequence[Planned], store: Store, workers: Workers, show: Callable[[int], None]
 ) -> dict[Planned, EpisodeRecord]:
     """Drives every episode that the store does not hold yet, and returns all records.
 
     Args:
         planned: The episodes.
         store: Where each goes as soon as it is done.
-        backend: Who drives.
+        workers: Who drives.
         show: Told how many are done.
 
     Raises:
@@ -81,7 +85,7 @@ def sweep(
         done += 1
         show(done)
 
-    work_off(left, drive_to_bytes, backend, keep, name=attrgetter("name"), mend=KEPT)
+    work_off(left, drive_to_bytes, workers, keep, name=attrgetter("name"), mend=KEPT)
     return {episode: record for episode in planned if (record := store.read(episode)) is not None}
 
 

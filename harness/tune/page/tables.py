@@ -10,11 +10,10 @@ from harness.tune.scoring.estimate import FEWEST_DIGITS, Estimate, digits_for
 from harness.tune.scoring.ground import GroundStudy
 from harness.tune.scoring.result import Candidate, Verdict
 from harness.tune.scoring.study import RobotStudy
+from rover_metrics.sheet.sheet import Sheet, unbroken
 
-Table = list[tuple[str, ...]]  # the head, then rows that their first cell names; one may end early
 
-
-def thresholds(study: RobotStudy) -> Table:
+def thresholds(study: RobotStudy) -> Sheet:
     """Returns every threshold with the measure that judges it."""
     heads = (f"{name}{part}" for name in ("default", "tuned") for part in ("", ", train", ", test"))
     rows = (
@@ -28,7 +27,7 @@ def thresholds(study: RobotStudy) -> Table:
         )
         for verdict in study.verdicts
     )
-    return [("Threshold", "Score", *heads, "gain", "verdict"), *rows]
+    return Sheet(("Threshold", "Score", *heads, "gain", "verdict"), tuple(rows))
 
 
 def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
@@ -47,7 +46,7 @@ def _standing(verdict: Verdict) -> str:
     return "better: intervals apart" if verdict.is_proven else "better on the same episodes"
 
 
-def measures(verdict: Verdict) -> Table:
+def measures(verdict: Verdict) -> Sheet:
     """Returns every measure of one threshold."""
     columns = {  # by what stands above it: scores and the sign of positive ones
         f"{name} {candidate.value:g}, {part}": (scores, "")
@@ -62,31 +61,31 @@ def measures(verdict: Verdict) -> Table:
         for name in verdict.default.scores[Part.TEST]
         for digits in [digits_for(verdict.gain[name]) if verdict.gain else FEWEST_DIGITS]
     )
-    return [("Measure", *columns), *rows]
+    return Sheet(("Measure", *columns), tuple(rows))
 
 
-def detectors(study: CollisionStudy) -> Table:
+def detectors(study: CollisionStudy) -> Sheet:
     """Returns the scores of each detector on the test episodes."""
     measures = ("F1", "precision", "recall")
     head = ("Detector", "below", *measures, "false alarms per km", "median lead", "F1 of single scans")
     rows = (
         (
-            prefix + told.name,
-            _unbroken(f"{told.events.value:g} m"),
-            *(_text(told.events.scores[Part.TEST][name]) for name in measures),
-            _text(told.events.scores[Part.TEST]["false alarms per km"], 1),
-            DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
-            _text(told.scans["F1"]),
+            prefix + scored.name,
+            unbroken(f"{scored.events.value:g} m"),
+            *(_text(scored.events.scores[Part.TEST][name]) for name in measures),
+            _text(scored.events.scores[Part.TEST]["false alarms per km"], 1),
+            DASH if scored.lead_s is None else f"{scored.lead_s:.2f} s",
+            _text(scored.scans["F1"]),
         )
-        for prefix, told in (("default: ", study.default), *(("", one) for one in study.detectors))
+        for prefix, scored in (("default: ", study.default), *(("", one) for one in study.detectors))
     )
-    return [head, *rows]
+    return Sheet(head, tuple(rows))
 
 
-def zones(study: CollisionStudy) -> Table:
+def zones(study: CollisionStudy) -> Sheet:
     """Returns how many contacts of each side are detected; rows of their own for the others."""
     values = {"default": study.default.events.value}
-    values |= {told.name: told.events.value for told in study.detectors}
+    values |= {one.name: one.events.value for one in study.detectors}
     names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
     seen = (
         (
@@ -97,10 +96,10 @@ def zones(study: CollisionStudy) -> Table:
         for row in study.zones
     )
     unseen = ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
-    return [("Contact", "number", *names), *seen, *unseen]
+    return Sheet(("Contact", "number", *names), (*seen, *unseen))
 
 
-def speeds(study: GroundStudy) -> Table:
+def speeds(study: GroundStudy) -> Sheet:
     """Returns how the best value and the separation shift with speed, over all episodes."""
     unit = spelled(study.verdict.unit)
     rows = (
@@ -113,10 +112,10 @@ def speeds(study: GroundStudy) -> Table:
         )
         for at in study.speed_bins
     )
-    return [("Speed", "values", "rough", "AUC", "best value"), *rows]
+    return Sheet(("Speed", "values", "rough", "AUC", "best value"), tuple(rows))
 
 
-def clearance(study: RobotStudy) -> Table:
+def clearance(study: RobotStudy) -> Sheet:
     """Returns the sum that makes the safe clearance."""
     parts, verdict, stop = study.clearance, study.clearance.verdict, study.clearance.braking
     driven_on = stop.stopping_distance - stop.distance
@@ -129,19 +128,20 @@ def clearance(study: RobotStudy) -> Table:
     )
     rounded = [] if verdict.tuned is None else [("rounded up", f"{verdict.tuned.value:g} m")]
     rows = [(name, f"{length:.3f} m") for name, length in lengths]
-    return [("Part", "length"), *rows, *rounded, ("default", f"{verdict.default.value:g} m")]
+    default = ("default", f"{verdict.default.value:g} m")
+    return Sheet(("Part", "length"), (*rows, *rounded, default))
 
 
-def driven(study: RobotStudy) -> Table:
+def driven(study: RobotStudy) -> Sheet:
     """Returns what was driven."""
-    what = study.driven
-    return [
-        ("What", "how much"),
-        *((f"episodes: {ending}", str(number)) for ending, number in sorted(what.endings.items())),
-        ("scored time", f"{what.seconds:.0f} s"),
-        ("scored path", f"{what.path_length / 1000:.3f} km"),
+    driven = study.driven
+    rows = (
+        *((f"episodes: {ending}", str(number)) for ending, number in sorted(driven.endings.items())),
+        ("scored time", f"{driven.seconds:.0f} s"),
+        ("scored path", f"{driven.path_length / 1000:.3f} km"),
         ("contacts with hazards, test", str(study.collision.contacts)),
-    ]
+    )
+    return Sheet(("What", "how much"), rows)
 
 
 def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
@@ -152,13 +152,8 @@ def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
         DASH if number is None else f"{number:{sign}.{digits}f}".replace("-", MINUS)
         for number in (score.value, score.low, score.high)
     )
-    return f"{value} {_unbroken('(no interval)' if score.low is None else f'({low} to {high})')}"
+    return f"{value} {unbroken('(no interval)' if score.low is None else f'({low} to {high})')}"
 
 
 def _share(part: int, whole: int) -> str:
-    return _unbroken(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)
-
-
-def _unbroken(text: str) -> str:
-    """Text that stays on one line."""
-    return text.replace(" ", "\N{NO-BREAK SPACE}")
+    return unbroken(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)

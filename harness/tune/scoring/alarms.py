@@ -20,8 +20,9 @@ from harness.tune.scoring.estimate import (
     recall,
     share,
 )
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
-GAP = 0.5  # [s]: alarms, like contacts, that are closer together are one
+GAP = EVENT_GAP_NS / NANOSECONDS  # [s]: alarms, like contacts, that are closer together are one
 CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # what is counted of an episode's events
 NEAREST_RANGE, FOOTPRINT_CLEARANCE = "nearest range", "footprint clearance"
 

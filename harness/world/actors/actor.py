@@ -2,16 +2,13 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from harness.base.errors import UsageError
+from harness.base.streams import PEOPLE, generator
 from harness.world.actors.free_space import FreeSpace, along
 from harness.world.actors.people import Pedestrian
 from harness.world.actors.random_walk import RandomWalk, RandomWalker
 from harness.world.actors.route import Route, timed
 from harness.world.actors.social_force import SocialForceWalker
-
-RANDOM_STREAM = 20  # keeps people's generators apart from those of worlds and episodes
 
 Walk = Route | RandomWalker | SocialForceWalker
 
@@ -64,8 +61,7 @@ class Actor:
 
     def _random_walk(self) -> RandomWalk:
         # By the name, so that nobody's walk depends on who else walks.
-        key = (RANDOM_STREAM, *self.spec.name.encode())
-        rng = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=key))
+        rng = generator(self.seed, PEOPLE, self.spec.name)
         return RandomWalk(self.spec.name, self.space, self.centre, self.spec.options, rng)
 
 

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 
 from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS, Metric, is_other, other_metric
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 

@@ -1,10 +1,7 @@
-"""The command line of rover_metrics.analyze; every mistake is told in one line."""
+"""The command line of rover_metrics.analyze; each mistake is one line."""
 
 import argparse
-import contextlib
-import math
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
@@ -13,6 +10,7 @@ from rover_metrics.analysis.logs.reading import DEFAULT_GAP
 from rover_metrics.analysis.logs.time_axis import AXES
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.pairing import PAIRINGS
+from rover_metrics.analysis.program import level, positive
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
 from rover_metrics.errors import OneLineParser, RoverMetricsError
@@ -27,17 +25,6 @@ class UsageError(RoverMetricsError):
 class _Parser(OneLineParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(" ".join(self.mended(message).split()))
-
-
-def _number(text: str, below: float, wanted: str) -> float:
-    with contextlib.suppress(ValueError):
-        if 0 < float(text) < below:
-            return float(text)
-    raise argparse.ArgumentTypeError(f"{text!r} is not a number {wanted}")
-
-
-_positive = partial(_number, below=math.inf, wanted="above 0")
-_level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -111,14 +98,14 @@ def _parser() -> argparse.ArgumentParser:
     axes = f"time axis of the plots, of {' '.join(AXES)}; default: percentage"
     add("-n", "--normalize", choices=AXES, metavar="AXIS", help=axes)
     interval = f"seconds per mean with -n fixed_interval; default: {DEFAULT_INTERVAL}"
-    add("--fixed-interval", type=_positive, metavar="S", help=interval)
+    add("--fixed-interval", type=positive, metavar="S", help=interval)
     fences = "an outlier lies over K interquartile ranges beyond the quartiles; default: 1.5"
-    add("--iqr-multiplier", type=_positive, default=DEFAULT_MULTIPLIER, metavar="K", help=fences)
+    add("--iqr-multiplier", type=positive, default=DEFAULT_MULTIPLIER, metavar="K", help=fences)
     removed = "leave outliers out of statistics and plots; without it they are only counted"
     add("--remove-outliers", action="store_true", help=removed)
     add("--save-outliers", action="store_true", help="write them to outliers.csv in the output folder")
     confidence = "of every interval, and 1 - P of every verdict; default: 0.95"
-    add("--confidence-level", type=_level, default=0.95, metavar="P", help=confidence)
+    add("--confidence-level", type=level, default=0.95, metavar="P", help=confidence)
     _add_comparison(parser)
     _add_output(parser)
     return parser
@@ -141,7 +128,7 @@ def _add_comparison(parser: argparse.ArgumentParser) -> None:
     )
     add("--pair-by", choices=PAIRINGS, help=pairs)
     gap = f"an episode ends where no row follows for longer than this; default: {DEFAULT_GAP}"
-    add("--gap", type=_positive, default=DEFAULT_GAP, metavar="S", help=gap)
+    add("--gap", type=positive, default=DEFAULT_GAP, metavar="S", help=gap)
 
 
 def _add_output(parser: argparse.ArgumentParser) -> None:

@@ -1,23 +1,20 @@
 """From a study to its result: every number there is to report. No file, no plot, no print."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations
-from typing import TypeVar
 
 import numpy as np
 
 from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.result import LogResult, Result
-from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
+from rover_metrics.analysis.statistics.comparison import Comparison, compare
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
+from rover_metrics.analysis.statistics.holm import with_holm
 from rover_metrics.analysis.statistics.power import describe_power
 from rover_metrics.analysis.statistics.series import rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study
-
-Tested = TypeVar("Tested", Comparison, Correlation)
 
 _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neighbours say little new
 
@@ -68,12 +65,12 @@ def _correlations(study: Study, log: Log, metrics: Sequence[Metric]) -> tuple[Co
     """Correlates each pair of metrics, but not two views of one column."""
     step = max(1, len(log) // _MOST_CORRELATED)
     values = {metric.code: study.series(log, metric).values[::step].copy() for metric in metrics}
-    found = [
+    pairs = [
         correlate(a.code, b.code, values[a.code], values[b.code])
         for a, b in combinations(metrics, 2)
         if a.column != b.column
     ]
-    return _with_holm([correlation for correlation in found if correlation is not None])
+    return with_holm([correlation for correlation in pairs if correlation is not None])
 
 
 def _combined(per_log: Sequence[Sequence[Correlation]]) -> tuple[Correlation, ...]:
@@ -81,12 +78,7 @@ def _combined(per_log: Sequence[Sequence[Correlation]]) -> tuple[Correlation, ..
     for correlations in per_log:
         for correlation in correlations:
             pairs.setdefault((correlation.first, correlation.second), []).append(correlation)
-    return _with_holm([combine(parts) for parts in pairs.values()])
-
-
-def _with_holm(found: Sequence[Tested]) -> tuple[Tested, ...]:
-    adjusted = holm([each.p for each in found])
-    return tuple(replace(each, p_holm=p) for each, p in zip(found, adjusted, strict=True))
+    return with_holm([combine(parts) for parts in pairs.values()])
 
 
 def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str, Summary]:
@@ -94,8 +86,8 @@ def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str,
     of_group = [log.metrics for log in logs if log.group == group]
     across = {}
     for metric in study.options.metrics:
-        found = (summaries[metric.code].mean for summaries in of_group if metric.code in summaries)
-        means = np.array([mean for mean in found if mean is not None], np.float64)
+        known = (summaries[metric.code].mean for summaries in of_group if metric.code in summaries)
+        means = np.array([mean for mean in known if mean is not None], np.float64)
         across[metric.code] = summarise_independent(means, metric.kind, study.options.confidence)
     return across
 
@@ -103,7 +95,7 @@ def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str,
 def _comparisons(study: Study) -> tuple[Comparison, ...]:
     if len(study.groups) != 2:
         return ()
-    found = [
+    comparisons = [
         compare(
             metric.code,
             *study.compared(metric),
@@ -113,5 +105,5 @@ def _comparisons(study: Study) -> tuple[Comparison, ...]:
         for metric in study.options.metrics
     ]
     if study.options.ranked:
-        found.sort(key=lambda item: -item.effect)
-    return _with_holm(found)
+        comparisons.sort(key=lambda item: -item.effect)
+    return with_holm(comparisons)

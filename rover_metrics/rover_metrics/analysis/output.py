@@ -1,7 +1,6 @@
 """What is written to the output folder. File names come from metrics, never from the names of logs."""
 
 import contextlib
-import csv
 import itertools
 import re
 from collections.abc import Iterator, Sequence
@@ -11,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from rover_metrics.analysis.numbers import write_csv
 from rover_metrics.analysis.plots.aggregate import draw_aggregate
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
@@ -19,14 +19,13 @@ from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
-from rover_metrics.analysis.tables.export import write_csv
-from rover_metrics.analysis.tables.latex import latex
-from rover_metrics.analysis.tables.sheets import sheets
-from rover_metrics.core.row import Field
+from rover_metrics.analysis.tables import sheets
+from rover_metrics.core.columns import Field
 from rover_metrics.errors import RoverMetricsError
-from rover_metrics.log.csv_log import harmless
+from rover_metrics.sheet.render import csv_text, latex
 
 _LONGEST_NAME = 60  # letters of a file name
+OUTLIER = ("Log", "Path", "Timestamp", "Metric", "Value", "Unit")  # columns of outliers.csv
 
 
 class OutputError(RoverMetricsError):
@@ -55,7 +54,7 @@ def save_plots(study: Study, result: Result, folder: Path) -> list[Path]:
 
     Args:
         study: The logs.
-        result: What was found out about them.
+        result: The statistics of the logs.
         folder: Must exist.
 
     Returns:
@@ -104,7 +103,7 @@ def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -
     """Writes the numbers of a result, and returns the files.
 
     Args:
-        result: What was found out.
+        result: The statistics of the logs.
         folder: Must exist.
         as_csv: Whether to write every number to CSV files.
         as_latex: Whether to write each table for LaTeX.
@@ -127,18 +126,17 @@ def save_outliers(study: Study, folder: Path) -> Path:
         OutputError: The file cannot be written.
     """
     path = folder / "outliers.csv"
-    with _writing(folder), path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(("Log", "Path", "Timestamp", "Metric", "Value", "Unit"))
-        writer.writerows(map(harmless, row) for row in _outlier_rows(study))
+    with _writing(folder):
+        path.write_text(csv_text(list(_outliers(study)), OUTLIER), encoding="utf-8", newline="")
     return path
 
 
-def _outlier_rows(study: Study) -> Iterator[tuple[Field, ...]]:
+def _outliers(study: Study) -> Iterator[dict[str, Field]]:
     for member in study.members:
         for metric in study.options.metrics:
             if member.log.has(metric):
                 series = metric_series(member.log, metric)
                 for row in np.flatnonzero(study.outliers(member.log, metric)):
                     stamp, value = float(member.log.stamps[row]), round(float(series.values[row]), 6)
-                    yield member.label, str(member.log.path), stamp, metric.code, value, metric.unit
+                    where = (member.label, str(member.log.path), stamp)
+                    yield dict(zip(OUTLIER, (*where, metric.code, value, metric.unit), strict=True))

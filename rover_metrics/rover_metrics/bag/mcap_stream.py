@@ -12,7 +12,7 @@ from mcap.reader import SeekingReader
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from rover_metrics.errors import RoverMetricsError
-from rover_metrics.timing.clocks import NANOSECONDS
+from rover_metrics.timing import NANOSECONDS
 
 LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
 

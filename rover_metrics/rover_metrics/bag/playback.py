@@ -17,10 +17,9 @@ from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.clocks import NANOSECONDS, age
-from rover_metrics.timing.recorded_time import ClockRows, FullSeconds, TimeSource
+from rover_metrics.timing import NANOSECONDS, ClockRows, FullSeconds, TimeSource, age
 from rover_metrics.topics import CLOCK, SENSORS, TRUTH, Source, is_time, nanoseconds, stamp_ns
 
 MOST_NOTES = 5

@@ -2,18 +2,19 @@
 
 import math
 
+from rover_metrics.core.rotation import Quaternion, roll_pitch
+
 REACHED = 0.3  # [m], strictly nearer
 PATIENCE_S = 207.0  # [s] for each goal
 FLIPPED = 1.48  # [rad] of roll or pitch
-
-Quaternion = tuple[float, float, float, float]
 
 
 class GoalAccount:
     """Counts goals; tell it each goal that is given, then where the rover is, again and again.
 
     Attributes:
-        reached: How many were; likewise those `failed`.
+        reached: Goals that were reached.
+        failed: Goals that were given up.
         goal: x and y of the present one [m]; None before the first and once it is settled.
     """
 
@@ -30,22 +31,15 @@ class GoalAccount:
         """Takes a pose of the rover.
 
         Args:
-            time_s: Of the pose [s].
+            time_s: Time of the pose [s].
             place: x and y in the goal's frame [m].
             orientation: x, y, z, w.
         """
         if self.goal is None:
             return
-        if _leans(orientation):
+        if max(map(abs, roll_pitch(orientation))) > FLIPPED:
             self.failed, self.goal = self.failed + 1, None
         elif math.dist(place, self.goal) < REACHED:
             self.reached, self.goal = self.reached + 1, None
         elif time_s - self._since_s > PATIENCE_S:
             self.failed, self.goal = self.failed + 1, None
-
-
-def _leans(orientation: Quaternion) -> bool:
-    x, y, z, w = orientation
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
-    return max(abs(roll), abs(pitch)) > FLIPPED

@@ -15,7 +15,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
+from rover_metrics.core.rotation import Vector3
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 WINDOW = 100  # samples
@@ -25,8 +26,6 @@ WINDOW = 100  # samples
 LARGEST_ACCELERATION = 1e5  # m/s^2: ten thousand g
 LARGEST_ANGULAR_RATE = 1e4  # rad/s
 LARGEST_SPEED = 1e4  # m/s: more than an orbit takes
-
-Vector3 = tuple[float, float, float]
 
 
 class TraversalMetrics:

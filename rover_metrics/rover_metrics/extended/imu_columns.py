@@ -3,13 +3,11 @@
 import math
 
 from rover_metrics.core.columns import Cell, Column
-from rover_metrics.core.metrics import Vector3
+from rover_metrics.core.rotation import Quaternion, Vector3, matrix
 
 SETTLING = 1.0  # s: time constant of the gravity estimate where there is no orientation
 LONGEST_STEP = 1.0  # s: samples further apart say nothing of what was between
 NOT_FILLED = (0.0, 0.0, 0.0, 1.0)  # what a message has that nobody gave an orientation
-
-Quaternion = tuple[float, float, float, float]  # x, y, z, w
 
 
 class ImuColumns:
@@ -51,9 +49,9 @@ class ImuColumns:
         """Take a sample that the metrics have used.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             acceleration: In the IMU's frame, gravity included [m/s^2].
-            orientation: Of the IMU as (x, y, z, w); None if it is not known.
+            orientation: Attitude of the IMU as (x, y, z, w); None if it is not known.
         """
         step = self._step(stamp_ns)
         if step is not None and self._last is not None:
@@ -89,5 +87,4 @@ def up(orientation: Quaternion | None) -> Vector3 | None:
     """Returns the world's vertical in the sensor's frame; None if no orientation was filled in."""
     if orientation is None or orientation == NOT_FILLED or not 0.99 < math.hypot(*orientation) < 1.01:
         return None
-    x, y, z, w = orientation
-    return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    return matrix(orientation)[2]

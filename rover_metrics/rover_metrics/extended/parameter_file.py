@@ -7,19 +7,11 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
 
 NODE_NAME = "metrics_node"
 EVERY_NODE = ("*", "**")
-_TYPES = {
-    bool: "true or false, not 0 or 1",
-    float: "a number with a decimal point (1.0, not 1)",
-    tuple: "a list of numbers with decimal points",
-    int: "a whole number",
-    str: "text",
-}
 
 
 def read_values(path: Path) -> dict[str, Any]:
@@ -73,6 +65,5 @@ def _is_parameter(name: str, value: object, *, is_own: bool) -> bool:
     else:
         fits = type(value) is type(info.default)
     if not fits:
-        valid = info.constraint if name in THRESHOLD_INFO else _TYPES[type(info.default)]
-        raise ParameterError(f"parameter {name} must be {valid}")
+        raise ParameterError(f"parameter {name} must be {info.constraint}")
     return True

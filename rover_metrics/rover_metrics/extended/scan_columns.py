@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.extended.footprint import Footprint, FootprintClearance
 from rover_metrics.extended.settings import ExtendedSettings
-
-CONTACT_GAP_NS = 500_000_000  # contacts closer together are one event, as in the simulator's truth
+from rover_metrics.timing import EVENT_GAP_NS
 
 _FOOTPRINT = "footprint, lidar_pose; LaserScan ranges, angle_min, angle_increment"
 
@@ -24,7 +23,7 @@ class ScanColumns:
             name="Collision Events",
             meaning="Collisions so far, a lasting one counted once.",
             formula="Scans that Total Collisions counts; a new event begins after "
-            f"{CONTACT_GAP_NS / 1e9:g} s or more without one, by the scans' stamps.",
+            f"{EVENT_GAP_NS / 1e9:g} s or more without one, by the scans' stamps.",
             source="/scan",
             cumulative=True,
         ),
@@ -75,9 +74,9 @@ class ScanColumns:
         """Take a scan.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             ranges: Distances [m], coded as REP-117 says.
-            angles: Of the first beam, and from beam to beam, in the lidar's frame [rad].
+            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
             collides: Whether the metrics have counted it as a collision.
         """
         values = np.asarray(ranges, dtype=np.float32)
@@ -85,7 +84,7 @@ class ScanColumns:
         if collides:
             last, self._collision_ns = self._collision_ns, stamp_ns
             # A clock that is set back parts events too.
-            self._events += last is None or abs(stamp_ns - last) >= CONTACT_GAP_NS
+            self._events += last is None or abs(stamp_ns - last) >= EVENT_GAP_NS
         self._near_returns = (self._near_returns or 0) + bool(np.isneginf(values).any())
         footprint = self._settings.footprint
         if footprint is not None:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.health.watches import MISSING, StampWatch
-from rover_metrics.timing.clocks import age, rate
+from rover_metrics.timing import age, rate
 
 
 class Topic(NamedTuple):
@@ -78,7 +78,7 @@ class TrafficColumns:
 
         Args:
             topic: Where it came from.
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             used: Whether the metrics have used it.
         """
         self._received[topic] += 1

@@ -9,7 +9,7 @@ from bisect import bisect_right
 from collections import deque
 
 from rover_metrics.core.columns import Cell, Column
-from rover_metrics.core.metrics import Vector3
+from rover_metrics.core.rotation import Vector3
 
 MOST_SAMPLES = 10_000  # of an interval; rows do not come while a clock stands still
 SLOWEST_DRIVE = 0.05  # m/s: below it, standing or turning in place, a ratio of speeds says nothing
@@ -72,7 +72,7 @@ class TravelColumns:
         """Take a position that the metrics have used.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             position: In the world [m].
             jump: Length from which on a step is no travel [m].
         """

@@ -4,9 +4,11 @@ import math
 from collections.abc import Sequence
 
 from rover_metrics.core.columns import Cell, Column
-from rover_metrics.core.metrics import Vector3
+from rover_metrics.core.rotation import Vector3
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
-CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
+RATE = 20  # [Hz] of the harness's truth
+CONTACT_PAUSE = EVENT_GAP_NS * RATE // NANOSECONDS  # messages without contact before a new event
 STANDING = 0.05  # [m/s]: of the harness's wheels, which say 0 below it
 
 WHEELS = ("front_left", "rear_left", "front_right", "rear_right")  # if nobody says others
@@ -32,7 +34,7 @@ def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
             name="True Contact Events",
             meaning="Contacts with hazards so far, a lasting one counted once.",
             formula=f"A new event begins with a contact after {CONTACT_PAUSE} messages or more without "
-            "(0.5 s at 20 Hz).",
+            f"({EVENT_GAP_NS / NANOSECONDS:g} s at {RATE} Hz).",
             source=_CONTACT,
             cumulative=True,
         ),
@@ -78,7 +80,7 @@ class TruthColumns:
     """The account of the truth topics.
 
     Args:
-        wheels: Of the rover, in the order of the columns.
+        wheels: Names of the rover's wheels, in the order of the columns.
     """
 
     def __init__(self, wheels: Sequence[str] = WHEELS) -> None:
@@ -101,7 +103,7 @@ class TruthColumns:
         self._pause = 0
 
     def add_velocity(self, velocity: Vector3) -> bool:
-        """Takes the true velocity [m/s]; tells whether it was usable."""
+        """Takes the true velocity [m/s]; returns whether it was usable."""
         speed = math.hypot(*velocity)
         if not math.isfinite(speed):
             return False
@@ -111,15 +113,15 @@ class TruthColumns:
         return True
 
     def add_traversal(self, values: Sequence[float], names: Sequence[str] | None = None) -> bool:
-        """Takes the values of a message and their names, if told; tells whether they were usable."""
+        """Takes a message's values, with their names if it has any; returns whether they were usable."""
         names = self._names if names is None else names
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
-        told = dict(zip(names, values, strict=True))
-        if not self._traversal.keys() <= told.keys():
+        named = dict(zip(names, values, strict=True))
+        if not self._traversal.keys() <= named.keys():
             return False
         for name, mean in self._traversal.items():
-            mean.add(told[name])
+            mean.add(named[name])
         return True
 
     def cells(self) -> tuple[Cell, ...]:

@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
-from rover_metrics.core.row import COLUMNS, Field, Row
+from rover_metrics.core.columns import COLUMNS, Field, Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.social_log import SocialRow
 

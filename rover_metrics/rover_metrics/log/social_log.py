@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rover_metrics.core.row import Field
+from rover_metrics.core.columns import Field
 
 Point = tuple[float, float]
 
@@ -16,8 +16,8 @@ class SocialRow:
     Attributes:
         step: From 1 on.
         time_s: Since the start [s].
-        position: Of the rover, x and y [m].
-        speed: Of the rover since the row before [m/s]; NaN of the first.
+        position: Where the rover is, x and y [m].
+        speed: Mean speed of the rover since the row before [m/s]; NaN in the first row.
         distances: To each person, in alphabetical order, seen from above [m].
         goals: Reached so far.
     """

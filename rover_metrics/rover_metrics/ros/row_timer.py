@@ -9,8 +9,7 @@ from rclpy.node import Node
 
 from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.watches import SilenceWatch
-from rover_metrics.timing.clocks import NANOSECONDS
-from rover_metrics.timing.row_times import RowTimes
+from rover_metrics.timing import NANOSECONDS, RowTimes
 
 LOOK_PERIOD = 1.0  # seconds of steady time between two looks at the clock
 
@@ -25,7 +24,7 @@ class RowTimer:
         tell: Is given a line for the user.
 
     Attributes:
-        stale_after: How long ROS time may stand still before that is told [s of steady time].
+        stale_after: How long ROS time may stand still before that is reported [s of steady time].
         times: What was due, and how many segments there were.
     """
 

@@ -3,15 +3,17 @@
 import io
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from rich.console import Console
 
 from harness.cli.console import RunProgress, counted, print_summary
-from harness.episode.result import RunResult, TopicCount
+from harness.episode.result import CommandCount, RunResult, TopicCount
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
+from tests.support.snapshots import check_snapshot
 
 TRUTH = Truth(
     time_ns=12_500_000_000,
@@ -27,7 +29,7 @@ TRUTH = Truth(
     tipped_over=True,
 )
 RESULT = RunResult(
-    config=Run(),
+    run=Run(),
     mode="direct",
     truth=TRUTH,
     wall_s=2.5,
@@ -44,47 +46,12 @@ RESULT = RunResult(
 )
 
 
-def shown(result: RunResult) -> dict[str, list[str]]:
-    """The cells of each row of the tables by the first of them, and all other lines."""
+def test_the_summary_of_a_run_is_as_somebody_has_checked() -> None:
     out = io.StringIO()
-    print_summary(Console(file=out, width=120), result)
-    lines = [line for line in out.getvalue().splitlines() if line.strip()]
-    cells = [[cell.strip() for cell in re.split("[│┃]", line)[1:-1]] for line in lines]
-    table = {row[0]: row[1:] for row in cells if row}
-    return table | {"": [line for line, row in zip(lines, cells, strict=True) if not row]}
-
-
-def test_each_topic_has_its_counts_and_a_dash_where_nobody_listens() -> None:
-    told = shown(RESULT)
-    assert told["/scan"] == ["12,345", "12,340", "5"]
-    assert told["/tf"] == ["7", "-", "-"]
-    assert told["/imu"] == ["9", "9", "0"]
-
-
-def test_metrics_stand_beside_the_truth() -> None:
-    told = shown(RESULT)
-    assert told["distance"] == ["3.4 m", "3.46 m"]
-    assert told["collisions"] == ["6 scans", "2 contacts, 0.25 s"]
-    assert told["clearance"] == ["1.25 m", ""]
-    assert told["velocity"] == ["0.31 m/s", ""]
-    assert told["slip of moving wheels"] == ["", "0.13"]
-    assert told["on rocks"] == ["", "5 contacts, 1.50 s"]
-    assert told["scraping the ground"] == ["", "7 times, 0.75 s"]
-    assert told["largest tilt"] == ["", "81 deg, tipped over"]
-
-
-def test_speed_messages_and_log_are_told_below() -> None:
-    lines = shown(RESULT)[""]
-    assert "/controller_server: 63% of the run waited for it" in lines
-    assert "12.50 simulated seconds in 2.50 s: 5.0x real time, 12,361 messages, 5 lost" in lines
-    assert "12 rows in logs/a.csv" in lines
-
-
-def test_a_run_without_a_row_or_a_log_shows_dashes() -> None:
-    told = shown(RunResult(config=Run(), mode="direct"))
-    assert [told[name][0] for name in ("distance", "collisions", "clearance", "velocity")] == ["-"] * 4
-    assert told["largest tilt"] == ["", "0 deg"]
-    assert not any("rows in" in line for line in told[""])
+    console = Console(file=out, width=120)
+    print_summary(console, replace(RESULT, commands=CommandCount(taken=1200, older=1100, refused=3)))
+    print_summary(console, RunResult(run=Run(), mode="direct"))
+    check_snapshot("console.txt", out.getvalue())
 
 
 @pytest.mark.parametrize("terminal", [True, False])
@@ -93,8 +60,8 @@ def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
     console = Console(file=out, width=120, force_terminal=terminal)
     with RunProgress(console, "leo on flat", 20.0) as bar:
         truth, topics = Truth(time_ns=5_000_000_000, path_length=1.23), {"/scan": TopicCount(4567)}
-        config = Run.of(duration=20.0)
-        bar.show(RunResult(config=config, mode="", truth=truth, wall_s=2.0, topics=topics))
+        run = Run.of(duration=20.0)
+        bar.show(RunResult(run=run, mode="", truth=truth, wall_s=2.0, topics=topics))
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue())
     if terminal:
         assert "leo on flat" in text

@@ -1,3 +1,5 @@
+"""The command line of harness.run: every flag reaches the field that it is named after."""
+
 import shlex
 from dataclasses import replace
 from operator import attrgetter
@@ -6,12 +8,13 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
-from harness.cli.options import RunOptions, parse_run
-from harness.cli.run_parser import DEFAULT_LOG_DIR
-from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
-from harness.robots import RoverSpec
-from harness.spec.ros import RosOptions
-from harness.spec.run import Run
+from harness.cli.flags import flags_of
+from harness.cli.options import RunOptions, parse_run, with_name
+from harness.cli.run_parser import DEFAULT_LOG_DIR, Files, run_parser
+from harness.episode.metrics_feed import extended_settings
+from harness.spec import Run
+from harness.spec.ros import FrameOptions, RosOptions
+from harness.spec.run import PARTS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -23,79 +26,81 @@ def parsed(words: str) -> RunOptions:
     return options
 
 
-def test_without_words_all_options_are_the_default_ones() -> None:
+def test_without_words_everything_is_the_default() -> None:
     assert parsed("") == RunOptions(
-        fleet=(Run(),),
+        run=Run(),
         ros=RosOptions(log_dir=DEFAULT_LOG_DIR),
         direct=False,
-        all_settings=(Settings(),),
-        parameters=({},),
+        settings=(Settings(),),
         params=None,
-        report=None,
-        summary=None,
-        picture=None,
-        video=None,
-        picture_lidar=False,
-        social_log=None,
+        files=Files(),
     )
     assert Path("metrics_analyzer/data/metric_logs") == DEFAULT_LOG_DIR
 
 
-def test_every_word_about_the_episode_reaches_it() -> None:
-    words = (
-        "--terrain posts --robot rover_zero4wd --seed 4 --duration 7 --driver spin --difficulty 0.25 "
-        "--terrain-size 3 4 --terrain-height 5 --start -1.5,2,0.25 --timestep 0.005 "
-        "--noise hardware --lidar-beams 90 --imu-rate 50 --fault imu:nan@1 --fault scan:empty"
-    )
-    assert parsed(words).config == Run.of(
+def test_every_option_of_a_value_is_a_flag_of_the_parser_with_help() -> None:
+    actions = {flag: action for action in run_parser()._actions for flag in action.option_strings}
+    for flag in flags_of(*PARTS.values(), Run, RosOptions, FrameOptions, Files).values():
+        assert actions[flag].help
+
+
+WORDS = (
+    "--terrain posts --robot rover_zero4wd --seed 4 --duration 7 --driver spin --difficulty 0.25 "
+    "--start -1.5,2,0.25 --timestep 0.005 --noise hardware --lidar-beams 90 --imu-rate 50 "
+    "--fault imu:nan@1 --fault scan:empty --datum=-33.9,-70.6,520 --sensors gnss,depth=small "
+    "--actor a=random --actor b=1,2"
+)
+
+
+def test_every_word_about_the_run_reaches_it() -> None:
+    assert parsed(WORDS).run == Run.of(
         terrain="posts",
         robot="rover_zero4wd",
         seed=4,
         duration=7.0,
         driver="spin",
         difficulty=0.25,
-        terrain_size=(3.0, 4.0),
-        terrain_height=5.0,
         start=(-1.5, 2.0, 0.25),
         timestep=0.005,
         noise="hardware",
         lidar_beams=90,
         imu_rate=50,
-        faults=("imu:nan@1", "scan:empty"),
+        faults=["imu:nan@1", "scan:empty"],
+        datum=(-33.9, -70.6, 520.0),
+        sensors=["gnss", "depth=small"],
+        actors=["a=random", "b=1,2"],
     )
 
 
 @pytest.mark.parametrize(
     ("words", "name", "value"),
     [
-        ("--terrain-size 3", "config.terrain_size", (3.0, 3.0)),
-        ("--start -3,4", "config.start", (-3.0, 4.0, 0.0)),
-        ("--start=-3,-4,-1", "config.start", (-3.0, -4.0, -1.0)),
-        ("--datum -33.9,151.2", "config.datum", (-33.9, 151.2, 0.0)),
-        ("--datum=-33.9,-70.6,520", "config.datum", (-33.9, -70.6, 520.0)),
-        ("--noise", "config.noise", "white"),
+        ("--terrain a.npy --terrain-size 30", "run.world.terrain_size", (30.0, 30.0)),
+        ("--terrain a.npy --terrain-size 30 40", "run.world.terrain_size", (30.0, 40.0)),
+        ("--terrain a.sdf --rock a* --rock b*", "run.world.rock", ("a*", "b*")),
+        ("--start=-3,-4", "run.rover.start", (-3.0, -4.0, 0.0)),
+        ("--noise", "run.rover.noise", "white"),
+        ("--sensors none", "run.rover.sensors", ()),
+        ("--driver cmd_vel --cmd-vel-timeout 1", "run.rover.cmd_vel_timeout", 1.0),
         ("--cmd-vel twist", "ros.cmd_vel", "twist"),
-        ("--cmd-vel stamped", "ros.cmd_vel", "stamped"),
+        ("--odom-tf wheels --map-tf", "ros.frames", FrameOptions(odom_tf="wheels", map_tf=True)),
         ("--rate max", "ros.rate", None),
         ("--rate 0.01", "ros.rate", 0.01),
-        ("--rate 2.5", "ros.rate", 2.5),
         ("--no-metrics", "ros.host_metrics", False),
         ("--wait-for /a --wait-for /b", "ros.wait_for", ("/a", "/b")),
-        ("--record a.mcap", "ros.record", Path("a.mcap")),
         ("--record a.mcap --overwrite", "ros.overwrite", True),
+        ("--record a.mcap", "ros.record", Path("a.mcap")),
         ("--log-dir logs", "ros.log_dir", Path("logs")),
-        ("--direct", "direct", True),
-        ("--extended", "settings.extended_columns", True),
-        ("--extended --direct", "direct", True),
         ("--direct --driver goal --goal-area 0,1,0,1", "direct", True),
-        ("--report a.html", "report", Path("a.html")),
-        ("--summary a.json", "summary", Path("a.json")),
-        ("--picture a.png", "picture", Path("a.png")),
-        ("--picture-lidar", "picture_lidar", True),
-        ("--video a.mp4", "video", Path("a.mp4")),
-        ("--actor a=random --actor b=1,2", "config.actors", ("a=random", "b=1,2")),
-        ("--goal-area -.5,2,-3,4", "config.goal_area", (-0.5, 2.0, -3.0, 4.0)),
-        ("--actor a=random --social-log s.csv", "social_log", Path("s.csv")),
+        ("--report a.html", "files.report", Path("a.html")),
+        ("--summary a.json", "files.summary", Path("a.json")),
+        ("--picture a.png", "files.picture", Path("a.png")),
+        ("--picture-lidar", "files.picture_lidar", True),
+        ("--video a.mp4", "files.video", Path("a.mp4")),
+        ("--actor a=random --social-log s.csv", "files.social_log", Path("s.csv")),
+        ("--namespace rover1", "ros.ros_args", ("--ros-args", "-r", "__ns:=/rover1", "--")),
+        ("--namespace /", "ros.ros_args", ()),
+        ("--extended --ros-args -p fsync:=true", "ros.ros_args", ("--ros-args", "-p", "fsync:=true")),
     ],
 )
 def test_an_option_means(words: str, name: str, value: object) -> None:
@@ -106,151 +111,93 @@ def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:
     assert parse_run(["--list", "--extended", "--no-metrics"]) is None
 
 
+TWO = "--terrain flat --rover leo:a"
+
+
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "mend"),
     [
-        ("--rate 0.0099", "give 'max' or a number from 0.01 up"),
-        ("--rate fast", "'fast' is not valid"),
-        ("--terrain-size 1 2 3", "give one or two numbers"),
-        ("--start 1", "'1' is not valid; give X,Y or X,Y,YAW in metres and radians"),
-        ("--start 1,2,3,4", "'1,2,3,4' is not valid"),
-        ("--start 1,north", "'1,north' is not valid"),
-        ("--datum 51", "'51' is not valid; give LAT,LON or LAT,LON,ALT in degrees and metres"),
-        ("--start --seed 1", "argument --start: expected one argument"),
-        ("--goal-area 1,2,3", "'1,2,3' is not valid; give XMIN,XMAX,YMIN,YMAX in metres"),
-        ("--seed 1 --start", "expected one argument"),
+        ("--rate 0.0099", "--rate '0.0099' is not valid; give 0.01 or more"),
+        ("--rate fast", "--rate 'fast' is not valid; give a number"),
+        ("--terrain-size 1 2 3", "give at most 2"),
+        ("--start 1", "give X,Y or X,Y,YAW in metres and radians"),
+        ("--duration long", "--duration 'long' is not valid; give a number"),
+        ("--seed -1", "--seed '-1' is not valid; give 0 or more"),
+        ("--social-log s.csv", "--social-log is of a run with people; add --actor SPEC"),
+        ("--overwrite", "--overwrite is for the file of --record; name one"),
+        ("--extended --no-metrics", "start yours with -p extended_columns:=true"),
+        ("--odom-tf wheels --odom-tf-3d", "leave out --odom-tf wheels, or --odom-tf-3d"),
+        ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
+        ("--direct --ros-args --", "--ros-args needs ROS; leave out --direct"),
+        ("--direct --no-metrics", "--no-metrics needs ROS; leave out --direct"),
+        ("--direct --wait-for /x", "--wait-for needs ROS; leave out --direct"),
+        ("--direct --namespace x", "--namespace needs ROS; leave out --direct"),
+        ("--direct --record x.mcap", "--record needs ROS; leave out --direct"),
+        ("--direct --map-tf", "--map-tf needs ROS; leave out --direct"),
+        ("--direct --driver cmd_vel", "--driver cmd_vel needs ROS; leave out --direct"),
+        ("--direct --driver goal", "--driver goal without --goal-area needs ROS; leave out --direct"),
+        (f"{TWO} --namespace n", "name each as --rover ROBOT:NAME"),
+        (f"{TWO} --robot rover_zero4wd", "is for a single rover"),
+        (f"{TWO} --actor g=1,1 --social-log a.csv", "each --rover has its own below --log-dir"),
+        (f"{TWO} --direct --rover leo:b,driver=cmd_vel,x=2,y=0", "--driver cmd_vel needs ROS"),
     ],
 )
-def test_a_wrong_word_is_one_line_and_exit_code_2(
-    words: str, told: str, capsys: pytest.CaptureFixture[str]
+def test_a_mistake_is_one_line_with_the_mend(words: str, mend: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        parsed(words)
+    assert mend in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("words", ["--start --seed 1", "--sed 1", "--cmd-vel q"])
+def test_what_the_parser_refuses_is_one_line_and_exit_code_2(
+    words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as leaving:
-        parse_run(words.split())
-    assert leaving.value.code == 2
+        parsed(words)
     text = capsys.readouterr().err
+    assert (leaving.value.code, text.count("\n")) == (2, 1)
     assert text.startswith("harness.run: ")
-    assert text.endswith("; see --help\n")
-    assert text.count("\n") == 1
-    assert told in text
-
-
-@pytest.mark.parametrize(("given", "name"), [("rover1", "/rover1"), ("/a/b/", "/a/b")])
-def test_a_namespace_becomes_a_remapping(given: str, name: str) -> None:
-    assert parsed(f"--namespace {given}").ros.ros_args == ("--ros-args", "-r", f"__ns:={name}", "--")
-    assert parsed("--namespace /").ros.ros_args == ()
-
-
-def told_node(rover: RoverSpec, gravity: float | None = None) -> list[str]:
-    return parameter_words(extended_parameters(extended_settings(rover, gravity)))
-
-
-def test_what_the_user_tells_ros_comes_last_and_so_holds() -> None:
-    own = ("--ros-args", "-p", "log_dir:=x")
-    for rover in (LEO, ROVER_ZERO4WD):
-        words = f"--namespace a --extended --robot {rover.name} {' '.join(own)}"
-        namespace = ("--ros-args", "-r", "__ns:=/a", "--")
-        assert parsed(words).ros.ros_args == (*namespace, *told_node(rover), *own)
-
-
-@pytest.mark.parametrize(
-    ("words", "flag"),
-    [
-        ("--no-metrics", "--no-metrics"),
-        ("--wait-for /x", "--wait-for"),
-        ("--namespace x", "--namespace"),
-        ("--record x.mcap", "--record"),
-        ("--driver cmd_vel", "--driver cmd_vel"),
-        ("--driver goal", "--driver goal without --goal-area"),
-    ],
-)
-def test_what_needs_ros_is_refused_without_it_alone(words: str, flag: str) -> None:
-    parsed(f"{words} --ros-args --")
-    with pytest.raises(UsageError, match=rf"^{flag} needs ROS; leave out --direct"):
-        parse_run(["--direct", *words.split()])
 
 
 def test_extended_columns_know_the_gravity_of_the_world(tmp_path: Path) -> None:
     box = "<geometry><box><size>20 20 1</size></box></geometry>"
     link = f"<link name='l'><collision name='c'>{box}</collision></link>"
     model = f"<model name='ground'><static>true</static>{link}</model>"
-    world = f"<world name='moon'><gravity>0 0 -1.62</gravity>{model}</world>"
     file = tmp_path / "moon.sdf"
+    world = f"<world name='moon'><gravity>0 0 -1.62</gravity>{model}</world>"
     file.write_text(f"<sdf version='1.9'>{world}</sdf>")
-    told = parsed(f"--extended --terrain '{file}'")
-    assert told.settings.extended == extended_settings(LEO, 1.62)
-    assert told.settings.extended.gravity == told.config.gravity() == 1.62
-    assert told.ros.ros_args == tuple(told_node(LEO, 1.62))
-    assert "gravity:=1.62" in told.ros.ros_args
-    assert parsed("--extended").settings.extended.gravity == LEO.gravity
+    (settings,) = parsed(f"--extended --terrain '{file}'").settings
+    assert settings.extended == extended_settings(LEO, 1.62)
 
 
-def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_and_before_the_user(
-    tmp_path: Path,
-) -> None:
+@pytest.mark.parametrize("way", ["", "--direct"])
+def test_a_parameter_file_sets_the_metrics_after_what_the_rover_says(tmp_path: Path, way: str) -> None:
     file = tmp_path / "p.yaml"
     file.write_text("/**: {ros__parameters: {collision_threshold: 0.75, gravity: 9.0, fsync: true}}")
-    own = ("--ros-args", "-p", "gravity:=8.0")
-    told = parsed(f"--extended --params '{file}' {' '.join(own)}")
-    words = ("-p", "collision_threshold:=0.75", "-p", "gravity:=9.0", "-p", "fsync:=true")
-    assert told.ros.ros_args == (*told_node(LEO), "--ros-args", *words, "--", *own)
-    assert told.settings.thresholds == Thresholds(collision_threshold=0.75)
-    assert told.settings.extended == replace(extended_settings(LEO), gravity=9.0)
-    assert (told.settings.extended_columns, told.params) == (True, file)
-    alone = parsed(f"--direct --params '{file}'").settings
-    assert alone == Settings().updated({"collision_threshold": 0.75, "gravity": 9.0, "fsync": True})
+    options = parsed(f"{way} --extended --params '{file}'")
+    (settings,) = options.settings
+    assert settings.thresholds == Thresholds(collision_threshold=0.75)
+    assert settings.extended == replace(extended_settings(LEO), gravity=9.0)
+    assert (settings.extended_columns, settings.fsync, options.params) == (True, True, file)
     file.write_text("/**: {ros__parameters: {colision_threshold: 0.75}}")
-    for words_of_a_mistake, mend in (
-        (f"--direct --params '{file}'", "did you mean collision_threshold?"),
-        (f"--params '{tmp_path}'", "Is a directory"),
-        (f"--no-metrics --params '{file}'", "start yours with --ros-args --params-file FILE"),
-        ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
+    for words, mend in (
+        (f"{way} --params '{file}'", "did you mean collision_threshold?"),
+        (f"{way} --params '{tmp_path}'", "Is a directory"),
     ):
-        with pytest.raises(UsageError) as refused:
-            parsed(words_of_a_mistake)
-        assert mend in str(refused.value)
-        assert "\n" not in str(refused.value)
+        with pytest.raises(UsageError, match=mend):
+            parsed(words)
 
 
-def test_several_rovers_have_a_folder_pages_and_parameters_each() -> None:
-    words = "--terrain flat --extended --report out/run.html --summary run.json --log-dir logs"
-    told = parsed(f"{words} --rover leo:a --rover rover_zero4wd:b,x=2,y=0")
-    assert [told.log_dir(config) for config in told.fleet] == [Path("logs/a"), Path("logs/b")]
-    assert [told.report_of(config) for config in told.fleet] == [
-        Path("out/run_a.html"),
-        Path("out/run_b.html"),
-    ]
-    assert told.summary_of(told.config) == Path("run_a.json")
-    for rover, settings, own in zip(
-        (LEO, ROVER_ZERO4WD), told.all_settings, told.parameters, strict=True
-    ):
-        assert settings.extended == extended_settings(rover)
-        assert own == extended_parameters(settings.extended)
-    assert told.ros.ros_args == ()
+def test_several_rovers_have_logs_pages_and_settings_each() -> None:
+    words = "--terrain flat --extended --log-dir logs"
+    options = parsed(f"{words} --rover leo:a --rover rover_zero4wd:b,x=2,y=0")
+    rovers = options.run.rovers
+    assert [options.log_dir(rover) for rover in rovers] == [Path("logs/a"), Path("logs/b")]
+    pages = [with_name(Path("out/run.html"), rover) for rover in rovers]
+    assert pages == [Path("out/run_a.html"), Path("out/run_b.html")]
+    extended = [settings.extended for settings in options.settings]
+    assert extended == [extended_settings(LEO), extended_settings(ROVER_ZERO4WD)]
     alone = parsed(words)
-    assert (alone.log_dir(alone.config), alone.report_of(alone.config)) == (
-        Path("logs"),
-        Path("out/run.html"),
-    )
-    assert alone.parameters == ({},)
-
-
-TWO = "--terrain flat --rover leo:a"
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        ("--social-log s.csv", "--social-log is of a run with people; add --actor SPEC"),
-        ("--overwrite", "--overwrite is for the file of --record; name one"),
-        ("--extended --no-metrics", "start yours with"),
-        ("--direct --ros-args --", "--ros-args needs ROS"),
-        (f"{TWO} --namespace n", "--namespace is for a single rover: name each as --rover ROBOT:NAME"),
-        (f"{TWO} --robot rover_zero4wd", "is for a single rover: give --rover rover_zero4wd beside"),
-        (f"{TWO} --actor g=1,1 --social-log a.csv", "--social-log is for a single rover: each --rover"),
-        (f"{TWO} --direct --rover leo:b,driver=cmd_vel,x=2,y=0", "--driver cmd_vel needs ROS"),
-        (f"{TWO} --direct --rover leo:b,driver=goal,x=2,y=0", "goal without --goal-area needs ROS"),
-    ],
-)
-def test_what_makes_no_sense_together_is_refused(words: str, told: str) -> None:
-    with pytest.raises(UsageError, match=told):
-        parsed(words)
+    assert alone.log_dir(alone.run.rover) == Path("logs")
+    assert with_name(Path("run.html"), alone.run.rover) == Path("run.html")

@@ -18,9 +18,7 @@ SCRIPTS: dict[str, str] = tomllib.loads((ROOT / "pyproject.toml").read_text())["
 OURS = {name: place for name, place in SCRIPTS.items() if name.startswith("rover-")}
 # Nobody's daily work: they write what is kept in this repository, or are the inside of another.
 WITHOUT = {
-    "harness.gym.tables",
     "harness.scenario.schema",
-    "harness.sensors.page",
     "harness.view.picture",
     "rover_metrics.__main__",
     "rover_metrics.dictionary",

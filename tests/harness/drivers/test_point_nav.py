@@ -4,21 +4,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.drivers.point_nav import attitude, clipped, limits, observed, visible, way_to
+from harness.drivers.point_nav import clipped, limits, observed, visible, way_to
 from harness.samples import Imu, LaserScan, Odometry, Pose, Quaternion, Sample, Twist
-
-TURNS = [(0.0, 0.0, 0.0), (0.3, -0.4, 2.0), (-1.0, 1.2, -3.0), (3.0, 0.1, 0.5)]
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:
     x, y, z, w = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_quat().tolist()
     return x, y, z, w
-
-
-@pytest.mark.parametrize("turn", TURNS)
-def test_roll_pitch_and_yaw_are_those_that_scipy_finds(turn: tuple[float, float, float]) -> None:
-    assert attitude(quaternion(*turn)) == pytest.approx(turn)
-    assert attitude(quaternion(0.0, math.pi / 2, 0.0))[1] == pytest.approx(math.pi / 2)
 
 
 @pytest.mark.parametrize(

@@ -343,7 +343,7 @@ def test_an_optional_sensor_has_a_stream_of_its_name_its_frames_mount_and_the_ru
     assert made.rng.random() == np.random.default_rng(stream).random()
     assert (made.options, made.mount, made.noise) == (options, frames.mount.return_value, HARDWARE)
     frames.mount.assert_called_once_with("mast", scene.model, scene.prefix)
-    assert installed(replace(told, noise=None), frames, scene, options).noise is None
+    assert installed(told.alone(noise=None), frames, scene, options).noise is None
 
 
 @pytest.mark.parametrize("number", [0, 2])

@@ -84,7 +84,7 @@ def run(
     log.write_bytes(b"a,b\r\n1,2\r\n")
     topics = {"/scan": TopicCount(4, 1, 3)}
     values = {"log_path": log, "rows": 2, "topics": topics} | changes
-    return RunResult(config=config, mode="", **values)  # type: ignore[arg-type]  # a table of keywords
+    return RunResult(run=config, mode="", **values)  # type: ignore[arg-type]  # a table of keywords
 
 
 def test_a_fingerprint_is_that_of_the_stream_and_of_the_logs_bytes() -> None:

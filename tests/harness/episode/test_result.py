@@ -7,7 +7,7 @@ from harness.episode.batch import Batch
 from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 
 TICK_NS = 10_000_000
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
@@ -39,7 +39,7 @@ def test_cells_of_a_row_are_those_of_its_columns_and_there_are_none_without_a_ro
 
 @pytest.mark.parametrize("wall_s", [0.0, 1.5])
 def test_a_run_that_never_began_or_failed_in_its_first_tick_has_no_speeds(wall_s: float) -> None:
-    result = RunResult(config=Run(), mode="direct", wall_s=wall_s)
+    result = RunResult(run=Run(), mode="direct", wall_s=wall_s)
     assert (result.real_time_factor, result.mean_speed, result.messages, result.lost) == (0, 0, 0, 0)
 
 
@@ -49,7 +49,7 @@ def test_an_account_leaves_pauses_out_of_the_wall_time_and_has_the_first_row_sin
     wall = iter((10.0, 13.0, 17.0, 21.0))  # made, and at each batch
     monkeypatch.setattr(results, "time", SimpleNamespace(monotonic=lambda: next(wall)))
     told = list[RunResult]()
-    result = RunResult(config=Run.of(duration=2.0), mode="")
+    result = RunResult(run=Run.of(duration=2.0), mode="")
     account = RunAccount(
         result, 4.0, told.append, lambda: {"/a": TopicCount(7)}, lambda: len(told), lambda: 2.0
     )

@@ -19,6 +19,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 import harness.gym
 from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS
+from harness.episode.assembly import world_of
 from harness.gym import ENVIRONMENTS
 from harness.gym.env import RoverEnv
 from harness.gym.options import Curriculum, Options, Randomisation, parse_options
@@ -346,7 +347,7 @@ def test_the_world_of_a_seed_is_that_of_the_command_line() -> None:
     options = {"terrain": "gravel", "world_seed": 5, "difficulty": 0.25}
     _, info = env.reset(options=options)
     assert {key: info[key] for key in options} == options
-    expected = Run.of(terrain="gravel", seed=5, difficulty=0.25).world()
+    expected = world_of(Run.of(terrain="gravel", seed=5, difficulty=0.25))
     assert terrain_hash(env._course.scene.world) == terrain_hash(expected)
 
 

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS
+from harness.episode.assembly import world_of
 from harness.physics.contacts import Touch
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
@@ -199,7 +200,7 @@ EPISODE_TIMESTEP_NS = 5_000_000
 
 
 def episode_simulation(terrain: str) -> Simulation:
-    world = Run.of(terrain=terrain).world()
+    world = world_of(Run.of(terrain=terrain))
     return Simulation(build_scene(world, ROVERS["leo"], EPISODE_TIMESTEP_NS / 1e9), EPISODE_TIMESTEP_NS)
 
 
@@ -228,7 +229,7 @@ def test_a_rover_is_given_five_seconds_to_settle_and_is_held_after_one(
 def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_heading(
     robot: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    world = Run.of(terrain="rolling", seed=2).world()
+    world = world_of(Run.of(terrain="rolling", seed=2))
     simulation = Simulation(build_scene(world, ROVERS[robot], 0.0025), 2_500_000)
     rest = simulation.position[2] - world.ground.height_at(*simulation.position[:2])
     for _ in range(3):

@@ -22,20 +22,20 @@ from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Outcome, exit_code, verdicts_of
 from harness.spec.run import Run
-from harness.tune.backend import Backend, WorkerLost
+from harness.workers import WorkerLost, Workers
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"
 
 
-class Backwards(Backend):
+class Backwards(Workers):
     """Gives outcomes from the last to the first."""
 
     def map(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Generator[Any, None, None]:
         yield from [work(item) for item in reversed(items)]
 
 
-class Ending(Backend):
+class Ending(Workers):
     """Ends so after some outcomes."""
 
     def __init__(self, error: Exception, after: int = 1) -> None:
@@ -83,7 +83,7 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
 ) -> None:
     cases, out = make_cases("{truth.hazard_contacts: {max: 1}}", "seeds: 3"), tmp_path / "out"
 
-    def run(backend: Backend, *, resume: bool = False) -> tuple[list[Attempt], list[int]]:
+    def run(backend: Workers, *, resume: bool = False) -> tuple[list[Attempt], list[int]]:
         driven.clear()
         found = run_all(cases, backend, out, lambda *_: None, resume=resume)
         return [replace(one, wall_s=0.0) for one in found], sorted(config.seed for config in driven)

@@ -1,29 +1,22 @@
 """The sensors' page says what the table and the options say."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from ruamel.yaml import YAML
 
-from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
 from harness.robots import find_rover
 from harness.sensors.choice import chosen, kinds
-from harness.sensors.page import BEGIN, END, described, main, written
+from tools.site.sensors import described
 
 PAGE = (Path(__file__).parents[3] / "docs" / "sensors.md").read_text()
-
-
-def test_the_page_is_up_to_date() -> None:
-    assert written(PAGE) == PAGE, "run: python -m harness.sensors.page docs/sensors.md"
 
 
 def test_every_option_of_every_kind_is_described() -> None:
     for kind, row in kinds().items():
         assert row.options is not None
-        missing = set(row.options.__dataclass_fields__) - set(described(row.options))
+        missing = set(row.options.model_fields) - set(described(row.options))
         assert not missing, f"{kind}: {missing}"
         assert row.summary
 
@@ -39,25 +32,9 @@ def test_arguments_are_not_described_as_attributes() -> None:
     assert described(Told) == {}
 
 
-def test_a_page_without_a_place_for_the_tables_is_refused() -> None:
-    with pytest.raises(UsageError, match=r"has no place for the tables"):
-        written("nothing")
-
-
-def test_a_page_is_written_where_it_has_the_place_and_printed_without_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page = tmp_path / "page.md"
-    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n{END}\n")
-    assert main([str(page)]) == main([]) == 0
-    tables = capsys.readouterr().out
-    assert "`barometer`" in tables
-    assert page.read_text() == f"before\n{BEGIN}\n{tables}{END}\nafter\n{END}\n"
-
-
 def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:
     (example,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
-    rover = replace(find_rover("leo"), sensors=tuple(YAML(typ="safe").load(example)["sensors"]))
+    rover = find_rover("leo").but(sensors=tuple(YAML(typ="safe").load(example)["sensors"]))
     given = [row.given for row in chosen(rover, None) if row.given is not None]
     assert [(some.name, some.frame_id) for some in given] == [
         ("top", "top_link"),

@@ -1,7 +1,8 @@
 from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.samples import ContactKind
-from harness.truth.contact_events import EVENT_GAP_NS, ContactEvents
+from harness.truth.contact_events import ContactEvents
+from rover_metrics.timing import EVENT_GAP_NS
 
 GAP_TICKS = EVENT_GAP_NS // TICK_NS
 TURNED_LEFT = [0.5**0.5, 0.0, 0.0, 0.5**0.5]

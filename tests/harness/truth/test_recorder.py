@@ -138,6 +138,11 @@ class StandIn(SimpleNamespace):
             scene=SimpleNamespace(rover=ROVERS["leo"]),
         )
 
+    @property
+    def orientation(self) -> tuple[float, float, float, float]:
+        w, x, y, z = self.pose[3:].tolist()
+        return x, y, z, w
+
     def tip(self, degrees: float) -> None:
         x, y, z, w = Rotation.from_euler("ZYX", [30.0, degrees, 0.0], degrees=True).as_quat()
         self.pose[3:] = w, x, y, z

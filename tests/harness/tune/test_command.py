@@ -62,7 +62,7 @@ def test_a_second_run_elsewhere_gives_the_same_bytes(
         (["--driver", "policy:none.npz"], "policy none.npz cannot be read"),
         (["--seed", "-1"], "seed -1 is not valid"),
         (["--jobs", "0"], "0 jobs are not valid"),
-        (["--backend", "slurm"], "local, ray, dask"),
+        (["--backend", "slurm"], "local, ray://HOST:PORT, dask:tcp://HOST:PORT"),
         (["--address", "localhost:1"], "--address needs --backend"),
         (["--out", "/proc/tuning"], "choose another --out"),
         (["--robt", "leo"], "see --help"),

@@ -1,13 +1,10 @@
 """The command: what it drives, what it says, how it ends."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.robots import RoverSpec
 from harness.validate import __main__ as validate
 from harness.validate.check import Check, Span
-from harness.validate.suite import BEGIN, END
 from tests.support.complaint import complaint
 
 GOOD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.495)
@@ -51,8 +48,6 @@ def test_a_miss_is_named_and_is_exit_code_1(
     [
         (["--robot", "spirit"], "available: leo, rover_zero4wd"),
         (["--seed", "-1"], "whole number from 0 up"),
-        (["--write", "--robot", "leo"], "leave out --robot"),
-        (["--write", "--realism", "a.csv", "b.csv"], "leave out --robot and --realism"),
         (["--realism", "a.csv", "b.csv"], "--realism needs --robot"),
         (
             ["--robot", "leo", "--realism", "/none/a.csv", "/none/b.csv"],
@@ -65,14 +60,3 @@ def test_bad_arguments_are_one_line_and_exit_code_2(
     arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert said in complaint(validate.main, arguments, capsys)
-
-
-def test_write_puts_the_table_between_the_markers(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    readme = tmp_path / "README.md"
-    readme.write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
-    monkeypatch.setattr(validate, "README", readme)
-    drives(monkeypatch, GOOD)
-    assert validate.main(["--write"]) == 0
-    assert "| speed | 0.490 to 0.500 m/s | 0.495 m/s | ok | S: recorded |" in readme.read_text()

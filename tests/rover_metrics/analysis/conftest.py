@@ -9,7 +9,7 @@ import pytest
 from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.logs.reading import episode_starts
 from rover_metrics.analysis.metric import COUNTERS
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 
 _REAL_LOGS = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 

@@ -15,15 +15,6 @@ def test_the_twelve_have_units_and_three_of_them_count_from_the_start_on() -> No
     assert [column.name for column in ROBOTERRAIN_COLUMNS if "so far" in column.meaning] == told
 
 
-def test_what_nothing_else_is_said_of_is_the_same_at_any_rate() -> None:
-    invariant = [c.name for c in ROBOTERRAIN_COLUMNS if c.rate_invariant == "yes"]
-    assert invariant == ["Timestamp", "Notes"]
-    sources = [column.source.split()[0] for column in ROBOTERRAIN_COLUMNS]
-    scan, imu, pose, odometry = "/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels"
-    middle = [scan, scan, imu, imu, scan, pose, odometry, imu, imu, imu]
-    assert sources == ["/clock", *middle, "none"]
-
-
 def test_an_extended_column_has_its_unit_in_its_header() -> None:
     column = Column(name="Way", meaning="How far.", formula="Sum.", source="/x")
     assert replace(column, unit="m").header == "Way [m]"

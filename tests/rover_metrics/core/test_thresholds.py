@@ -39,8 +39,3 @@ def test_a_range_is_closed_and_what_is_outside_is_refused_with_name_value_and_ra
         assert str(caught.value) == (
             f"{name} = {value} is not valid: it must be from 0.0 to {maximum} {unit}"
         )
-
-
-def test_thresholds_do_not_change_in_place() -> None:
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        Thresholds().collision_threshold = 0.3  # type: ignore[misc]

@@ -25,11 +25,6 @@ def test_the_defaults_that_ros_declares_are_those_of_the_settings() -> None:
     assert Settings().updated({name: info.default for name, info in PARAMETERS.items()}) == Settings()
 
 
-def test_nothing_is_switched_on_but_what_is_published() -> None:
-    switches = {name: info.default for name, info in PARAMETERS.items() if type(info.default) is bool}
-    assert [name for name, is_on in switches.items() if is_on] == ["publish_metrics"]
-
-
 @pytest.mark.parametrize("name", ["gravity", "footprint_threshold"])
 def test_a_number_of_the_extended_columns_is_from_0_to_100(name: str) -> None:
     for value in (0.0, 100.0):

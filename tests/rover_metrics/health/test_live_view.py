@@ -5,12 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from rover_metrics.core.row import COLUMNS, Row
+from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.core.thresholds import Thresholds
-from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.health.live_view import Level, LiveView, Status
 from rover_metrics.health.reception import TopicState
-from rover_metrics.session import MetricsSession
 
 CALM = Row(
     stamp_s=7,
@@ -92,15 +90,6 @@ def test_a_collision_is_an_error_once_not_for_ever() -> None:
     assert [told[1].message, told[3].message] == news
 
 
-def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
-    session = MetricsSession(settings=DEFAULT_EXTENDED)
-    session.take_contact(touches=True)
-    row = session.row(10**9)
-    values = dict(LiveView().statuses(row, (), Thresholds(), 0)[0].values)
-    assert values["True Contact Share"] == "1.0000"
-    assert "VORT [m/s]" not in values
-
-
 def test_a_topic_tells_rate_age_and_losses() -> None:
     heard = HEARD._replace(lost=5, rejected=7)
     status = topic(heard._replace(received=80), heard)
@@ -139,11 +128,6 @@ def test_losses_of_long_ago_are_no_warning_any_more() -> None:
         assert topic(old, new).message == f"1 {what} since the row before"
 
 
-def test_without_a_stamp_of_the_rows_clock_there_is_no_age() -> None:
-    for stamp_ns in (0, 1_737_000_000 * 10**9):
-        assert "age [s]" not in dict(topic(HEARD._replace(stamp_ns=stamp_ns)).values)
-
-
 def test_a_rate_needs_two_rows_and_time_between_them() -> None:
     view = LiveView()
     rates = []
@@ -152,7 +136,3 @@ def test_a_rate_needs_two_rows_and_time_between_them() -> None:
         _, status = view.statuses(CALM, [state], Thresholds(), half_seconds * 500_000_000)
         rates.append(dict(status.values).get("rate [Hz]"))
     assert rates == [None, "20.0000", "20.0000", None, None, "1.0000"]
-
-
-def test_levels_are_those_of_diagnostic_msgs() -> None:
-    assert [level.value for level in (Level.OK, Level.WARN, Level.ERROR, Level.STALE)] == [0, 1, 2, 3]

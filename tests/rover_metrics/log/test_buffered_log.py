@@ -14,7 +14,7 @@ import pytest
 
 import rover_metrics
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog
@@ -112,16 +112,6 @@ def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full
     log.close()
     assert seconds(log.path) == list(range(15, 26))
     assert told[-1].endswith("11 rows caught up, 15 lost")
-
-
-def test_at_the_bound_nothing_is_lost(tmp_path: Path, full_disk: FullDisk) -> None:
-    log = buffered(tmp_path, Told(), 10)
-    with full_disk(1):
-        for second in range(10):
-            log.write(row(second))
-    log.close()
-    assert log.dropped == 0
-    assert seconds(log.path) == list(range(10))
 
 
 def test_what_still_waits_at_the_end_is_tried_once_more_and_then_counted_as_lost(

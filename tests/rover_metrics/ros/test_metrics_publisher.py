@@ -11,12 +11,9 @@ pytest.importorskip("diagnostic_msgs", reason="needs ros-diagnostic-msgs")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
-from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros import metrics_publisher
-from rover_metrics.ros.metrics_publisher import MetricsPublisher
 from rover_metrics.topics import SENSORS
 
 if TYPE_CHECKING:
@@ -125,87 +122,9 @@ def test_without_diagnostic_msgs_rows_are_written_and_the_user_is_told(
     assert node.rows == 1
 
 
-# The message itself
-
-
-class Stub:
-    """A node, and its publisher."""
-
-    def __init__(self, namespace: str = "/", *, enabled: bool = True) -> None:
-        self.namespace, self.told, self.sent = namespace, list[str](), Heard()
-        self.listening, self.qos = 1, QoSProfile(depth=1)
-        self.publisher = MetricsPublisher(self, self.told.append, enabled=enabled)
-
-    def get_name(self) -> str:
-        return "metrics_node"
-
-    def get_namespace(self) -> str:
-        return self.namespace
-
-    def create_publisher(self, kind: type, topic: str, qos: QoSProfile) -> "Stub":
-        assert (kind, topic) == (DiagnosticArray, "rover/metrics")
-        self.qos = qos
-        return self
-
-    def get_subscription_count(self) -> int:
-        return self.listening
-
-    def publish(self, message: Any) -> None:  # noqa: ANN401
-        self.sent.append(message)
-
-
-STATUSES = [
-    Status(Level.OK, "a", "fine", (("rate", "2"), ("age", "3"))),
-    Status(Level.WARN, "b", "hm", ()),
-    Status(Level.ERROR, "c", "ouch", ()),
-    Status(Level.STALE, "d", "gone", ()),
-]
-
-
-@pytest.mark.parametrize(("namespace", "hardware"), [("/", "rover"), ("/fleet/leo", "fleet/leo")])
-def test_a_status_is_sent_whole_with_its_stamp_its_level_and_its_hardware(
-    namespace: str, hardware: str
-) -> None:
-    stub = Stub(namespace)
-    stub.publisher.publish(3_000_000_005, lambda: STATUSES)
-    (message,) = stub.sent
-    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (3, 5)
-    told = [(each.level, each.name, each.message, each.hardware_id) for each in message.status]
-    assert told == [
-        (DiagnosticStatus.OK, "metrics_node: a", "fine", hardware),
-        (DiagnosticStatus.WARN, "metrics_node: b", "hm", hardware),
-        (DiagnosticStatus.ERROR, "metrics_node: c", "ouch", hardware),
-        (DiagnosticStatus.STALE, "metrics_node: d", "gone", hardware),
-    ]
-    values = [[(pair.key, pair.value) for pair in each.values] for each in message.status]
-    assert values == [[("rate", "2"), ("age", "3")], [], [], []]
-    assert (stub.qos.history, stub.qos.depth) == (HistoryPolicy.KEEP_LAST, 10)
-    assert stub.qos.reliability == ReliabilityPolicy.RELIABLE
-    assert stub.qos.durability == DurabilityPolicy.VOLATILE
-
-
-@pytest.mark.parametrize(("enabled", "listening"), [(True, 0), (False, 1)])
-def test_nothing_is_built_or_sent_unless_somebody_wants_it(enabled: bool, listening: int) -> None:
-    stub = Stub(enabled=enabled)
-    stub.listening = listening
-    assert stub.publisher.listeners == listening
-    stub.publisher.publish(0, lambda: 1 / 0)  # type: ignore[arg-type, return-value]
-    assert (stub.sent, stub.told) == ([], [])
-
-
-def test_whatever_goes_wrong_is_told_at_its_powers_of_two() -> None:
-    stub = Stub()
-    for _ in range(5):
-        stub.publisher.publish(0, lambda: dict[str, Heard]()["a\n b"])
-    error = "cannot publish rover/metrics: KeyError: 'a\\n b'"
-    assert stub.told == [f"{error} ({count} so far); rows go on" for count in (1, 2, 4)]
-
-
-@pytest.mark.parametrize("enabled", [True, False])
-def test_the_lack_of_diagnostic_msgs_is_told_if_they_are_wanted(
-    enabled: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(metrics_publisher, "DiagnosticArray", None)
-    stub = Stub(enabled=enabled)
-    stub.publisher.publish(0, lambda: STATUSES)
-    assert (stub.publisher.listeners, stub.sent, len(stub.told)) == (0, [], int(enabled))
+def test_a_recording_gets_each_message_though_nobody_listens(rig: "Rig") -> None:
+    node, recorded = rig.start(use_sim_time=True), Heard()
+    node.publisher.record = recorded.append
+    tick(rig, node, rig.publisher(Clock, "/clock"), 1, 2)
+    assert [message.header.stamp.sec for message in recorded] == [1, 2]
+    assert {status.hardware_id for status in recorded[0].status} == {"rover"}

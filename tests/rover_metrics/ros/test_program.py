@@ -7,9 +7,7 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 
-from rover_metrics.errors import LogError
 from rover_metrics.ros import program
 
 
@@ -72,24 +70,6 @@ SPUN = ["make node", "standard executor", "add node", "spin"]
 DOWN = ["destroy node", "shutdown executor", "shutdown ROS"]
 
 
-@pytest.mark.parametrize("error", [None, KeyboardInterrupt(), ExternalShutdownException()])
-def test_a_signal_while_it_spins_is_a_clean_end_with_zero(
-    stage: Stage, error: BaseException | None, capsys: pytest.CaptureFixture[str]
-) -> None:
-    if error is not None:
-        stage.errors["spin"] = error
-    assert stage.run() == 0
-    assert stage.events == [*UP, *SPUN, *DOWN]
-    assert capsys.readouterr() == ("", "")
-
-
-def test_an_error_while_it_spins_is_in_the_record_before_the_node_goes(stage: Stage) -> None:
-    stage.errors["spin"] = ValueError("boo")
-    with pytest.raises(ValueError, match="boo"):
-        stage.run()
-    assert stage.events == [*UP, *SPUN, ("fail", "ValueError: boo"), *DOWN]
-
-
 def test_while_a_simulator_waits_the_faster_executor_spins_the_node(stage: Stage) -> None:
     stage.lock_steps = [False, True, True, False]
     assert stage.run() == 0
@@ -114,30 +94,3 @@ def test_a_context_that_a_signal_pulled_away_is_a_clean_end_but_the_same_error_w
     failed = ("fail", f"{type(error).__name__}: {error}") in stage.events
     assert failed is (ros_is_up and where == "spin")
     assert stage.events[-1] == DOWN[-1]
-
-
-def test_a_known_mistake_is_one_line_and_its_exit_code(
-    stage: Stage, capsys: pytest.CaptureFixture[str]
-) -> None:
-    stage.errors["make node"] = LogError("cannot create a log")
-    assert stage.run() == 2
-    assert stage.events == [*UP, "make node", DOWN[-1]]
-    assert capsys.readouterr() == ("", "metrics_node: cannot create a log\n")
-
-
-def test_arguments_that_ros_refuses_are_one_line_and_two(
-    stage: Stage, capsys: pytest.CaptureFixture[str]
-) -> None:
-    stage.errors["init"] = RuntimeError("Couldn't parse\n  rule: 'x'")
-    assert stage.run() == 2
-    assert stage.events == UP
-    assert capsys.readouterr() == ("", "metrics_node: Couldn't parse rule: 'x'\n")
-
-
-def test_an_option_behind_ros_args_that_ros_does_not_know_is_told_before_ros_is_up(
-    stage: Stage, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert program.run_node("metrics_node", stage.make_node, ["--ros-args", "--parms-file", "x"]) == 2
-    assert stage.events == []
-    told = "metrics_node: --ros-args knows no '--parms-file'; did you mean --params-file?\n"
-    assert capsys.readouterr() == ("", told)

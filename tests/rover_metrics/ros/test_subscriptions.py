@@ -8,15 +8,13 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 from geometry_msgs.msg import PoseArray
-from nav_msgs.msg import Odometry
 from rclpy.event_handler import UnsupportedEventTypeError
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import Imu, LaserScan
-from std_msgs.msg import Bool, Float64MultiArray
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import LaserScan
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros import subscriptions
-from rover_metrics.topics import SENSORS, TRUTH, Source
+from rover_metrics.topics import SENSORS, TRUTH
 
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
@@ -51,22 +49,6 @@ def test_the_change_that_the_report_names_makes_the_publisher_heard(rig: "Rig") 
     assert not node.reception.remarks["/scan"]
 
 
-def test_the_reliability_parameter_is_described_and_fixed(rig: "Rig") -> None:
-    node = rig.start()
-    descriptor = node.describe_parameter(RELIABILITY)
-    assert descriptor.read_only
-    assert "/scan" in descriptor.description
-    assert node.get_parameter(RELIABILITY).value == "reliable"
-    pose = RELIABILITY.replace("scan", "rover/pose_array")
-    assert node.get_parameter(pose).value == "best_effort"
-
-
-def test_another_policy_that_does_not_fit_is_named() -> None:
-    event = SimpleNamespace(last_policy_kind=QoSPolicyKind.DEADLINE)
-    told = subscriptions._mend(event, "reliable", RELIABILITY)
-    assert told == ": its deadline does not fit; this node asks for reliable, volatile"
-
-
 class Subscriber:
     """A node of which only the subscribing is real enough; it may refuse events."""
 
@@ -98,40 +80,23 @@ def test_messages_that_the_middleware_reports_lost_are_counted() -> None:
     assert told[0] == "/scan: lost on the way (3 so far)"
 
 
-@pytest.mark.parametrize(
-    ("source", "message_type", "reliability", "depth", "known"),
-    [
-        (SCAN, LaserScan, ReliabilityPolicy.RELIABLE, 10, 1),
-        (IMU, Imu, ReliabilityPolicy.RELIABLE, 10, 1),
-        (POSE, PoseArray, ReliabilityPolicy.BEST_EFFORT, 1, 1),
-        (ODOMETRY, Odometry, ReliabilityPolicy.RELIABLE, 10, 1),
-        (GROUND_TRUTH, Odometry, ReliabilityPolicy.RELIABLE, 10, 0),
-        (CONTACT, Bool, ReliabilityPolicy.RELIABLE, 10, 0),
-        (TRUTH_VALUES, Float64MultiArray, ReliabilityPolicy.RELIABLE, 10, 0),
-    ],
-    ids=lambda value: value.name if isinstance(value, Source) else "",
-)
-@pytest.mark.parametrize("tells_lost", [True, False])
-def test_every_policy_of_a_subscription_is_what_its_source_asks_for(
-    source: Source,
-    message_type: type,
-    reliability: ReliabilityPolicy,
-    depth: int,
-    known: int,
-    tells_lost: bool,
-) -> None:
-    node, reception = Subscriber(tells_lost=tells_lost), Reception(print)
-    assert subscriptions.subscribe(node, source, print, reception) == source.name
-    kind, name, callback, qos = node.asked
-    assert (kind, name, callback) == (message_type, source.name.removeprefix("/"), print)
-    assert isinstance(qos, QoSProfile)
-    assert (qos.reliability, qos.history, qos.depth, qos.durability) == (
-        reliability,
-        HistoryPolicy.KEEP_LAST,
-        depth,
-        DurabilityPolicy.VOLATILE,
-    )
-    assert len(reception.states()) == known
+def test_every_policy_of_a_subscription_is_what_its_source_asks_for(rig: "Rig") -> None:
+    node = rig.start(extended_columns=True)
+    asked = {each.topic_name: each for each in node.subscriptions if each.topic_name in node.received}
+    reliable, depth = dict.fromkeys(asked, "RELIABLE"), dict.fromkeys(asked, 10)
+    reliable["/rover/pose_array"], depth["/rover/pose_array"] = "BEST_EFFORT", 1
+    policies = {topic: each.qos_profile for topic, each in asked.items()}
+    assert {topic: qos.reliability.name for topic, qos in policies.items()} == reliable
+    assert {topic: qos.depth for topic, qos in policies.items()} == depth
+    assert {qos.history for qos in policies.values()} == {HistoryPolicy.KEEP_LAST}
+    assert {qos.durability for qos in policies.values()} == {DurabilityPolicy.VOLATILE}
+    assert {state.topic for state in node.reception.states()} == {each.name for each in SENSORS}
+
+
+def test_a_middleware_that_does_not_tell_what_it_loses_is_listened_to_all_the_same() -> None:
+    node = Subscriber(tells_lost=False)
+    assert subscriptions.subscribe(node, SENSORS[0], print, Reception(print)) == "/scan"
+    assert node.events == [None]
 
 
 def test_poses_overwritten_in_the_queue_are_seen_by_the_gap_of_their_stamps(rig: "Rig") -> None:

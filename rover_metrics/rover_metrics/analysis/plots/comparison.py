@@ -23,7 +23,7 @@ from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import t_interval
 from rover_metrics.analysis.study import Study
-from rover_metrics.analysis.tables.sheets import probability
+from rover_metrics.sheet.sheet import probability
 
 _MOST_TICKS = 12
 _LINE = 115  # characters that fit below the panels

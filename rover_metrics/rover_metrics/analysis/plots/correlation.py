@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.plots.style import WIDTH, shortened
 from rover_metrics.analysis.statistics.correlation import Correlation
-from rover_metrics.analysis.tables.sheets import probability
+from rover_metrics.sheet.sheet import probability
 
 _MOST_WRITTEN = 14  # metrics; in the cells of more no number can be read
 _LONGEST_TICK = 34  # letters

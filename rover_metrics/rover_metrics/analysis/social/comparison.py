@@ -22,7 +22,8 @@ from rover_metrics.analysis.social.metrics import (
     run_figures,
     windows,
 )
-from rover_metrics.analysis.statistics.comparison import Comparison, cohens_d, compare, holm
+from rover_metrics.analysis.statistics.comparison import Comparison, cohens_d, compare
+from rover_metrics.analysis.statistics.holm import with_holm
 
 METRICS = {"risk_s_per_goal": "Risk seconds a goal", "s_per_goal": "Seconds a goal"}
 
@@ -95,20 +96,16 @@ def differences(groups: Mapping[str, Group], confidence: float) -> list[Differen
         groups: By name, in their order.
         confidence: Level of the intervals, between 0 and 1.
     """
-    found: list[Difference] = []
+    all_pairs: list[Difference] = []
     for metric in METRICS:
         pairs = [_difference(metric, *pair, confidence) for pair in combinations(groups.values(), 2)]
-        by_windows = holm([pair.windows.p for pair in pairs])
-        by_runs = holm([pair.runs.p for pair in pairs])
-        found += [
-            replace(
-                pair,
-                windows=replace(pair.windows, p_holm=p_windows),
-                runs=replace(pair.runs, p_holm=p_runs),
-            )
-            for pair, p_windows, p_runs in zip(pairs, by_windows, by_runs, strict=True)
+        by_windows = with_holm([pair.windows for pair in pairs])
+        by_runs = with_holm([pair.runs for pair in pairs])
+        all_pairs += [
+            replace(pair, windows=of_windows, runs=of_runs)
+            for pair, of_windows, of_runs in zip(pairs, by_windows, by_runs, strict=True)
         ]
-    return found
+    return all_pairs
 
 
 def _difference(metric: str, first: Group, second: Group, confidence: float) -> Difference:

@@ -13,7 +13,7 @@ from rover_metrics.analysis.plots.style import DPI, STYLE
 from rover_metrics.analysis.social.comparison import Group
 from rover_metrics.analysis.social.figures import draw_distances, draw_meetings, draw_windows
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
-from rover_metrics.analysis.tables.sheets import Sheet
+from rover_metrics.sheet.sheet import Sheet
 
 CSS = """
 :root { color-scheme: light; }
@@ -24,8 +24,8 @@ section { margin-top: 1rem; padding: 0.75rem; overflow-x: auto; background: #fff
 h1 { margin: 0; font-size: 1.6rem; } h2 { margin: 0 0 0.5rem; font-size: 1.1rem; }
 table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; }
 th, td { padding: 0.15rem 0.6rem; border-bottom: 1px solid #e3e7eb; text-align: right; }
-td { white-space: nowrap; } th { vertical-align: bottom; }
-th:first-child, td:first-child { text-align: left; }
+th { vertical-align: bottom; } tbody th { font-weight: 400; } td, tbody th { white-space: nowrap; }
+th:first-child { text-align: left; }
 .hint { margin: 0.5rem 0 0; color: #57606a; font-size: 0.875rem; }
 svg { width: 100%; height: auto; }
 """
@@ -80,14 +80,6 @@ def _svg(figure: Figure, title: str) -> str:
 
 
 def _table(sheet: Sheet) -> str:
-    titles = [sheet.head, *sheet.titles(narrow=False)]
-    head = "".join(f"<th>{escape(title)}</th>" for title in titles)
-    rows = "".join(
-        f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in (row.name, *row.cells.values()))}</tr>"
-        for row in sheet.rows
-    )
-    odd = "".join(f"<p class=hint>odd: {escape(finding)}</p>" for finding in sheet.odd)
-    return (
-        f"<section><h2>{escape(sheet.title)}</h2>{odd}<table><thead><tr>{head}</tr></thead>"
-        f"<tbody>{rows}</tbody></table><p class=hint>{escape(sheet.caption)}</p></section>"
-    )
+    odd = "".join(f"<p class=hint>odd: {escape(finding)}</p>" for finding in sheet.findings)
+    caption = f"<p class=hint>{escape(sheet.caption)}</p>"
+    return f"<section><h2>{escape(sheet.title)}</h2>{odd}{sheet.__html__()}{caption}</section>"

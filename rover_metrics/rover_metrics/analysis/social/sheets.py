@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.social.comparison import METRICS, Difference, Group
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE, SOON, ZONES, RunFigures
-from rover_metrics.analysis.tables.sheets import NONE, Row, Sheet, interval_text, number, probability
+from rover_metrics.sheet.sheet import NONE, Sheet, formatted, interval_text, number, probability
 
 PAIRS_CAPTION = (
     "Windows: each of {goals} goals, logs of a group joined; p: Mann-Whitney U, two-sided; interval: "
@@ -16,23 +16,22 @@ PAIRS_CAPTION = (
 
 
 def social_sheets(
-    groups: Mapping[str, Group], found: Sequence[Difference], goals: int, risk_distance: float
+    groups: Mapping[str, Group], differences: Sequence[Difference], goals: int, risk_distance: float
 ) -> Iterator[Sheet]:
     """Yields the tables: the runs of each group, the groups, their differences.
 
     Args:
         groups: By name, in their order.
-        found: Their differences.
+        differences: Between each pair of them.
         goals: Of a window.
         risk_distance: Below which a distance is a risk [m].
     """
     for group in groups.values():
         yield _runs(group, risk_distance)
     yield _groups(groups, goals)
-    if found:
-        rows = tuple(_pair(each) for each in found)
+    if differences:
         caption = PAIRS_CAPTION.format(goals=goals)
-        yield Sheet("differences", "Differences", "Metric, groups", rows, caption)
+        yield Sheet.of(map(_pair, differences), "Differences", caption=caption)
 
 
 def _runs(group: Group, risk_distance: float) -> Sheet:
@@ -42,13 +41,13 @@ def _runs(group: Group, risk_distance: float) -> Sheet:
         f"the nearest person in each of Hall's, {shares}. Intrusions: times that somebody came nearer "
         f"than {PERSONAL_SPACE:g} m. TTC: distance over closing speed; seconds below {SOON:g} s."
     )
-    rows = tuple(
-        Row("", log.path.name, _run_cells(figures))
+    rows = (
+        {"Log": log.path.name, **_run_cells(figures)}
         for log, figures in zip(group.logs, group.figures, strict=True)
     )
     odd = tuple(f"{log.path.name}: {finding}" for log in group.logs for finding in log.findings)
     spare = frozenset({"Intimate", "Personal", "Smallest TTC s"})
-    return Sheet("runs", f"Runs of {group.name}", "Log", rows, caption, odd, spare)
+    return Sheet.of(rows, f"Runs of {group.name}", caption=caption, findings=odd, spare=spare)
 
 
 def _run_cells(figures: RunFigures) -> dict[str, str]:
@@ -70,39 +69,36 @@ def _run_cells(figures: RunFigures) -> dict[str, str]:
 
 
 def _groups(groups: Mapping[str, Group], goals: int) -> Sheet:
-    rows = tuple(
-        Row(
-            "",
-            f"{title}, {group.name}",
-            {
-                "Mean of windows": _mean(group.of_windows(metric)),
-                "Windows": str(len(group.windows)),
-                "Mean of runs": _mean(group.of_runs(metric)),
-                "Runs": str(len(group.logs)),
-            },
-        )
+    rows = (
+        {
+            "Metric, group": f"{title}, {group.name}",
+            "Mean of windows": _mean(group.of_windows(metric)),
+            "Windows": str(len(group.windows)),
+            "Mean of runs": _mean(group.of_runs(metric)),
+            "Runs": str(len(group.logs)),
+        }
         for metric, title in METRICS.items()
         for group in groups.values()
     )
     caption = f"A window is {goals} goals; a run without a goal has no mean."
-    return Sheet("groups", "Groups", "Metric, group", rows, caption)
+    return Sheet.of(rows, "Groups", caption=caption)
 
 
 def _mean(values: Floats) -> str:
     return number(float(values.mean()) if values.size else None)
 
 
-def _pair(each: Difference) -> Row:
+def _pair(each: Difference) -> dict[str, str]:
     first, second = each.groups
     by_windows, by_runs = each.windows, each.runs
-    cells = {
+    return {
+        "Metric, groups": f"{METRICS[each.metric]}, {first} and {second}",
         "Difference": number(by_windows.difference),
         "Interval": interval_text(by_windows.interval),
-        "d": NONE if each.cohens_d is None else f"{each.cohens_d:+.2f}",
+        "d": formatted(each.cohens_d, "+.2f"),
         "p": probability(by_windows.p),
         "p (Holm)": probability(by_windows.p_holm),
         "Difference, runs": number(by_runs.difference),
         "p (Holm), runs": probability(by_runs.p_holm),
         "Lowest p of so few": probability(by_runs.smallest_p),
     }
-    return Row("", f"{METRICS[each.metric]}, {first} and {second}", cells)

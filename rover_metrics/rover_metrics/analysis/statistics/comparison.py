@@ -12,7 +12,6 @@ one of the first than the other way round).
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import comb, sqrt
 
@@ -169,17 +168,3 @@ def _hedges_g(first: Floats, second: Floats) -> float | None:
     """Returns Cohen's d, corrected for small samples."""
     d = cohens_d(first, second)
     return None if d is None else (1 - 3 / (4 * (first.size + second.size - 2) - 1)) * d
-
-
-def holm(probabilities: Sequence[float | None]) -> list[float | None]:
-    """Adjusts p-values so that the chance of any false alarm among them stays as stated (Holm 1979).
-
-    None stands where there was no test, which does not count.
-    """
-    tests = sorted((p, i) for i, p in enumerate(probabilities) if p is not None)
-    adjusted: list[float | None] = [None] * len(probabilities)
-    highest = 0.0
-    for rank, (p, i) in enumerate(tests):
-        highest = max(highest, min(1.0, (len(tests) - rank) * p))
-        adjusted[i] = highest
-    return adjusted

@@ -1,47 +1,64 @@
-"""Samples as rows: what a scan and a second come down to."""
+"""Samples as rows: what a scan and a second come down to, and how an episode ends."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.lib.stride_tricks import sliding_window_view
 
-from harness.base.sim_time import TICK_NS
+from harness.base.errors import Diverged, RunFailed
 from harness.episode.batch import Batch
-from harness.samples import Imu, LaserScan, Pose, Tick, TruthState
+from harness.episode.episode import Episode
+from harness.episode.metrics_feed import SampleFeed, extended_settings
+from harness.samples import Imu, LaserScan, Pose, Sample, Tick, TruthState
+from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
-from harness.tune.episodes.recompute import Collected, scan_rows, window_rows
-from tests.support.rovers import ROVER_ZERO4WD
+from harness.tune.episodes import sweep
+from harness.tune.episodes.recompute import Collected
+from harness.tune.episodes.record import Ending
+from rover_metrics.core.thresholds import Thresholds
+from rover_metrics.session import MetricsSession
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 MS = 1_000_000
 
 
 def state(stamp_ms: int, *, speed: float = 0.0, **more: bool | float) -> TruthState:
-    values = {
-        "hazard_contact": False,
-        "rock_contact": False,
-        "path_length": 0.0,
-        "roughness": 0.0,
-    } | more
+    values = {"hazard_contact": False, "rock_contact": False, "path_length": 0.0, "roughness": 0.0}
     return TruthState(
         stamp_ns=stamp_ms * MS,
         scrape=False,
         contact_force=0.0,
         speed=speed,
         slip=(0.0, 0.0, 0.0, 0.0),
-        **values,  # type: ignore[arg-type]  # of four types
+        **values | more,  # type: ignore[arg-type]  # of four types
     )
+
+
+def batch(*samples: Sample, tipped: bool = False) -> Batch:
+    """One whose samples stand in a tick for each stamp."""
+    stamps = sorted({sample.stamp_ns for sample in samples})
+    ticks = (Tick(at, tuple(one for one in samples if one.stamp_ns == at)) for at in stamps)
+    return Batch(tuple(ticks), Truth(tipped_over=tipped))
 
 
 def test_a_scan_is_its_nearest_return_its_near_returns_and_its_way_to_the_outline() -> None:
     # Of 5 beams the middle one looks along the lidar's x axis, which is backwards.
-    scans = [
-        LaserScan(50 * MS, np.array([np.inf, -np.inf, 2.0, -np.inf, 3.0], np.float32)),
-        LaserScan(100 * MS, np.full(5, np.inf, np.float32)),
-    ]
-    states = [state(50, speed=0.5, hazard_contact=True), state(100, speed=-0.25)]
+    collected = Collected(ROVER_ZERO4WD, LidarSpec(beams=5))
+    collected.take(
+        batch(
+            LaserScan(50 * MS, np.array([np.inf, -np.inf, 2.0, -np.inf, 3.0], np.float32)),
+            state(50, speed=0.5, hazard_contact=True),
+            LaserScan(100 * MS, np.full(5, np.inf, np.float32)),
+            state(100, speed=-0.25, rock_contact=True, path_length=3.5),
+        )
+    )
 
-    rows = scan_rows(Collected(scans=scans, states=states), ROVER_ZERO4WD)
+    rows = collected.scan_rows()
 
     assert rows["stamp_ms"].tolist() == [50, 100]
     assert rows["nearest"].tolist() == [2.0, np.inf]
@@ -50,39 +67,31 @@ def test_a_scan_is_its_nearest_return_its_near_returns_and_its_way_to_the_outlin
     assert rows["footprint"].tolist() == pytest.approx([2.0 - 0.174 - 0.272, np.inf], abs=1e-3)
     assert rows["contact"].tolist() == [True, False]
     assert rows["speed"].tolist() == [0.5, -0.25]
-    assert len(scan_rows(Collected(), ROVER_ZERO4WD)) == 0
+    assert collected.path_length == 3.5
+    assert (len(Collected(LEO).scan_rows()), len(Collected(LEO).window_rows())) == (0, 0)
 
 
-@pytest.fixture
-def two_seconds() -> Collected:
+def test_a_second_is_the_extrema_and_means_of_what_was_sampled_up_to_its_end() -> None:
     """Ten samples of each kind a second; those on the full second belong to the one that ends there."""
-    stamps = range(100, 2600, 100)
-    collected = Collected()
-    for ms in stamps:
-        first = ms <= 1000
+    samples: list[Sample] = []
+    for number, ms in enumerate(range(100, 2600, 100)):
         peak = {900: 14.0, 1000: 12.0, 1100: 20.0}.get(ms, 10.0)
-        collected.imu.append(
-            Imu(ms * MS, UPRIGHT, (0.0, 0.0, 5.0 if ms == 500 else 1.0), (0.0, 0.6 * peak, 0.8 * peak))
-        )
-        collected.states.append(
+        turn = (0.0, 0.0, 5.0 if ms == 500 else 1.0)
+        samples += (
+            Imu(ms * MS, UPRIGHT, turn, (0.0, 0.6 * peak, 0.8 * peak)),
             state(
                 ms,
                 speed=-0.5 if ms % 200 else 0.7,
-                roughness=0.004 if first else 0.002,
+                roughness=0.004 if ms <= 1000 else 0.002,
                 rock_contact=ms in {100, 1000, 1100},
                 hazard_contact=ms == 1000,
-            )
+            ),
+            # 0.3 m a pose along x, but for a step of 0.5 m up at 1.0 s.
+            Pose(ms * MS, (0.3 * number, 2.0, 0.5 * (ms >= 1000)), UPRIGHT),
         )
-    # 0.3 m a pose along x, but for a step of 0.5 m up at 1.0 s.
-    for number, ms in enumerate(stamps):
-        collected.poses.append(Pose(ms * MS, (0.3 * number, 2.0, 0.5 * (ms >= 1000)), UPRIGHT))
-    return collected
-
-
-def test_a_second_is_the_extrema_and_means_of_what_was_sampled_up_to_its_end(
-    two_seconds: Collected,
-) -> None:
-    rows = window_rows(two_seconds)
+    collected = Collected(LEO)
+    collected.take(batch(*samples))
+    rows = collected.window_rows()
 
     assert len(rows) == 2  # full ones
     expected = {
@@ -102,24 +111,86 @@ def test_a_second_is_the_extrema_and_means_of_what_was_sampled_up_to_its_end(
         assert rows[column].tolist() == pytest.approx(values, abs=1e-5), column
 
 
-def test_samples_are_sorted_by_kind_and_the_last_state_tells_the_path() -> None:
-    scan, pose, other = LaserScan(0, np.zeros(2, np.float32)), Pose(0, (0, 0, 0), UPRIGHT), state(50)
-    imu, last = Imu(0, UPRIGHT, (0, 0, 0), (0, 0, 0)), state(100, path_length=3.5)
-    collected = Collected()
-
-    assert collected.path_length == 0.0
-    collected.take(Batch((Tick(0, (imu, scan, other)), Tick(TICK_NS, (pose, last))), Truth()))
-
-    assert (collected.imu, collected.poses, collected.states) == ([imu], [pose], [other, last])
-    assert collected.scans == [scan]
-    assert collected.path_length == 3.5
-
-
 def test_a_scan_stands_at_the_pose_nearest_in_time() -> None:
     poses = [Pose(ms * MS, (float(ms), 0.0, 0.0), UPRIGHT) for ms in (20, 40, 60, 80)]
     scans = [LaserScan(ms * MS, np.zeros(2, np.float32)) for ms in (1, 29, 31, 60, 99)]
+    collected = Collected(LEO, LidarSpec(beams=2))
+    collected.take(batch(state(1), *poses, *scans))
 
-    placed = Collected(scans=scans, poses=poses).placed_scans()
+    placed = collected.placed_scans()
 
     assert [item.scan.stamp_ns // MS for item in placed] == [1, 29, 31, 60, 99]
     assert [item.pose.position[0] for item in placed] == [20.0, 20.0, 40.0, 60.0, 80.0]
+
+
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_rows_tell_of_any_threshold_what_a_metrics_session_with_it_counts(robot: str) -> None:
+    """What the scoring compares with thresholds is what the node compares, drive by drive."""
+    run = Run.of(robot=robot, terrain="rocky", driver="ram", seed=3, duration=12.0)
+    ticks = [tick for one in Episode(run).batches() for tick in one.ticks]
+    record = sweep.drive(run)
+    scans, windows = record.scans, record.windows
+    smoothness = sliding_window_view(windows["mean_smoothness"], 5).mean(axis=1)
+    rover = {"leo": LEO, "rover_zero4wd": ROVER_ZERO4WD}[robot]
+    for distance, acceleration, step in ((0.2, 10.5, 0.005), (0.5, 12.0, 0.01), (1.0, 14.0, 0.02)):
+        thresholds = Thresholds(
+            collision_threshold=distance, rough_terrain_threshold=acceleration, distance_threshold=step
+        )
+        settings = replace(extended_settings(rover), footprint_threshold=distance)
+        session = MetricsSession(thresholds, settings)
+        feed = SampleFeed(session, LidarSpec())
+        rough, short, current = np.zeros(12, bool), np.ones(12, bool), []
+        for tick in ticks:
+            second = -(-tick.stamp_ns // 1_000_000_000) - 1  # (0, 1] is the first
+            for sample in tick.samples:
+                feed.take(sample)
+                short[second] &= not isinstance(sample, Pose) or session.metrics.last_step < step
+            row = session.row(tick.stamp_ns)
+            rough[second] |= bool(row.is_rough_terrain)
+            if tick.stamp_ns % 1_000_000_000 == 0:
+                current.append(row.current_smoothness)
+
+        # Half floats: what rounds across the threshold may count on the other side.
+        assert np.sum(scans["nearest"] < distance) == pytest.approx(
+            session.metrics.total_collisions, abs=2
+        )
+        assert np.sum(scans["footprint"] < distance) == pytest.approx(
+            row.extended["Footprint Collisions"], abs=2
+        )
+        assert np.sum(scans["near_returns"] > 0) == row.extended["Near Return Scans"]
+        assert (windows["peak_acceleration"] > acceleration).tolist() == rough.tolist()
+        assert (windows["largest_step"] < step).tolist() == short.tolist()
+        assert smoothness == pytest.approx(current[4:], rel=1e-5)  # 100 IMU samples are 5 s
+
+
+@pytest.mark.parametrize(
+    ("tipped", "error", "ending", "scans"),
+    [
+        ((False, False), None, Ending.COMPLETE, 2),
+        ((False, True, False), None, Ending.TIPPED_OVER, 2),
+        ((False, True), None, Ending.TIPPED_OVER, 2),
+        ((False,), RunFailed("off the map"), Ending.LEFT_THE_MAP, 1),
+        ((False,), Diverged("too fast"), Ending.DIVERGED, 1),
+    ],
+)
+def test_an_episode_is_kept_up_to_its_end_with_how_it_ended(
+    tipped: tuple[bool, ...],
+    error: Exception | None,
+    ending: Ending,
+    scans: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def scripted(_: object) -> Iterator[tuple[Batch, ...]]:
+        for number, over in enumerate(tipped, start=1):
+            ms = 50 * number
+            ranges = np.full(640, 2.0, np.float32)
+            samples = LaserScan(ms * MS, ranges), state(ms), Pose(ms * MS, (0.0, 0.0, 0.0), UPRIGHT)
+            yield (batch(*samples, tipped=over),)
+        if error is not None:
+            raise error
+
+    monkeypatch.setattr(sweep, "together", scripted)
+
+    record = sweep.drive(Run.of(terrain="flat", duration=1.0))
+
+    assert (record.ending, len(record.scans)) == (ending, scans)

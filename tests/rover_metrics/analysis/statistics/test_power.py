@@ -5,7 +5,8 @@ from math import comb
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.statistics.comparison import compare, holm
+from rover_metrics.analysis.statistics.comparison import compare
+from rover_metrics.analysis.statistics.holm import holm
 from rover_metrics.analysis.statistics.power import describe_power
 
 

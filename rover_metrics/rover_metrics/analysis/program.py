@@ -1,0 +1,78 @@
+"""What the commands analyze and social share: numbers as arguments, reading, JSON, printing."""
+
+import argparse
+import contextlib
+import math
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+from rich.console import Console, Group
+
+from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.result import Skipped
+from rover_metrics.errors import printable
+from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.sheet import Sheet
+
+PRINTED_WIDTH = 160  # columns, where the output is not a terminal
+
+AnyLog = TypeVar("AnyLog")
+
+
+def _number(text: str, below: float, wanted: str) -> float:
+    with contextlib.suppress(ValueError):
+        if 0 < float(text) < below:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number {wanted}")
+
+
+positive = partial(_number, below=math.inf, wanted="above 0")
+level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
+
+
+def read_each(
+    program: str, paths: Sequence[Path], read: Callable[[Path], AnyLog]
+) -> tuple[list[AnyLog], list[Skipped]]:
+    """Reads the logs that can be read, and says on stderr which cannot.
+
+    Args:
+        program: Name of the command.
+        paths: The files.
+        read: Returns a log, or raises UnreadableLog.
+    """
+    logs: list[AnyLog] = []
+    skipped: list[Skipped] = []
+    for path in paths:
+        try:
+            logs.append(read(path))
+        except UnreadableLog as error:  # noqa: PERF203 - a file is read, which takes longer
+            tell(program, f"skipped {path}: {error}")
+            skipped.append(Skipped(str(path), str(error)))
+    return logs, skipped
+
+
+def different(paths: Iterable[Path], again: Callable[[Path], None] = lambda _: None) -> list[Path]:
+    """Returns each file once; `again` is called with every further name of a file."""
+    first: dict[Path, Path] = {}
+    for path in paths:
+        if first.setdefault(path.resolve(), path) is not path:
+            again(path)
+    return list(first.values())
+
+
+def show(sheets: Iterable[Sheet], last: str = "") -> None:
+    """Prints tables, then a line about files that were written."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = PRINTED_WIDTH
+    console.print(Group(*terminal(sheets, console.width)))
+    if last:
+        console.print(last, markup=False, soft_wrap=True)
+
+
+def tell(program: str, message: str) -> None:
+    """Prints one line to stderr; a file name cannot make it two."""
+    print(f"{program}: {printable(message)}", file=sys.stderr)

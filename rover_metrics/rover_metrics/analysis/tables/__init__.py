@@ -1,1 +1,0 @@
-"""The tables of a result: what stands in them, on a terminal, for LaTeX, as CSV."""

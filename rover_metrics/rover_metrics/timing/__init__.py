@@ -1,1 +1,0 @@
-"""When a row is due, live and recorded."""
