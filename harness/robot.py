@@ -24,19 +24,17 @@ if __name__ == "__main__":
     keep_opengl_out()  # before MuJoCo is loaded
 
 from rich.console import Console
-from rich.table import Column, Table
 
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.episode.direct import run_unlogged
 from harness.robots import find_rover
-from harness.robots.schema import schema
+from harness.robots.spec import schema
 from harness.robots.urdf.folder import Written, write_folder
 from harness.samples import JointStates, Pose
 from harness.spec.run import Run
-from harness.validate.check import Check
 from harness.validate.checkup import check_up
-from harness.validate.suite import cells_of
+from harness.validate.suite import print_table
 from rover_metrics.errors import OneLineParser
 
 SHOWN = 3.0  # [s] of driving in a picture
@@ -81,7 +79,7 @@ def _check(options: argparse.Namespace, console: Console) -> int:
             drawing.prepare(run)
         with console.status(f"driving {rover.name}"):
             checks = check_up(rover)
-        _print_findings(console, f"{rover.name}: {rover.summary}", checks)
+        print_table(console, f"{rover.name}: {rover.summary}", checks, missed="odd")
         if drawing.wanted:
             run_unlogged(run, StopRequest(), {Pose, JointStates}, drawing.observers)
             with counted(console, "drawing") as show:
@@ -91,16 +89,6 @@ def _check(options: argparse.Namespace, console: Console) -> int:
     for check in odd:
         print(f"harness.robot: odd: {check.quantity}: {check.expected.source}", file=sys.stderr)
     return 1 if odd else 0
-
-
-def _print_findings(console: Console, title: str, checks: Sequence[Check]) -> None:
-    columns = (Column(name, overflow="fold") for name in ("quantity", "measured", "plausible", ""))
-    table = Table(*columns, title=title, title_justify="left")
-    for check in checks:
-        quantity, plausible, measured, verdict, _ = cells_of(check)
-        word = "odd" if verdict == "MISS" else verdict
-        table.add_row(quantity, measured, plausible, word, style=None if check.passed else "bold red")
-    console.print(table)
 
 
 def _schema(_: argparse.Namespace, __: Console) -> int:

@@ -19,6 +19,7 @@ ContactKind = Literal["hazard", "rock", "scrape"]
 LIDAR_RANGE_MAX = 10.0  # [m] of RoboTerrain's gpu_lidar; a hit beyond it is a miss
 
 T = TypeVar("T")
+S = TypeVar("S", bound="Sample")
 
 
 class Sample(Protocol):
@@ -201,6 +202,10 @@ class Tick:
     stamp_ns: int
     samples: tuple[Sample, ...]
     tells_time: bool = True
+
+    def of(self, kind: type[S]) -> S | None:
+        """Returns the first sample of a type; None if this tick has none."""
+        return next((sample for sample in self.samples if isinstance(sample, kind)), None)
 
 
 @plain_value

@@ -7,6 +7,7 @@ share a world have an episode each, and are driven together; one alone is a flee
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from operator import itemgetter
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.steered import drivable
@@ -28,23 +30,21 @@ from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.robots.reading import model_hash
 from harness.samples import ActorPoses, Imu, LaserScan, Place, Sample, Tick, Twist
+from harness.sensors.base import EpisodeParts
 from harness.sensors.geodesy import Datum
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
 from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.people import PeopleSensor
+from harness.sensors.rays.bundle import Surroundings
 from harness.sensors.suite import SensorSuite
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
-from harness.world.actors.room import Room
+from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
 from harness.world.world import World, terrain_hash
-
-GOAL_STREAM = 11
-RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
-OPTIONAL_STREAM = 12  # those of optional sensors
 
 
 class Episode:
@@ -90,22 +90,17 @@ class Episode:
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=self.setup.lidar_beams)
         lidar = Lidar(scene.model, lidar_spec, scene.own("lidar"), scene.others())
-        parts: dict[str, object] = {
-            "simulation": self.simulation,
-            "lidar": lidar,
-            "surroundings": lidar.surroundings,
-            "recorder": self._recorder,
-            "datum": Datum(*run.world.datum),
-        }
+        parts = EpisodeParts(simulation=self.simulation, lidar=lidar, recorder=self._recorder)
         self.description = None
         rows = sensor_rows(self.setup)
         optional = [row.given for row in rows if row.given is not None]
         if frame_options is not None or optional:
             frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
-            parts["install"] = partial(installed, run, number, frames, scene)
+            install = partial(installed, run, number, frames, scene, lidar.surroundings)
+            parts = replace(parts, install=install)
         if frame_options is not None:
             self.description = describe(frames, frame_options)
-            parts |= {"frames": frames, "frame_options": frame_options}
+            parts = replace(parts, frames=frames, frame_options=frame_options)
         noise = sensor_noise(self.setup.noise, run.own_seed(number), lidar_spec)
         rates: dict[type[Sample], int] = {Imu: self.setup.imu_rate}
         self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
@@ -330,30 +325,39 @@ def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
     if rover.goal_area is None:
         return None
     reach = find_rover(rover.robot).reach
-    source = np.random.SeedSequence(run.own_seed(number), spawn_key=(GOAL_STREAM,))
-    course = GoalCourse(rover.goal_area, Room(world), reach, np.random.default_rng(source))
+    space, rng = FreeSpace(world.ground, world.obstacles), generator(run.own_seed(number), GOALS)
+    course = GoalCourse(rover.goal_area, space, reach, rng)
     course.draw()
     return course
 
 
 def installed(
-    run: Run, number: int, frames: RoverFrames, scene: Scene, options: SensorOptions
+    run: Run,
+    number: int,
+    frames: RoverFrames,
+    scene: Scene,
+    surroundings: Surroundings,
+    options: SensorOptions,
 ) -> Installation:
     """Returns what an optional sensor is made with; its randomness depends on seed and name alone.
 
     Args:
-        run: Whose seed it has.
+        run: Whose seed, noise and datum it has.
         number: The rover's place in the run.
-        frames: Of the rover, the sensor's own among them.
-        scene: That the rover is in.
-        options: Of the sensor.
+        frames: The rover's, the sensor's own among them.
+        scene: The rover in its world.
+        surroundings: What the sensor's rays can meet.
+        options: The sensor's.
     """
-    key = (OPTIONAL_STREAM, *options.name.encode())
-    source = np.random.SeedSequence(run.own_seed(number), spawn_key=key)
     preset = run.rovers[number].noise
-    noise = None if preset is None else PRESETS[preset]
-    mount = frames.mount(options.frame_id, scene.model, scene.prefix)
-    return Installation(options, mount, np.random.default_rng(source), noise)
+    return Installation(
+        options,
+        mount=frames.mount(options.frame_id, scene.model, scene.prefix),
+        rng=generator(run.own_seed(number), OPTIONAL_SENSORS, options.name),
+        datum=Datum(*run.world.datum),
+        surroundings=surroundings,
+        noise=None if preset is None else PRESETS[preset],
+    )
 
 
 def sensor_noise(preset: str | None, seed: int, lidar: LidarSpec) -> SensorNoise | None:
@@ -372,5 +376,4 @@ def sensor_noise(preset: str | None, seed: int, lidar: LidarSpec) -> SensorNoise
 
 def generators(seed: int, count: int) -> list[np.random.Generator]:
     """Returns an episode's generators: of its driver, of its scans' noise, of its IMU's."""
-    source = np.random.SeedSequence(seed, spawn_key=(RANDOM_STREAM,))
-    return [np.random.default_rng(child) for child in source.spawn(count)]
+    return [np.random.default_rng(child) for child in seeded(seed, EPISODE).spawn(count)]

@@ -56,12 +56,11 @@ class SocialRecorder:
             self.goals.begin((goal.x, goal.y), self._began_s)
         self._began_s = batch.truth.time_ns / NANOSECONDS
         for tick in batch.ticks:
-            poses = [sample for sample in tick.samples if isinstance(sample, Pose)]
-            people = [sample for sample in tick.samples if isinstance(sample, ActorPoses)]
-            if poses:
-                self._orientation = poses[0].orientation
-            if tick.stamp_ns % NANOSECONDS == 0 and poses and people:
-                self._write(tick.stamp_ns / NANOSECONDS, poses[0], people[0])
+            pose, people = tick.of(Pose), tick.of(ActorPoses)
+            if pose is not None:
+                self._orientation = pose.orientation
+            if tick.stamp_ns % NANOSECONDS == 0 and pose is not None and people is not None:
+                self._write(tick.stamp_ns / NANOSECONDS, pose, people)
         x, y, _ = batch.truth.position
         self.goals.observe(self._began_s, (x, y), self._orientation)
 

@@ -9,15 +9,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
+from harness.base.streams import FAULTS, generator
 from harness.faults.base import Fault, Readings
 from harness.faults.clock import CLOCK, FaultyClock
 from harness.samples import Sample, Source, Tick, source
 from harness.sensors import table
 from harness.sensors.table import SensorRow
-
-RANDOM_STREAM = 11  # keeps these generators apart from those of the episode
 
 
 class FaultInjector:
@@ -42,7 +39,7 @@ class FaultInjector:
     ) -> None:
         of_clock = seed if clock_seed is None else clock_seed
         drawn = [
-            (fault, _generator(of_clock if fault.sensor == CLOCK else seed, index))
+            (fault, generator(of_clock if fault.sensor == CLOCK else seed, FAULTS, index))
             for index, fault in enumerate(faults)
         ]
         clock_faults = [(fault, rng) for fault, rng in drawn if fault.sensor == CLOCK]
@@ -81,7 +78,3 @@ class FaultInjector:
 
 def _stamped(sample: Sample, stamp_ns: int) -> Sample:
     return sample if sample.stamp_ns == stamp_ns else replace(sample, stamp_ns=stamp_ns)
-
-
-def _generator(seed: int, index: int) -> np.random.Generator:
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(RANDOM_STREAM, index)))

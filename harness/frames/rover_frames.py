@@ -17,8 +17,7 @@ from harness.robots import FrameRow, RoverSpec
 from harness.robots.measures import frame_name
 from harness.robots.model import ROOT_ID, read_model
 from harness.samples import Quaternion, Vector3
-from harness.sensors.mount import Mount
-from harness.sensors.optional import LIDAR_FRAME
+from harness.sensors.optional import LIDAR_FRAME, Mount
 
 Matrix = NDArray[np.float64]
 

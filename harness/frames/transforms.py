@@ -19,7 +19,7 @@ from harness.frames.tree import MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Quaternion, Source, Transforms, Vector3
-from harness.sensors.base import Sensor
+from harness.sensors.base import EpisodeParts, Sensor
 from harness.spec.ros import NONE, WHEELS, FrameOptions
 
 if TYPE_CHECKING:
@@ -64,6 +64,14 @@ class TransformSensor(Sensor):
         self._options, self._sensors = options, sensors
         self._owns_odom = options.odom_tf != NONE
         self._joints = _Joints(simulation, frames) if frames.moving else None
+
+    @classmethod
+    def of(cls, parts: EpisodeParts, period_ticks: int) -> "TransformSensor | None":
+        """Returns the transforms of an episode; None if nobody wants any."""
+        frames, options = parts.frames, parts.frame_options
+        if frames is None or options is None:
+            return None
+        return cls(parts.simulation, frames, options, parts.sensors, period_ticks)
 
     def due(self, tick: int) -> bool:
         """Returns whether there is anything to tell: the joints, or odom -> base for other samples."""

@@ -1,7 +1,7 @@
 """A compiled world that a rover drives in episode after episode, and the rover that varies."""
 
 import copy
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -47,7 +47,7 @@ class Variation:
 
 def draw_variation(randomisation: Randomisation, rng: np.random.Generator) -> Variation:
     """Returns a draw; each field takes one number from the generator, wherever its bounds are."""
-    return Variation(**{name: rng.uniform(*bounds) for name, bounds in asdict(randomisation).items()})
+    return Variation(**{name: rng.uniform(*bounds) for name, bounds in randomisation})
 
 
 class Course:
@@ -84,8 +84,9 @@ class Course:
         """
         if self.camera is None or self._frames is None:
             return None
-        made = installed(self.run.but(seed=seed), 0, self._frames, simulation.scene, self.camera)
-        return RangeSensor(simulation, self.lidar.surroundings, made, TICKS_PER_CONTROL)
+        run, scene, surroundings = self.run.but(seed=seed), simulation.scene, self.lidar.surroundings
+        made = installed(run, 0, self._frames, scene, surroundings, self.camera)
+        return RangeSensor(simulation, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:
         """Returns the scene of an episode, which may change its model as it likes.

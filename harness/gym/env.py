@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed, UsageError, unknown
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.episode.assembly import check
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
 from harness.gym.observation import Limits, Observation, Part
@@ -284,7 +283,6 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             wanted.get("world_seed", seed),
             wanted.get("difficulty", difficulty),
         )
-        check(run)
         with _building:
             return Course(run, self._camera)
 

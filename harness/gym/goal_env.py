@@ -6,7 +6,6 @@ an achieved and a desired goal, one by one or in batches.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,6 @@ POSITION = "x, y of the rover in the world [m], of /rover/pose_array"
 Numbers = NDArray[np.floating[Any]]
 
 
-@dataclass(frozen=True, kw_only=True)
 class PointNavGoalOptions(PointNavOptions):
     """What PointNavGoal understands: what PointNav does; the weights of `reward` have no effect."""
 

@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import ClassVar
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from gymnasium import spaces
+from pydantic import BeforeValidator, model_validator
 
-from harness.base.errors import UsageError
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed, visible
 from harness.gym.env import FLIPPED, Info, RoverEnv
@@ -27,10 +26,10 @@ from harness.samples import Pose, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
+from harness.spec.value import Finite, Length, Value, as_tuple, checked, made
 
 
-@dataclass(frozen=True, kw_only=True)
-class PointNavWeights:
+class PointNavWeights(Value):
     """Weights of the reward's terms.
 
     Attributes:
@@ -43,16 +42,15 @@ class PointNavWeights:
         action_rate: Change of the action, both components' magnitudes added.
     """
 
-    progress: float = 1.0
-    reached: float = 10.0
-    time: float = -0.01
-    hazard: float = -10.0
-    scrape: float = -1.0
-    flipped: float = -10.0
-    action_rate: float = -0.01
+    progress: Finite = 1.0
+    reached: Finite = 10.0
+    time: Finite = -0.01
+    hazard: Finite = -10.0
+    scrape: Finite = -1.0
+    flipped: Finite = -10.0
+    action_rate: Finite = -0.01
 
 
-@dataclass(frozen=True, kw_only=True)
 class PointNavOptions(Options):
     """What PointNav understands beside what all do.
 
@@ -64,11 +62,11 @@ class PointNavOptions(Options):
         reward: Weights of the reward's terms.
     """
 
-    goal_radius: float = GOAL_RADIUS
-    hazard_budget: float = 1.0
+    goal_radius: Length = GOAL_RADIUS
+    hazard_budget: Length = 1.0
     height_scan: bool = False
-    depth: tuple[int, ...] = ()
-    reward: PointNavWeights = field(default_factory=PointNavWeights)
+    depth: Annotated[tuple[int, ...], BeforeValidator(as_tuple)] = ()
+    reward: PointNavWeights = PointNavWeights()
 
     @property
     def camera(self) -> DepthOptions | None:
@@ -76,19 +74,14 @@ class PointNavOptions(Options):
         if not self.depth:
             return None
         (width, height), rate = self.depth, round(1.0 / CONTROL_PERIOD)
-        return DepthOptions(name="depth", width=width, height=height, rate=rate)
+        return made(DepthOptions, {"name": "depth", "width": width, "height": height, "rate": rate})
 
-    def check(self) -> None:
-        """Checks what is PointNav's, too."""
-        super().check()
+    @model_validator(mode="after")
+    def _has_a_camera(self) -> Self:
         if len(self.depth) not in (0, 2):
-            raise UsageError(f"depth {list(self.depth)} is not valid; give width and height in pixels")
-        if self.camera is not None:
-            self.camera.check()
-        for name in ("goal_radius", "hazard_budget"):
-            value = getattr(self, name)
-            if not 0.0 < value < math.inf:
-                raise UsageError(f"{name} {value:g} is not valid; give a number above 0")
+            raise ValueError(f"depth {list(self.depth)} is not valid; give width and height in pixels")
+        checked(lambda _: self.camera)(None)
+        return self
 
 
 class PointNavEnv(RoverEnv[PointNavOptions]):
@@ -120,7 +113,7 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             f"speed; 1 is {rover.top_speed:.3g} m/s, as fast as the wheels of {rover.name} turn",
             f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
         )
-        self._weights = asdict(self.options.reward)
+        self._weights = dict(self.options.reward)
 
     @property
     def _camera(self) -> DepthOptions | None:

@@ -16,6 +16,7 @@ from harness.physics.base_controller import base_controller
 from harness.physics.leap import Leap
 from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
+from harness.sensors.base import EpisodeParts
 from harness.sensors.ranging import RangeReading
 from harness.sensors.suite import SensorSuite
 from harness.spec.rover import IMU_RATE
@@ -53,7 +54,7 @@ class Ride:
         self.simulation = course.settled(scene, (start, replace(variation, latency=0.0)))
         self._leap = Leap(self.simulation, TICKS_PER_CONTROL)
         self._base = base_controller(scene.rover, TICK)
-        parts = {"simulation": self.simulation, "lidar": course.lidar}
+        parts = EpisodeParts(simulation=self.simulation, lidar=course.lidar)
         noise = sensor_noise(course.run.rover.noise, noise_seed, course.lidar.spec)
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
         self._camera = course.camera_of(self.simulation, noise_seed)

@@ -7,20 +7,20 @@ import math
 import time
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from gymnasium import spaces
+from pydantic import AfterValidator, field_validator
 
-from harness.base.errors import UsageError
-from harness.base.sim_time import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD, check_duration
 from harness.drivers.point_nav import Point, latest, visible, way_to
 from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import Part, space_of
-from harness.gym.options import Options, Range
+from harness.gym.options import Options, Positive
 from harness.gym.ride import Ride
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from harness.spec.value import Length, Share, Value, checked
 from rover_metrics.core import rotation
 
 SEGMENTS, FARTHEST = 32, 12.0  # of the lidar; [m] that a miss becomes
@@ -44,8 +44,7 @@ PARTS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Defects:
+class Defects(Value):
     """What RoboTerrain's RoverEnv does and this environment does not, unless it is asked for.
 
     Attributes:
@@ -65,7 +64,6 @@ class Defects:
     collisions_uncounted: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
 class RoboTerrainOptions(Options):
     """What RoboTerrain understands beside what all do; a goal follows on each that is reached.
 
@@ -77,23 +75,18 @@ class RoboTerrainOptions(Options):
         defects: Which of the original's are wanted.
     """
 
-    time_limit: float = 100.0
-    goal_distance: Range = (0.5, 12.0)
-    box: float = 4.0
-    reverse_speed: float = 1.0
-    defects: Defects = field(default_factory=Defects)
+    time_limit: Annotated[float, AfterValidator(checked(check_duration))] = 100.0
+    goal_distance: Positive = (0.5, 12.0)
+    box: Length = 4.0
+    reverse_speed: Share = 1.0
+    defects: Defects = Defects()
 
-    def check(self) -> None:
-        """Checks what is RoboTerrain's, too."""
-        super().check()
-        if self.lidar_beams % SEGMENTS:
-            raise UsageError(
-                f"{self.lidar_beams} lidar_beams are not valid; give a multiple of {SEGMENTS}"
-            )
-        if not 0.0 < self.box < math.inf:
-            raise UsageError(f"box {self.box:g} is not valid; give a number above 0")
-        if not 0.0 <= self.reverse_speed <= 1.0:
-            raise UsageError(f"reverse_speed {self.reverse_speed:g} is not valid; give 0 to 1")
+    @field_validator("lidar_beams", check_fields=False)
+    @classmethod
+    def _fills_segments(cls, beams: int) -> int:
+        if beams % SEGMENTS:
+            raise ValueError(f"{beams} lidar_beams are not valid; give a multiple of {SEGMENTS}")
+        return beams
 
 
 class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):

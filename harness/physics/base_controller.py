@@ -1,31 +1,133 @@
-"""The controller of a rover's base, by its kind of drive."""
+"""cmd_vel -> wheel commands, by the rover's kind of drive.
 
-from typing import Protocol
+A controller limits the acceleration of the commanded twist, latches the last command (Gazebo's has no
+timeout) and believes the wheel radius and separation of its own configuration, which for rover_zero4wd
+are not those of the model (facts: models/README.md).
+"""
+
+import math
+from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.ackermann import Ackermann
-from harness.physics.diff_drive import DiffDrive
 from harness.robots import RoverSpec
 from harness.samples import Twist
 
+CREEPING = 1e-6  # [m/s]: slower is no speed, and has no curvature
 
-class BaseController(Protocol):
+
+class BaseController(ABC):
     """What makes wheel commands of a twist."""
 
-    def command(self, twist: Twist) -> bool:
-        """Latches a command; returns whether it was valid."""
+    def __init__(self, rover: RoverSpec, period: float) -> None:
+        self._radius = rover.controller_radius
+        self._linear_step = rover.linear_acceleration * period
+        self._target = Twist()
+        self._linear = 0.0
 
+    def command(self, twist: Twist) -> bool:
+        """Latches a command; a non-finite one is refused and the previous one stays."""
+        if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
+            return False
+        self._target = twist
+        return True
+
+    @abstractmethod
     def wheel_speeds(self) -> NDArray[np.float64]:
         """Returns what `Simulation.command_wheels` takes, once per period."""
 
 
+class DiffDrive(BaseController):
+    """Controller of a rover that turns by its sides' difference, as RoboTerrain's Gazebo DiffDrive."""
+
+    def __init__(self, rover: RoverSpec, period: float) -> None:
+        super().__init__(rover, period)
+        self._half_separation = rover.controller_separation / 2
+        self._on_left = [name in rover.drive.left for name in rover.drive.driven]
+        self._angular_step = rover.angular_acceleration * period
+        self._angular = 0.0
+
+    def wheel_speeds(self) -> NDArray[np.float64]:
+        """Returns the speeds of the driven wheels [rad/s], in the order of the rover's `motors`."""
+        self._linear = approach(self._linear, self._target.linear, self._linear_step)
+        self._angular = approach(self._angular, self._target.angular, self._angular_step)
+        half_difference = self._angular * self._half_separation
+        left = (self._linear - half_difference) / self._radius
+        right = (self._linear + half_difference) / self._radius
+        return np.array([left if on_left else right for on_left in self._on_left])
+
+
+class Ackermann(BaseController):
+    """Controller of a rover that steers its front wheels like a car.
+
+    The middle of the unsteered axles follows the commanded curvature, angular over linear, as far as the
+    steering turns; each wheel rolls about the same centre, so that none skids:
+
+        angle of a steered wheel beside the middle by y:  atan(L k / (1 - k y))
+        speed of a wheel:                                 v sqrt((1 - k y)^2 + (k x)^2)
+
+    with x = L, the wheelbase, of the steered wheels and 0 of the others, and y = +- half the separation
+    that the controller believes. A twist without linear speed steers and does not move. Curvature
+    changes as fast as the steering turns; while nothing is commanded the wheels stay as they are.
+    """
+
+    def __init__(self, rover: RoverSpec, period: float) -> None:
+        super().__init__(rover, period)
+        drive, half, self._wheelbase = rover.drive, rover.controller_separation / 2, rover.wheelbase
+        self._limit = 1.0 / rover.tightest_turn  # of the curvature [1/m]
+        self._turn_step = drive.steering_rate * period
+        self._aside = np.array([half if name in drive.left else -half for name in drive.driven])
+        steered = [name in rover.steered_wheels for name in drive.driven]
+        self._ahead = np.where(steered, rover.wheelbase, 0.0)
+        self._steered_aside = np.array([half, -half])
+        self._steering = 0.0  # of a wheel in the middle [rad]
+
+    def wheel_speeds(self) -> NDArray[np.float64]:
+        """Returns the speeds of the driven wheels [rad/s], then left and right steering angle [rad]."""
+        self._linear = approach(self._linear, self._target.linear, self._linear_step)
+        self._steering = approach(self._steering, self._wanted(), self._turn_step)
+        curvature = math.tan(self._steering) / self._wheelbase
+        rolling = np.hypot(1.0 - curvature * self._aside, curvature * self._ahead)
+        speeds = self._linear * rolling / self._radius
+        angles = np.arctan2(self._wheelbase * curvature, 1.0 - curvature * self._steered_aside)
+        return np.concatenate([speeds, angles])
+
+    def _wanted(self) -> float:
+        """The angle of a wheel in the middle that the command asks for [rad]."""
+        linear, angular = self._target.linear, self._target.angular
+        if angular == 0.0:
+            return self._steering if linear == 0.0 else 0.0
+        if abs(linear) < CREEPING:
+            curvature = math.copysign(self._limit, angular)
+        else:
+            curvature = max(-self._limit, min(self._limit, angular / linear))
+        return math.atan(self._wheelbase * curvature)
+
+
 def base_controller(rover: RoverSpec, period: float) -> BaseController:
-    """Returns the controller of a rover.
+    """Returns the controller of a rover's kind of drive.
 
     Args:
-        rover: Whose drive says which.
+        rover: The rover.
         period: From one call of `wheel_speeds` to the next [s].
     """
     return Ackermann(rover, period) if rover.steers else DiffDrive(rover, period)
+
+
+def curvature_of(angles: list[float], wheelbase: float, separation: float) -> float:
+    """Returns the mean curvature that the left and the right steering angle mean [1/m].
+
+    Args:
+        angles: Of the left and the right steered wheel [rad].
+        wheelbase: From the unsteered axle to the steered one [m].
+        separation: Of the steered wheels [m].
+    """
+    left, right = (math.tan(angle) for angle in angles)
+    half = separation / 2
+    return (left / (wheelbase + half * left) + right / (wheelbase - half * right)) / 2
+
+
+def approach(value: float, target: float, step: float) -> float:
+    """Returns a value that is nearer to a target by at most a step."""
+    return value + max(-step, min(step, target - value))

@@ -129,8 +129,8 @@ class RunRecorder:
                     case LaserScan():
                         finite = sample.ranges[np.isfinite(sample.ranges)]
                         nearest = min(nearest, float(finite.min(initial=np.inf)))
-                        poses = [other for other in tick.samples if isinstance(other, Pose)]
-                        self.last_scan = PlacedScan(sample, poses[0]) if poses else self.last_scan
+                        if pose := tick.of(Pose):
+                            self.last_scan = PlacedScan(sample, pose)
         truth, touched_s = batch.truth, self._contact_s
         self._contact_s = truth.hazard_contact_s
         return Stretch(

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.robots.reading import MODELS_DIR, read_rover
-from harness.robots.spec import Drive, FrameRow, Mount, RoverSpec
+from harness.robots.sections import Drive, FrameRow, Mount
+from harness.robots.spec import RoverSpec
 
 __all__ = [
     "MODELS_DIR",

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, unknown
 from harness.robots.model import COLLIDING_GROUP, compiled_alone, extent
-from harness.robots.spec import Drive, RoverSpec
+from harness.robots.sections import Drive
+from harness.robots.spec import RoverSpec
 
 HINGE, VELOCITY, POSITION = int(mujoco.mjtJoint.mjJNT_HINGE), "velocity", "position"
 STRAIGHT = 0.9  # cosine of the angle to the axis that a joint should have
@@ -109,7 +110,7 @@ class Drivetrain:
         return found
 
     def _drive(self) -> Drive:
-        said = self._rover.drive or Drive()
+        said = self._rover.drive
         for key in ("left", "right", "driven", "steering"):
             for joint in getattr(said, key):
                 if joint not in self._hinges:

@@ -6,7 +6,7 @@ The process that only publishes does without MuJoCo, so that its first row comes
 import math
 from xml.etree import ElementTree as ET
 
-from harness.robots.spec import Drive
+from harness.robots.sections import Drive
 
 
 def told_by_mjcf(root: ET.Element) -> dict[str, object]:

@@ -13,7 +13,8 @@ import mujoco
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.robots.spec import Mount, RoverSpec
+from harness.robots.sections import Mount
+from harness.robots.spec import RoverSpec
 
 SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4
 COLLIDING = (1, 2)  # contype, conaffinity; the world has 2 and 1, so that no part touches another

@@ -5,17 +5,16 @@ told at once, and what rover.yaml leaves out is derived from it (harness.robots.
 """
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from harness.base.errors import UsageError
+from harness.base.files import read_mapping
 from harness.robots.mjcf import told_by_mjcf
-from harness.robots.spec import DRIVES, GIVEN, MAY_BE_ZERO, TOLD, Drive, RoverSpec
-from harness.yaml_file import fill, read_mapping
+from harness.robots.spec import ModelFacts, RoverFile, RoverSpec
+from harness.spec.value import made
 
 MODELS_DIR = next(
     folder
@@ -60,12 +59,19 @@ def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
     """The rover of a folder whose files were changed at those times."""
     path = folder / "rover.yaml"
     values = read_mapping(path)
+    stated = made(RoverFile, values, str(path))
     if folder.parent == MODELS_DIR:
-        rover = fill(RoverSpec, values, str(path), name=folder.name, folder=folder, **_shipped(folder))
-    else:
-        rover = _brought_along(folder, values)
-    check_values(rover, path)
-    return rover
+        facts = _shipped(folder) | {"name": folder.name, "folder": folder}
+        return made(RoverSpec, values | facts, str(path))
+    # Here, for a process that only publishes a rover that ships does without MuJoCo.
+    from harness.robots.measures import Measures  # noqa: PLC0415
+
+    facts = {"name": folder.name, "folder": folder, "model": stated.model or _only_model(folder)}
+    measures = Measures(RoverSpec.model_construct(**stated.__dict__ | facts))
+    facts |= {
+        key: getattr(measures, key) for key in ("drive", *ModelFacts.model_fields) if key not in facts
+    }
+    return made(RoverSpec, measures.derived() | values | facts, str(path))
 
 
 def _shipped(folder: Path) -> dict[str, Any]:
@@ -74,23 +80,6 @@ def _shipped(folder: Path) -> dict[str, Any]:
         return told_by_mjcf(ET.parse(model).getroot())  # noqa: S314 - no stranger's
     except (OSError, ET.ParseError, AttributeError, KeyError, ValueError, IndexError) as error:
         raise UsageError(f"{model} is not as models/README.md says: {error!r}") from error
-
-
-def _brought_along(folder: Path, values: Mapping[str, Any]) -> RoverSpec:
-    """A rover that does not ship; loads MuJoCo."""
-    from harness.robots.measures import Measures  # noqa: PLC0415 - whoever publishes leo does without
-
-    path = folder / "rover.yaml"
-    unsaid = dict.fromkeys(RoverSpec.__dataclass_fields__)
-    said = fill(RoverSpec, values, str(path), otherwise=unsaid, **dict.fromkeys(GIVEN))
-    model = str(said.model or _only_model(folder))
-    measures = Measures(
-        replace(said, name=folder.name, folder=folder, model=model, drive=said.drive or Drive())
-    )
-    given = {key: getattr(measures, key) for key in TOLD}
-    rest = {key: value for key, value in values.items() if key not in ("drive", "model")}
-    given |= {"name": folder.name, "folder": folder, "model": model, "drive": measures.drive}
-    return fill(RoverSpec, rest, str(path), otherwise=measures.derived(), **given)
 
 
 def _only_model(folder: Path) -> str:
@@ -111,28 +100,3 @@ def _no_rover(folder: Path) -> str:
         f"{folder} holds no rover.yaml; python -m harness.robot new NAME --from {source} writes "
         "a folder that does"
     )
-
-
-def check_values(rover: RoverSpec, path: Path) -> None:
-    """Checks the numbers of a rover.
-
-    Raises:
-        UsageError: One is not valid; the message names the file, the key and what is.
-    """
-    for key, value in vars(rover).items():
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if number and not (key in MAY_BE_ZERO or 0 < value < float("inf")):
-            raise UsageError(f"{path}: {key} = {value:g} is not valid; give a number above 0")
-    if min(rover.length, rover.width) <= 0:
-        raise UsageError(
-            f"{path}: footprint = {rover.footprint} is empty; give x_min, x_max, y_min, y_max"
-        )
-    if not 0 < rover.drive.steering_rate < float("inf"):
-        raise UsageError(
-            f"{path}: drive: steering_rate = {rover.drive.steering_rate:g} is not valid; "
-            "give a number above 0"
-        )
-    if rover.drive.kind not in DRIVES:
-        raise UsageError(
-            f"{path}: drive: kind = '{rover.drive.kind}' is not valid; give {' or '.join(DRIVES)}"
-        )

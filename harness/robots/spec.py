@@ -1,150 +1,132 @@
-"""What a rover is, as values: RoverSpec, and the sections of rover.yaml that it is made of."""
+"""What a rover is: RoverFile as rover.yaml says it, RoverSpec complete."""
 
+import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Self
 
-SKID, ACKERMANN = "skid", "ackermann"
-DRIVES = (SKID, ACKERMANN)
-# What rover.yaml does not say, for the model does; and the folder.
-TOLD = (
-    "passive_joints", "steered_wheels", "wheel_radius", "wheel_width", "wheel_speed_limit",
-    "gravity", "lidar_x", "lidar_y", "lidar_yaw",
-)  # fmt: skip
-MAY_BE_ZERO = ("rest_height", "lidar_x", "lidar_y", "lidar_yaw")  # or negative
-GIVEN = (*TOLD, "name", "folder")
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
+
+from harness.robots.sections import ACKERMANN, Drive, Expected, FrameRow, Mount, Number, Positive
+from harness.spec.value import Value
+
+Bounds = tuple[Number, Number, Number, Number]  # x_min, x_max, y_min, y_max [m]
 _COLUMNS = {1: ("",), 2: ("front_", "rear_"), 3: ("front_", "middle_", "rear_")}
 
 
-@dataclass(frozen=True, kw_only=True)
-class FrameRow:
-    """One frame of rover.yaml: where `child` is, in what is named.
+def _not_empty(bounds: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    if not (bounds[0] < bounds[1] and bounds[2] < bounds[3]):
+        raise ValueError(f"footprint = {bounds} is empty; give x_min, x_max, y_min, y_max in metres")
+    return bounds
 
-    Attributes:
-        body: The model's body that it belongs to, whose mass and shapes its link gets in the URDF, or
-            `site`: a site of the model; with neither it is fixed to `parent`.
-        xyz: Its origin [m] and `rpy` its roll, pitch, yaw [rad] there, else in the parent.
+
+def _measured(description: str) -> Any:  # noqa: ANN401 - as Field itself
+    """A key that may be left out, for its value is then derived from the model."""
+    return Field(default_factory=lambda: None, description=description)
+
+
+class RoverFile(Value):
+    """What rover.yaml says; lengths in metres, angles in radians, rates in hertz of simulation time.
+
+    The root body of the model is the model frame, whose pose is in /rover/pose_array. Keys that are
+    left out are None here, and have a value in a RoverSpec.
     """
 
-    parent: str
-    child: str
-    body: str = ""
-    site: str = ""
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    model_config = ConfigDict(validate_default=False)
+
+    model: str = Field(
+        default="", description="file name of the MJCF model; default: FOLDER.xml, or the only .xml"
+    )
+    summary: str = _measured("what the rover is, in a line")
+    drive: Drive = Field(default=Drive(), description="which joints drive and steer")
+    odometry_child_frame: str = _measured("frame of the base")
+    imu_frame: str = _measured("frame of the IMU")
+    frames: tuple[FrameRow, ...] = Field(
+        default=(), description="frames of /tf and the URDF, beside those of the model's bodies"
+    )
+    lidar: Mount | None = Field(
+        default=None, description="where the lidar is, if the model has no site `lidar`"
+    )
+    imu: Mount | None = Field(
+        default=None, description="where the IMU is, if the model has no site `imu`"
+    )
+    rest_height: Number = _measured(
+        "height of the model frame above flat ground when the rover stands on it"
+    )
+    wheelbase: Positive = _measured(
+        "distance of the foremost and the rearmost axle; with Ackermann of the steered axle and the "
+        "middle of the others"
+    )
+    track: Positive = _measured("lateral distance of the wheels")
+    footprint: Annotated[Bounds, AfterValidator(_not_empty)] = _measured(
+        "x_min, x_max, y_min, y_max over the wheels, in the model frame"
+    )
+    lidar_height: Positive = _measured("height of the lidar above flat ground")
+    clearance: Positive = _measured("height of the underside above flat ground")
+    slope_limit: Positive = Field(
+        default=math.radians(40.0), description="steepest slope that the rover climbs"
+    )
+    step_limit: Positive = _measured("highest step that the rover climbs")
+    controller_radius: Positive = _measured("radius of the wheels as the controller believes it")
+    controller_separation: Positive = _measured("track as the controller believes it")
+    linear_acceleration: Positive = _measured("the controller's limit on commands [m/s^2]")
+    angular_acceleration: Positive = _measured("the controller's limit on commands [rad/s^2]")
+    encoder_ticks: Positive = _measured("resolution of the encoders per turn of a wheel")
+    odometry_rate: Annotated[int, Field(strict=True, gt=0)] = _measured("rate of the wheel odometry")
+    cruise_speed: Positive = _measured("speed that the scripted drivers command [m/s]")
+    cruise_yaw_rate: Positive = _measured("yaw rate that the scripted drivers command [rad/s]")
+    expected: Expected = Field(
+        default_factory=Expected,
+        description="what harness.validate expects; without it nothing is judged",
+    )
+    sensors: tuple[dict[str, Any], ...] = Field(
+        default=(), description="optional sensors that the rover carries (docs/sensors.md)"
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mount:
-    """Where a sensor is on a model that has no site for it.
+class ModelFacts(Value):
+    """What only the model says of a rover.
 
     Attributes:
-        body: The model's body that carries it; empty for the root body.
-        xyz: Its origin in that body [m].
-        rpy: Its roll, pitch, yaw there [rad].
-    """
-
-    body: str = ""
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Drive:
-    """Which joints drive and steer.
-
-    Attributes:
-        kind: `skid`: the wheels of a side turn alike and the rover turns by their difference.
-            `ackermann`: the front wheels are steered.
-        left: Joints of the wheels on the left, front to rear; `right` likewise. Found by their motors
-            and their places if left out.
-        driven: Joints with a motor; all wheels that have one if left out.
-        steering: Joints that steer the left and the right front wheel; ackermann only.
-        steering_limit: Largest angle of a steered wheel [rad]; 0 for that of its joint or motor.
-        steering_rate: How fast the mean steered wheel turns [rad/s].
-    """
-
-    kind: str = SKID
-    left: tuple[str, ...] = ()
-    right: tuple[str, ...] = ()
-    driven: tuple[str, ...] = ()
-    steering: tuple[str, ...] = ()
-    steering_limit: float = 0.0
-    steering_rate: float = 2.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class RoverSpec:
-    """One rover; lengths in metres, angles in radians, rates in hertz of simulation time.
-
-    The root body of the model is the model frame, whose pose /rover/pose_array tells.
-
-    Attributes:
-        folder: Of its files, and `model`: the name of its MJCF file there.
-        summary: What it is, in a line.
-        odometry_child_frame: The base frame, and `imu_frame` that of the IMU.
-        drive: How it drives; complete, though rover.yaml may leave all of it out.
-        passive_joints: Published in /joint_states but neither driven nor wheels; from the model, as are
-            `wheel_radius`, `wheel_width`, `wheel_speed_limit` and `gravity` [m/s^2].
+        name: The folder's name.
+        folder: Where the rover's files are.
+        passive_joints: Joints in /joint_states that are neither driven nor wheels.
         steered_wheels: Joints of the wheels that the steering turns.
-        lidar_x: Where the lidar is in the model frame while all joints are at 0, from the model, as are
-            `lidar_y` and `lidar_yaw`.
-        rest_height: Height of the model frame above flat ground when the rover stands on it.
-        track: Lateral wheel distance; `wheelbase` is that of the foremost and the rearmost axle, with
-            Ackermann of the steered axle and the middle of the others.
-        controller_radius: The wheels' radius as the controller believes it; `controller_separation` is
-            the track that it believes.
-        footprint: x_min, x_max, y_min, y_max over the wheels, in the model frame.
-        linear_acceleration: The controller's limit on commands, as is `angular_acceleration`.
-        cruise_speed: What the scripted drivers command; `cruise_yaw_rate` likewise.
-        encoder_ticks: Encoder resolution per wheel revolution; `odometry_rate` is that of the odometry.
-        lidar_height: Above flat ground, as is `clearance`, that of the underside.
-        frames: Of /tf and the URDF; harness.frames adds those of the model that are not named here.
-        lidar: Where the lidar is, if the model has no site `lidar`; likewise `imu`.
-        slope_limit: Steepest slope that it climbs; `step_limit` is the highest step.
-        expected: What harness.validate.check reads.
-        sensors: Those that it carries beside the usual ones, each as rover.yaml has it.
+        wheel_radius: Of the largest wheel [m].
+        wheel_width: Of the widest wheel [m].
+        wheel_speed_limit: Largest speed of the slowest motor [rad/s].
+        gravity: Downwards [m/s^2].
+        lidar_x: Position of the lidar ahead in the model frame while all joints are at 0 [m].
+        lidar_y: Position of the lidar to the left [m].
+        lidar_yaw: Direction in which the lidar looks, from the model frame's x [rad].
     """
 
     name: str
     folder: Path
     passive_joints: tuple[str, ...]
-    wheel_radius: float
-    wheel_width: float
-    wheel_speed_limit: float
-    lidar_x: float
-    gravity: float
-    summary: str
-    odometry_child_frame: str
-    imu_frame: str
-    rest_height: float
-    wheelbase: float
-    track: float
-    controller_radius: float
-    controller_separation: float
-    footprint: tuple[float, float, float, float]
-    linear_acceleration: float
-    angular_acceleration: float
-    cruise_speed: float
-    cruise_yaw_rate: float
-    encoder_ticks: float
-    odometry_rate: int
-    lidar_height: float
-    clearance: float
-    model: str = ""
-    drive: Drive = field(default_factory=Drive)
     steered_wheels: tuple[str, ...] = ()
-    lidar_y: float = 0.0
-    lidar_yaw: float = math.pi
-    frames: tuple[FrameRow, ...] = ()
-    lidar: Mount | None = None
-    imu: Mount | None = None
-    slope_limit: float = math.radians(40.0)
-    step_limit: float = 0.07
-    expected: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
-    sensors: tuple[Mapping[str, Any], ...] = field(default=(), hash=False)
+    wheel_radius: Positive
+    wheel_width: Positive
+    wheel_speed_limit: Positive
+    gravity: Positive
+    lidar_x: Number
+    lidar_y: Number = 0.0
+    lidar_yaw: Number = math.pi
+
+
+class RoverSpec(RoverFile, ModelFacts):
+    """One rover, complete; lengths in metres, angles in radians, rates in hertz of simulation time."""
+
+    @model_validator(mode="after")
+    def _is_complete(self) -> Self:
+        for key in RoverFile.model_fields:
+            if getattr(self, key) is None and key not in ("lidar", "imu"):
+                raise ValueError(f"key '{key}' is missing")
+        return self
+
+    def __hash__(self) -> int:
+        """Rovers are told apart by their folders; entries of `sensors` have no hash."""
+        return hash(self.folder)
 
     @property
     def model_path(self) -> Path:
@@ -203,6 +185,12 @@ class RoverSpec:
         if not self.steers:
             return 0.0
         return self.wheelbase / math.tan(self.drive.steering_limit) + self.controller_separation / 2
+
+
+def schema() -> str:
+    """Returns the JSON schema of rover.yaml as text, for editors."""
+    rules = RoverFile.model_json_schema() | {"title": "rover.yaml"}
+    return json.dumps(rules, indent=1, ensure_ascii=False) + "\n"
 
 
 def _named(count: int, side: str) -> tuple[str, ...]:

@@ -2,12 +2,12 @@
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import mujoco
+from pydantic import Field
 
 from harness import __version__
 from harness.base.errors import UsageError
@@ -18,14 +18,13 @@ from harness.scenario.case import Case, scenario_name
 from harness.scenario.judge import value_of
 from harness.scenario.series import Series
 from harness.spec.run import Run
-from harness.yaml_file import fill
+from harness.spec.value import Value, made
 
 HASH_DIGITS = 12
 MEND = "if that is meant, record it anew with --update-baseline"
 
 
-@dataclass(frozen=True)
-class Recorded:
+class Recorded(Value):
     """A run as its baseline knows it.
 
     Attributes:
@@ -36,7 +35,7 @@ class Recorded:
     """
 
     of: dict[str, Any]
-    values: dict[str, Any] = field(default_factory=dict)
+    values: dict[str, Any] = Field(default_factory=dict)
     log: tuple[str, ...] = ()
 
 
@@ -62,10 +61,11 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     log: tuple[str, ...] = ()
     if case.scenario.same_bytes and result.log_path is not None:
         log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
+    values = {key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds}
     return Recorded(
-        json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
-        {key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds},
-        log,
+        of=json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
+        values=values,
+        log=log,
     )
 
 
@@ -84,7 +84,7 @@ def read_baseline(case: Case) -> Recorded:
     runs = _read(path)
     if case.name not in runs:
         raise UsageError(f"there is no baseline of it in {path}; record it with --update-baseline")
-    return fill(Recorded, runs[case.name], f"{path}: {case.name}")
+    return made(Recorded, runs[case.name], f"{path}: {case.name}")
 
 
 def check_comparable(now: Recorded, baseline: Recorded) -> None:
@@ -121,7 +121,7 @@ def write_baselines(records: Iterable[tuple[Case, Recorded]]) -> list[Path]:
         path = path_of(case.path)
         if path not in files:
             files[path] = _read(path)
-        files[path][case.name] = asdict(recorded)
+        files[path][case.name] = recorded.model_dump()
     for path, runs in files.items():
         write_whole(path, json.dumps(runs, indent=1, allow_nan=False) + "\n", "the baseline", UsageError)
     return list(files)

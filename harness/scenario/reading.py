@@ -43,7 +43,8 @@ def read_scenario(path: Path) -> Scenario:
         raise UsageError(f"{path}: it must hold keys with values, beginning with 'about:'")
     try:
         # JSON's rules know no types of Python: a list is a tuple, but "3" and true are no numbers.
-        return Scenario.model_validate_json(json.dumps(content, default=str), strict=True)
+        given = {key: value for key, value in content.items() if value is not None}
+        return Scenario.model_validate_json(json.dumps(given, default=str), strict=True)
     except ValidationError as error:
         first = _first(error.errors(include_url=False))
         location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]

@@ -19,10 +19,8 @@ from harness.scenario.events import CommandEvent, Event, PauseEvent
 from harness.scenario.launch import Launch, Launched, launch_of
 from harness.scenario.quantities import GOAL, check_name, names
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
-from harness.spec.rover import RoverSetup
-from harness.spec.run import Run
+from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Seed
-from harness.spec.world import WorldSpec
 
 SCHEMA: dict[str, Any] = {
     "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
@@ -97,22 +95,13 @@ class Matrix(Part):
     params: tuple[Text | None, ...] = ()
 
 
-def _run_keys() -> dict[str, Any]:
-    """The fields of a run as keys of a scenario; events, goal and seeds have forms of their own."""
-    fields = {
-        name: cls.model_fields[name]
-        for cls in (WorldSpec, RoverSetup, Run)
-        for name in cls.model_fields
-        if name not in NOT_KEYS
-    }
-    return {name: (field.annotation, field) for name, field in fields.items()}
-
-
-NOT_KEYS = ("name", "faults", "world", "rovers", "plan", "seed", "duration")
+NOT_KEYS = ("name", "faults", "commands", "goals", "resets", "seed", "duration")  # have other forms
 if TYPE_CHECKING:
     RunKeys = Part
 else:
-    RunKeys = create_model("RunKeys", __base__=Part, **_run_keys())
+    RunKeys = create_model(
+        "RunKeys", __base__=Part, **keys_of(*(name for name in OWNERS if name not in NOT_KEYS))
+    )
 
 
 class Scenario(RunKeys):

@@ -1,7 +1,5 @@
 """A barometer: the pressure of the standard atmosphere at the rover's altitude."""
 
-from dataclasses import dataclass
-
 from harness.samples import plain_value
 from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
@@ -33,7 +31,6 @@ class Pressure:
     variance: float
 
 
-@dataclass(frozen=True, kw_only=True)
 class BarometerOptions(ChipOptions):
     """Of a barometer.
 

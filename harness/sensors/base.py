@@ -1,11 +1,42 @@
 """What a sensor is: something that looks at the simulation every so many clock ticks."""
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from harness.samples import Sample
+from harness.samples import Sample, Source
 
-if TYPE_CHECKING:  # whoever only checks a rate does without MuJoCo
+if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
+    from collections.abc import Callable, Mapping
+
+    from harness.frames.rover_frames import RoverFrames
     from harness.physics.simulation import Simulation
+    from harness.sensors.lidar import Lidar
+    from harness.sensors.optional import Installation, SensorOptions
+    from harness.spec.ros import FrameOptions
+    from harness.truth.recorder import TruthRecorder
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EpisodeParts:
+    """What the sensors of an episode are made from; a sensor whose part is None is not made.
+
+    Attributes:
+        simulation: The rover in its world.
+        lidar: The planar lidar that every rover has.
+        recorder: Knows contacts, slip and the way.
+        install: Gives an optional sensor its place, its generator and its noise.
+        frames: The frames of the rover.
+        frame_options: Which transforms are published.
+        sensors: The sensors of the episode by source; those of later rows follow.
+    """
+
+    simulation: "Simulation"
+    lidar: "Lidar | None" = None
+    recorder: "TruthRecorder | None" = None
+    install: "Callable[[SensorOptions], Installation] | None" = None
+    frames: "RoverFrames | None" = None
+    frame_options: "FrameOptions | None" = None
+    sensors: "Mapping[Source, Sensor]" = field(default_factory=dict)
 
 
 class Sensor:
@@ -14,6 +45,11 @@ class Sensor:
     def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
         self._simulation = simulation
         self.period_ticks = period_ticks
+
+    @classmethod
+    def of(cls, parts: EpisodeParts, period_ticks: int) -> "Sensor | None":
+        """Returns the sensor of an episode; None if the episode lacks a part that it needs."""
+        return cls(parts.simulation, period_ticks)
 
     def due(self, tick: int) -> bool:
         """Returns whether a sample falls on a tick, counted from 1."""

@@ -1,11 +1,11 @@
 """Sensors at the world's datum whose errors are a chip's, chosen by a preset or by --noise hardware."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Unpack
+
+from pydantic import ConfigDict
 
 from harness.sensors.corruption import AxisErrors, AxisTriad
-from harness.sensors.geodesy import Datum
 from harness.sensors.noise import HARDWARE
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 
@@ -15,7 +15,6 @@ if TYPE_CHECKING:  # the table of sensors does without MuJoCo
 NO_ERRORS = "none"
 
 
-@dataclass(frozen=True, kw_only=True)
 class ChipOptions(SensorOptions):
     """Of a sensor with the errors of a chip.
 
@@ -30,26 +29,20 @@ class ChipOptions(SensorOptions):
 
     preset: str = ""
 
-    def __init_subclass__(cls) -> None:
+    def __init_subclass__(cls, **keywords: Unpack[ConfigDict]) -> None:
         """Makes each set of errors a preset, which says nothing else."""
-        super().__init_subclass__()
+        super().__init_subclass__(**keywords)
         cls.presets = {name: {} for name in cls.errors}
 
 
 class ChipSensor(OptionalSensor):
     """A sensor with three equal axes, or with one, whose readings depend on where the datum is."""
 
-    def __init__(
-        self,
-        simulation: "Simulation",
-        datum: Datum,
-        installation: Installation,
-        period_ticks: int,
-    ) -> None:
+    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
         super().__init__(simulation, installation, period_ticks)
         options, noise = installation.options, installation.noise
         assert isinstance(options, ChipOptions)  # noqa: S101 - of this row
         by_noise = options.hardware if noise is not None and noise.name == HARDWARE.name else NO_ERRORS
-        self._datum, self._preset = datum, options.preset or by_noise
+        self._datum, self._preset = installation.datum, options.preset or by_noise
         self._errors = options.errors[self._preset]
         self._triad = AxisTriad(self._errors, installation.rng)

@@ -9,7 +9,7 @@ from harness.robots import RoverSpec
 from harness.sensors import table
 from harness.sensors.table import SensorRow
 from harness.spec.sensor import NONE, SensorChoice
-from harness.yaml_file import fill
+from harness.spec.value import made
 
 RESERVED = ("clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics")
 
@@ -90,16 +90,12 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
     try:
         row = find_named("sensor", str(values.pop("kind")), kinds())
         assert row.options is not None  # noqa: S101 - `kinds` has no others
-        preset = values.get("preset", getattr(row.options, "preset", ""))
+        preset = values.get("preset", "")
         if preset and row.options.presets:
             values = dict(find_named("preset", str(preset), row.options.presets)) | values
     except UsageError as error:
         raise UsageError(f"{where}: {error}") from error
-    options = fill(row.options, values, where)
-    try:
-        options.check()
-    except UsageError as error:
-        raise UsageError(f"{where}: {error}") from error
+    options = made(row.options, values, where)
     alone = len(row.topics) == 1
     told = (topic for topic in row.topics if not topic.option or getattr(options, topic.option))
     return replace(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
 from harness.samples import Vector3
+from harness.spec.value import NotNegative, Share, Value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,8 +70,7 @@ class AxisTriad:
         self._bias = kept * self._bias + _gaussian(self._rng, gained, (3,))
 
 
-@dataclass(frozen=True, kw_only=True)
-class RangeErrors:
+class RangeErrors(Value):
     """Errors of a lidar's ranges.
 
     Attributes:
@@ -79,9 +79,9 @@ class RangeErrors:
         dropout: Share of the returns that are lost.
     """
 
-    white: float = 0.0
-    step: float = 0.0
-    dropout: float = 0.0
+    white: NotNegative = 0.0
+    step: NotNegative = 0.0
+    dropout: Share = 0.0
 
     def corrupt(
         self, ranges: NDArray[np.float32], limits: tuple[float, float], rng: np.random.Generator

@@ -2,21 +2,20 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from harness.base.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.ranging import RangeOptions
+from harness.spec.value import Length, NotNegative
 
 OPTICAL_RPY = (-math.pi / 2, 0.0, -math.pi / 2)  # REP-103: z ahead, x right, y down
 
 
-@dataclass(frozen=True, kw_only=True)
 class DepthOptions(RangeOptions):
     """A pinhole camera with square pixels and its optical axis in the middle of the image.
 
@@ -39,11 +38,11 @@ class DepthOptions(RangeOptions):
 
     preset: str = "small"
     rpy: Vector3 = (0.0, 0.35, 0.0)  # a little down; RoboTerrain's depth camera is tilted as much
-    width: int = 160
-    height: int = 120
-    fov: float = 1.047
-    range_min: float = 0.05
-    range_max: float = 10.0
+    width: Annotated[int, Field(ge=1)] = 160
+    height: Annotated[int, Field(ge=1)] = 120
+    fov: Annotated[float, Field(gt=0.0, lt=math.pi)] = 1.047
+    range_min: NotNegative = 0.05
+    range_max: Length = 10.0
     cloud: bool = False
 
     @property
@@ -79,13 +78,3 @@ class DepthOptions(RangeOptions):
             (np.arange(self.width) - x) / focal, (np.arange(self.height) - y) / focal
         )
         return np.column_stack([right.ravel(), down.ravel(), np.ones(self.rays)])
-
-    def check(self) -> None:
-        """Checks image and field of view too."""
-        if min(self.width, self.height) < 1:
-            raise UsageError(
-                f"an image of {self.width} x {self.height} pixels is not valid; give 1 or more"
-            )
-        super().check()
-        if not 0.0 < self.fov < math.pi:
-            raise UsageError(f"fov {self.fov:g} rad is not valid; give more than 0 and less than pi")

@@ -8,6 +8,7 @@ from typing import ClassVar
 from harness.samples import Vector3, plain_value
 from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
+from harness.sensors.optional import Rate
 
 # Standard deviation along one axis over the radius in which half of the fixes lie: of a circle (CEP), of
 # a line (R50).
@@ -85,7 +86,6 @@ CONSUMER = GnssClass(
 CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
 
 
-@dataclass(frozen=True, kw_only=True)
 class GnssOptions(ChipOptions):
     """Of a receiver.
 
@@ -99,7 +99,7 @@ class GnssOptions(ChipOptions):
     }
     hardware = "consumer"
 
-    rate: int = 5
+    rate: Rate = 5
 
 
 class GnssSensor(ChipSensor):

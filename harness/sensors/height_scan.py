@@ -6,24 +6,24 @@ those of what is met first from above; moving obstacles are where they are now.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import model_validator
 
-from harness.base.errors import UsageError, find_named
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import plain_value
-from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
+from harness.sensors.optional import Installation, OptionalSensor, Rate, SensorOptions
+from harness.spec.value import Length
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     import mujoco
 
     from harness.physics.simulation import Simulation
 
-ROVER, WORLD = "rover", "world"
-AXES = {ROVER: "ahead and left of the rover", WORLD: "x and y of the world"}
+ROVER: Final = "rover"  # ahead and left of the rover
+WORLD: Final = "world"  # x and y of the world
 ABOVE = 1.0  # [m] over the highest obstacle, from where is looked down
 MOST_CELLS = 250_000
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -49,7 +49,6 @@ class HeightScan:
     yaw: float
 
 
-@dataclass(frozen=True, kw_only=True)
 class HeightScanOptions(SensorOptions):
     """Of a height scan; without a parent it is mounted on the rover's base.
 
@@ -66,10 +65,10 @@ class HeightScanOptions(SensorOptions):
     }
 
     preset: str = ""
-    rate: int = 20
-    size: tuple[float, float] = (2.0, 2.0)
-    resolution: float = 0.1
-    axes: str = ROVER
+    rate: Rate = 20
+    size: tuple[Length, Length] = (2.0, 2.0)
+    resolution: Length = 0.1
+    axes: Literal["rover", "world"] = ROVER
     grid_map: bool = False
 
     def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
@@ -83,22 +82,14 @@ class HeightScanOptions(SensorOptions):
         along, across = (max(1, round(length / self.resolution)) for length in self.size)
         return along, across
 
-    def check(self) -> None:
-        """Checks the values.
-
-        Raises:
-            UsageError: One is not valid; the message names those that are.
-        """
-        super().check()
-        find_named("axes", self.axes, AXES)
-        for name, value in (("resolution", self.resolution), *(("size", s) for s in self.size)):
-            if not (math.isfinite(value) and value > 0.0):
-                raise UsageError(f"{name} {value:g} m is not valid; give a number above 0")
+    @model_validator(mode="after")
+    def _check_cells(self) -> Self:
         if math.prod(length / self.resolution for length in self.size) > MOST_CELLS:
-            raise UsageError(
+            raise ValueError(
                 f"a height scan of {self.size[0]:g} x {self.size[1]:g} m at {self.resolution:g} m has "
                 f"more than {MOST_CELLS} cells; give a smaller size or a coarser resolution"
             )
+        return self
 
 
 class HeightScanSensor(OptionalSensor):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
-from harness.sensors.base import Sensor
+from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import Surroundings
 from harness.sensors.rays.heightfield_kernel import cast_rays
@@ -69,6 +69,11 @@ class LidarSensor(Sensor):
     def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._lidar = lidar
+
+    @classmethod
+    def of(cls, parts: EpisodeParts, period_ticks: int) -> "LidarSensor | None":
+        """Returns the lidar of an episode; None without one."""
+        return None if parts.lidar is None else cls(parts.simulation, parts.lidar, period_ticks)
 
     def read(self) -> LaserScan:
         """Returns a scan from where the rover is now."""

@@ -6,22 +6,23 @@ rays of a reading are cast at its stamp: there is no distortion by motion, and n
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
-from harness.base.errors import UsageError
 from harness.sensors.ranging import RangeOptions, check_span
+from harness.spec.value import Length, NotNegative
 
 DEGREE = math.pi / 180.0
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-RINGS, SPIRAL = "rings", "spiral"
-LEFT_OUT, AS_NAN = "left_out", "nan"
+RINGS: Final = "rings"
+SPIRAL: Final = "spiral"
+LEFT_OUT: Final = "left_out"
+AS_NAN: Final = "nan"
 
 
-@dataclass(frozen=True, kw_only=True)
 class PlanarLidarOptions(RangeOptions):
     """A lidar whose beams lie in its xy plane.
 
@@ -49,11 +50,11 @@ class PlanarLidarOptions(RangeOptions):
     }
 
     preset: str = "rplidar_s2"
-    beams: int = 3200
+    beams: Annotated[int, Field(ge=2)] = 3200
     angle_min: float = -math.pi
     angle_max: float = math.pi - 0.1125 * DEGREE
-    range_min: float = 0.05
-    range_max: float = 30.0
+    range_min: NotNegative = 0.05
+    range_max: Length = 30.0
 
     @property
     def rays(self) -> int:
@@ -66,15 +67,12 @@ class PlanarLidarOptions(RangeOptions):
             np.linspace(self.angle_min, self.angle_max, self.beams), np.zeros(self.beams)
         )
 
-    def check(self) -> None:
-        """Checks its beams too."""
-        super().check()
-        if self.beams < 2:
-            raise UsageError(f"{self.beams} beams are not valid; give 2 or more")
+    @model_validator(mode="after")
+    def _check_field_of_view(self) -> Self:
         check_span("a field of view", self.angle_min, self.angle_max, math.pi)
+        return self
 
 
-@dataclass(frozen=True, kw_only=True)
 class CloudLidarOptions(RangeOptions):
     """A lidar with beams at several elevations.
 
@@ -124,18 +122,18 @@ class CloudLidarOptions(RangeOptions):
     }
 
     preset: str = "vlp16"
-    rings: int = 16
+    rings: Annotated[int, Field(ge=1)] = 16
     lowest: float = -15.0 * DEGREE
     highest: float = 15.0 * DEGREE
     elevations: tuple[float, ...] = ()
-    columns: int = 1800
+    columns: Annotated[int, Field(ge=1)] = 1800
     angle_min: float = -math.pi
     angle_max: float = math.pi
-    pattern: str = RINGS
+    pattern: Literal["rings", "spiral"] = RINGS
     organised: bool = False
-    misses: str = LEFT_OUT
-    range_min: float = 0.5
-    range_max: float = 100.0
+    misses: Literal["left_out", "nan"] = LEFT_OUT
+    range_min: NotNegative = 0.5
+    range_max: Length = 100.0
 
     @property
     def rays(self) -> int:
@@ -165,9 +163,8 @@ class CloudLidarOptions(RangeOptions):
             np.tile(azimuths, len(elevations)), np.repeat(elevations[::-1], self.columns)
         )
 
-    def check(self) -> None:
-        """Checks its field of view, pattern and cloud too."""
-        super().check()
+    @model_validator(mode="after")
+    def _check_field_of_view(self) -> Self:
         check_span("a field of view", self.angle_min, self.angle_max, math.pi)
         low, high = (
             (self.elevations[0], self.elevations[-1]) if self.elevations else (self.lowest, self.highest)
@@ -175,17 +172,12 @@ class CloudLidarOptions(RangeOptions):
         if len(self.elevations or range(self.rings)) > 1:
             check_span("elevations", low, high, math.pi / 2)
         if list(self.elevations) != sorted(self.elevations):
-            raise UsageError("elevations are not valid; give them from the lowest to the highest")
-        for what, value, valid in (
-            ("pattern", self.pattern, (RINGS, SPIRAL)),
-            ("misses", self.misses, (LEFT_OUT, AS_NAN)),
-        ):
-            if value not in valid:
-                raise UsageError(f"{what} '{value}' is not valid; give {' or '.join(valid)}")
+            raise ValueError("elevations are not valid; give them from the lowest to the highest")
         if self.pattern == SPIRAL and (self.organised or self.elevations):
-            raise UsageError(
+            raise ValueError(
                 "a spiral has no rings: leave out organised and elevations, or give pattern: rings"
             )
+        return self
 
 
 def _unit_vectors(azimuth: NDArray[np.float64], elevation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,16 +1,16 @@
 """A magnetometer: the Earth's field at the datum in the rover's axes, with the errors of its chip."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import numpy as np
+from pydantic import AfterValidator
 
 from harness.base.errors import UsageError
 from harness.samples import Vector3, plain_value
 from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
-from harness.sensors.geodesy import Datum
-from harness.sensors.optional import Installation
+from harness.sensors.optional import Installation, Rate
+from harness.spec.value import checked
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
@@ -41,7 +41,14 @@ class MagneticField:
     magnetic_field_covariance: tuple[float, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
+def _check_field(field: tuple[float, ...]) -> None:
+    if len(field) not in (0, 3) or not all(abs(value) <= STRONGEST for value in field):
+        raise UsageError(
+            f"field {list(field)} is not valid; give east, north and up in tesla, "
+            f"each within {STRONGEST:g}, e.g. [2.9e-6, 20.9e-6, -42.1e-6]"
+        )
+
+
 class MagnetometerOptions(ChipOptions):
     """Of a magnetometer.
 
@@ -54,36 +61,17 @@ class MagnetometerOptions(ChipOptions):
     errors = CHIPS
     hardware = "bmm150"
 
-    field: tuple[float, ...] = ()
-    rate: int = 20
-
-    def check(self) -> None:
-        """Checks the values.
-
-        Raises:
-            UsageError: One is not valid; the message names those that are.
-        """
-        super().check()
-        if len(self.field) not in (0, 3) or not all(abs(value) <= STRONGEST for value in self.field):
-            raise UsageError(
-                f"field {list(self.field)} is not valid; give east, north and up in tesla, "
-                f"each within {STRONGEST:g}, e.g. [2.9e-6, 20.9e-6, -42.1e-6]"
-            )
+    field: Annotated[tuple[float, ...], AfterValidator(checked(_check_field))] = ()
+    rate: Rate = 20
 
 
 class MagnetometerSensor(ChipSensor):
     """The magnetometer; nothing of the rover is magnetic."""
 
-    def __init__(
-        self,
-        simulation: "Simulation",
-        datum: Datum,
-        installation: Installation,
-        period_ticks: int,
-    ) -> None:
-        super().__init__(simulation, datum, installation, period_ticks)
-        told = cast("MagnetometerOptions", installation.options).field
-        self._field = np.array(told or datum.magnetic_field())
+    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        given = cast("MagnetometerOptions", installation.options).field
+        self._field = np.array(given or self._datum.magnetic_field())
         self._covariance = tuple((self._errors.variance * np.eye(3)).ravel().tolist())
 
     def read(self) -> MagneticField:

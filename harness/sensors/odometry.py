@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.physics.ackermann import curvature_of
+from harness.physics.base_controller import curvature_of
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
 from harness.sensors.base import Sensor

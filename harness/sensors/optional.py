@@ -1,34 +1,49 @@
 """Sensors that a rover carries only if it is asked to: their options, where they sit, their base class.
 
-The options come from an entry of `sensors:` in rover.yaml, from a preset, or from --sensors; an options
-class adds fields to SensorOptions, and harness.yaml_file says what is wrong with what it is given.
+The options come from an entry of `sensors:` in rover.yaml, from a preset, or from --sensors. An options
+class adds fields to SensorOptions; harness.spec.value.made says what is wrong with what it is given.
 """
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator, ConfigDict
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import period_ticks
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.base import Sensor
-from harness.sensors.mount import Mount
+from harness.sensors.geodesy import Datum
 from harness.sensors.noise import NoisePreset
+from harness.spec.value import Value, checked
 
 if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
+    import mujoco
+
     from harness.physics.simulation import Simulation
+    from harness.sensors.rays.bundle import Surroundings
 
 WORD = r"[A-Za-z]\w*"
 LIDAR_FRAME = "lidar_link"
+Rate = Annotated[int, AfterValidator(checked(period_ticks))]  # [Hz], whole ticks of the clock apart
 
 
-@dataclass(frozen=True, kw_only=True)
-class SensorOptions:
+def _check_name(name: str) -> None:
+    if not re.fullmatch(WORD, name):
+        raise UsageError(f"name '{name}' is not valid; give letters, digits and _, a letter first")
+
+
+def _check_topic(topic: str) -> None:
+    if topic and not re.fullmatch(f"{WORD}(/{WORD})*", topic):
+        raise UsageError(f"topic '{topic}' is not valid; give e.g. front/points, no slash before it")
+
+
+class SensorOptions(Value):
     """What every optional sensor can be told; a kind adds its own fields and defaults.
 
     Attributes:
@@ -43,15 +58,16 @@ class SensorOptions:
             `preset`; what is given beside it wins.
     """
 
+    model_config = ConfigDict(allow_inf_nan=False)
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {}
 
-    name: str
+    name: Annotated[str, AfterValidator(checked(_check_name))]
     parent: str = ""
     xyz: Vector3 = (0.0, 0.0, 0.0)
     rpy: Vector3 = (0.0, 0.0, 0.0)
     frame: str = ""
-    topic: str = ""
-    rate: int = 10
+    topic: Annotated[str, AfterValidator(checked(_check_topic))] = ""
+    rate: Rate = 10
 
     @property
     def frame_id(self) -> str:
@@ -81,21 +97,28 @@ class SensorOptions:
         """
         return self.topic if self.topic and alone else f"{self.topic or self.name}/{last}"
 
-    def check(self) -> None:
-        """Checks the values together; a kind that has more to check calls this one too.
 
-        Raises:
-            UsageError: A value is not valid; the message names those that are.
+@dataclass(frozen=True, eq=False)
+class Mount:
+    """A frame that is fixed to a body of the scene.
+
+    Attributes:
+        body: Index of the body.
+        xyz: Origin of the frame in the body [m], shape (3,).
+        axes: Rotation R_body_sensor, shape (3, 3).
+    """
+
+    body: int
+    xyz: NDArray[np.float64]
+    axes: NDArray[np.float64]
+
+    def pose(self, data: "mujoco.MjData") -> NDArray[np.float64]:
+        """Returns origin in the world [m] and below it the rotation R_world_sensor, shape (4, 3).
+
+        The poses in `data` must be those of its qpos: after mj_step, call mj_kinematics first.
         """
-        if not re.fullmatch(WORD, self.name):
-            raise UsageError(
-                f"name '{self.name}' is not valid; give letters, digits and _, a letter first"
-            )
-        if self.topic and not re.fullmatch(f"{WORD}(/{WORD})*", self.topic):
-            raise UsageError(
-                f"topic '{self.topic}' is not valid; give e.g. front/points, no slash before it"
-            )
-        period_ticks(self.rate)
+        turn = data.xmat[self.body].reshape(3, 3)
+        return np.vstack([data.xpos[self.body] + turn @ self.xyz, turn @ self.axes])
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +129,16 @@ class Installation:
         options: Of the kind's own class.
         mount: Where it is.
         rng: Its own source of randomness.
+        datum: The origin of the world on the Earth.
+        surroundings: What its rays can meet.
         noise: The preset of --noise; None for exact sensors. What its options say of noise wins.
     """
 
     options: SensorOptions
     mount: Mount
     rng: np.random.Generator
+    datum: Datum
+    surroundings: "Surroundings"
     noise: NoisePreset | None = None
 
 

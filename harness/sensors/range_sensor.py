@@ -9,26 +9,20 @@ from harness.physics.simulation import Simulation
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.optional import Installation, OptionalSensor
 from harness.sensors.ranging import RangeOptions, RangeReading
-from harness.sensors.rays.bundle import RayBundle, Surroundings
+from harness.sensors.rays.bundle import RayBundle
 
 
 class RangeSensor(OptionalSensor):
     """Casts the rays of its options; the rover does not see itself."""
 
-    def __init__(
-        self,
-        simulation: Simulation,
-        surroundings: Surroundings,
-        installation: Installation,
-        period_ticks: int,
-    ) -> None:
+    def __init__(self, simulation: Simulation, installation: Installation, period_ticks: int) -> None:
         super().__init__(simulation, installation, period_ticks)
         options = cast("RangeOptions", installation.options)
         directions = options.directions()
         self._lengths = np.linalg.norm(directions, axis=1)
         unit = directions / self._lengths[:, None]
         farthest = options.range_max * float(self._lengths.max())
-        self._bundle = RayBundle(surroundings, unit, farthest)
+        self._bundle = RayBundle(installation.surroundings, unit, farthest)
         self._limits, self._rng = (options.range_min, options.range_max), installation.rng
         preset = RangeErrors() if installation.noise is None else installation.noise.ranges
         self._errors = preset if options.noise == RangeErrors() else options.noise

@@ -3,16 +3,16 @@
 Importing this loads neither MuJoCo nor compiled kernels: who publishes needs the directions too.
 """
 
-import math
-from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import model_validator
 
-from harness.base.errors import UsageError
 from harness.samples import plain_value
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.optional import SensorOptions
+from harness.spec.value import Length, NotNegative
 
 MOST_RAYS = 500_000  # in a reading
 
@@ -34,7 +34,6 @@ class RangeReading:
     on_obstacle: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, kw_only=True)
 class RangeOptions(SensorOptions):
     """What can be told to all that measure along rays.
 
@@ -44,9 +43,9 @@ class RangeOptions(SensorOptions):
         noise: Its errors: white and step [m], dropout [share]; if left out those of --noise, else none.
     """
 
-    range_min: float
-    range_max: float
-    noise: RangeErrors = field(default_factory=RangeErrors)
+    range_min: NotNegative
+    range_max: Length
+    noise: RangeErrors = RangeErrors()
 
     @property
     def rays(self) -> int:
@@ -57,37 +56,32 @@ class RangeOptions(SensorOptions):
         """Returns where rays go in the sensor's frame, each as long as a range of 1, shape (rays, 3)."""
         raise NotImplementedError
 
-    def check(self) -> None:
-        """Checks limits, noise and the number of rays."""
-        super().check()
-        if not 0.0 <= self.range_min < self.range_max < math.inf:
-            raise UsageError(
-                f"range_min {self.range_min:g} m and range_max {self.range_max:g} m are not valid; give "
-                "0 or more, and more than that"
+    @model_validator(mode="after")
+    def _check_rays(self) -> Self:
+        if self.range_min >= self.range_max:
+            raise ValueError(
+                f"range_min {self.range_min:g} m and range_max {self.range_max:g} m are not valid; "
+                "give a higher range_max"
             )
-        errors = self.noise
-        if min(errors.white, errors.step) < 0.0 or not 0.0 <= errors.dropout <= 1.0:
-            raise UsageError(
-                "noise is not valid; give white and step of 0 m or more, dropout from 0 to 1"
-            )
-        if not 1 <= self.rays <= MOST_RAYS:
-            raise UsageError(f"{self.rays:,} rays a reading are not valid; give 1 to {MOST_RAYS:,}")
+        if self.rays > MOST_RAYS:
+            raise ValueError(f"{self.rays:,} rays a reading are not valid; give 1 to {MOST_RAYS:,}")
+        return self
 
 
-def check_span(what: str, low: float, high: float, widest: float) -> None:
+def check_span(name: str, low: float, high: float, widest: float) -> None:
     """Checks that an angle lies between two others that are not too far apart.
 
     Args:
-        what: Is told in the message.
+        name: What the message calls the angle.
         low: Where it begins [rad].
         high: Where it ends [rad].
         widest: How far both may be from 0 [rad].
 
     Raises:
-        UsageError: They are not.
+        ValueError: It does not.
     """
     if not -widest - 1e-4 <= low < high <= widest + 1e-4:
-        raise UsageError(
-            f"{what} from {low:g} to {high:g} rad is not valid; give a lower angle and a higher one, "
+        raise ValueError(
+            f"{name} from {low:g} to {high:g} rad is not valid; give a lower angle and a higher one, "
             f"from {-widest:.6g} to {widest:.6g}"
         )

@@ -5,7 +5,7 @@ import numpy as np
 
 from harness.physics.simulation import Simulation
 from harness.samples import GroundTruth, Imu, JointStates, Pose, TruthState, Vector3
-from harness.sensors.base import Sensor
+from harness.sensors.base import EpisodeParts, Sensor
 from harness.truth.recorder import TruthRecorder
 
 
@@ -104,6 +104,11 @@ class TruthSensor(Sensor):
 
     def __init__(self, recorder: TruthRecorder, period_ticks: int) -> None:
         self._recorder, self.period_ticks = recorder, period_ticks
+
+    @classmethod
+    def of(cls, parts: EpisodeParts, period_ticks: int) -> "TruthSensor | None":
+        """Returns the truth of an episode; None without a recorder."""
+        return None if parts.recorder is None else cls(parts.recorder, period_ticks)
 
     def read(self) -> TruthState:
         """Returns the truth now and since the last reading."""

@@ -1,11 +1,12 @@
 """The sensors that a rover carries: which are due at a tick, what they read, what noise makes of it."""
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 
 from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
-from harness.sensors.base import Sensor
+from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import chosen
 from harness.sensors.noise import SensorNoise
 from harness.sensors.table import SensorRow
@@ -15,7 +16,7 @@ class SensorSuite:
     """The sensors of one rover; call `tick` after every clock tick, in their order.
 
     Args:
-        parts: What sensors may be made from, by the names that the table's rows use.
+        parts: What sensors may be made from.
         rover: Whose rates they have.
         rates: Other rates, by sample [Hz].
         wanted: Which samples; None for all that the parts suffice for.
@@ -28,7 +29,7 @@ class SensorSuite:
 
     def __init__(
         self,
-        parts: Mapping[str, object],
+        parts: EpisodeParts,
         rover: RoverSpec,
         rates: Mapping[type[Sample], int],
         *,
@@ -37,10 +38,12 @@ class SensorSuite:
         rows: Iterable[SensorRow] | None = None,
     ) -> None:
         made: dict[Source, Sensor] = {}
-        parts = {**parts, "sensors": made}
+        parts = replace(parts, sensors=made)
         for row in chosen(rover, ()) if rows is None else rows:
-            if parts.keys() >= set(row.parts) and (wanted is None or row.source in wanted):
-                made[row.source] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
+            if wanted is None or row.source in wanted:
+                sensor = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
+                if sensor is not None:
+                    made[row.source] = sensor
         self._sensors = tuple(made.values())
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]

@@ -6,7 +6,7 @@ with `options` is of a kind of sensor that is only made when asked for; harness.
 it a row for each that a rover carries.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from operator import attrgetter
 from pkgutil import resolve_name
@@ -27,14 +27,14 @@ from harness.samples import (
     TruthState,
 )
 from harness.sensors.barometer import BarometerOptions, Pressure
-from harness.sensors.base import Sensor
+from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
-from harness.sensors.optional import LIDAR_FRAME, Installation, SensorOptions
+from harness.sensors.optional import LIDAR_FRAME, OptionalSensor, SensorOptions
 from harness.sensors.ranging import RangeReading
 
 RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
@@ -72,9 +72,7 @@ class SensorRow:
     Attributes:
         sample: What it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
             `sensor` too.
-        reader: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
-        parts: What of an episode it is made from; its period follows as the last argument. An episode
-            that lacks one does without the sensor. An optional one gets its Installation after them.
+        factory: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
         topics: Where the sample is published, in this order; of an optional one, as its options complete
             the names.
         rate: Samples a second of simulation time, of every rover or by rover [Hz]; an optional one has
@@ -89,8 +87,7 @@ class SensorRow:
     """
 
     sample: type[Sample]
-    reader: str
-    parts: tuple[str, ...] = ("simulation",)
+    factory: str
     topics: tuple[Topic, ...]
     rate: int | Callable[[RoverSpec], int] = 0
     frame: str | Callable[[RoverSpec], str] = ""
@@ -114,29 +111,29 @@ class SensorRow:
         """Returns the name of the frame on that rover."""
         return self.frame if isinstance(self.frame, str) else self.frame(rover)
 
-    def make(self, parts: Mapping[str, object], rate: int) -> Sensor:
-        """Returns the sensor of an episode.
+    def make(self, parts: EpisodeParts, rate: int) -> Sensor | None:
+        """Returns the sensor of an episode; None if the episode lacks a part that it needs.
 
         Args:
-            parts: What it may be made from, by the names that rows use.
-            rate: In samples a second of simulation time [Hz].
+            parts: What it is made from.
+            rate: Samples a second of simulation time [Hz].
 
         Raises:
             UsageError: The period is no whole number of clock ticks.
         """
-        made_from = [parts[name] for name in self.parts]
-        if self.given is not None:
-            install = cast("Callable[[SensorOptions], Installation]", parts["install"])
-            made_from.append(install(self.given))
-        return cast("Sensor", resolve_name(self.reader)(*made_from, period_ticks(rate)))
+        if self.given is None:
+            return cast("type[Sensor]", resolve_name(self.factory)).of(parts, period_ticks(rate))
+        if parts.install is None:
+            return None
+        kind = cast("type[OptionalSensor]", resolve_name(self.factory))
+        return kind(parts.simulation, parts.install(self.given), period_ticks(rate))
 
 
 # In publishing order. Rates, topics and frames are RoboTerrain's.
 SENSORS: tuple[SensorRow, ...] = (
     SensorRow(  # first: whoever gets another sample can transform it
         sample=Transforms,
-        reader="harness.frames.transforms:TransformSensor",
-        parts=("simulation", "frames", "frame_options", "sensors"),
+        factory="harness.frames.transforms:TransformSensor",
         topics=(Topic("tf", "tf2_msgs/msg/TFMessage", depth=100),),  # tf2_ros's DynamicBroadcasterQoS
         rate=HIGHEST_RATE,  # at most
         fault="tf",
@@ -144,8 +141,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=LaserScan,
-        reader="harness.sensors.lidar:LidarSensor",
-        parts=("simulation", "lidar"),
+        factory="harness.sensors.lidar:LidarSensor",
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         rate=20,
         frame=LIDAR_FRAME,
@@ -154,7 +150,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Imu,
-        reader="harness.sensors.state:ImuSensor",
+        factory="harness.sensors.state:ImuSensor",
         topics=(Topic("imu/data", "sensor_msgs/msg/Imu"),),
         rate=20,
         frame=attrgetter("imu_frame"),
@@ -164,7 +160,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Pose,
-        reader="harness.sensors.state:PoseSensor",
+        factory="harness.sensors.state:PoseSensor",
         topics=(Topic("rover/pose_array", "geometry_msgs/msg/PoseArray", best_effort=True),),
         rate=50,
         frame="world",
@@ -174,7 +170,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Odometry,
-        reader="harness.sensors.odometry:WheelOdometry",
+        factory="harness.sensors.odometry:WheelOdometry",
         topics=(Topic("odometry/wheels", "nav_msgs/msg/Odometry"),),
         rate=attrgetter("odometry_rate"),
         frame="odom",
@@ -184,7 +180,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=GroundTruth,
-        reader="harness.sensors.state:GroundTruthSensor",
+        factory="harness.sensors.state:GroundTruthSensor",
         topics=(Topic("odom_ground_truth", "nav_msgs/msg/Odometry"),),
         rate=50,
         frame="odom",
@@ -194,7 +190,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=JointStates,
-        reader="harness.sensors.state:JointSensor",
+        factory="harness.sensors.state:JointSensor",
         topics=(Topic("joint_states", "sensor_msgs/msg/JointState"),),
         rate=50,
         fault="joint_states",
@@ -202,8 +198,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=TruthState,
-        reader="harness.sensors.state:TruthSensor",
-        parts=("recorder",),
+        factory="harness.sensors.state:TruthSensor",
         topics=(
             Topic("rover/truth/contact", "std_msgs/msg/Bool"),
             Topic("rover/truth/traversal", "std_msgs/msg/Float64MultiArray"),
@@ -212,8 +207,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        reader=RANGE_SENSOR,
-        parts=("simulation", "surroundings"),
+        factory=RANGE_SENSOR,
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         fault="lidar2d",
         measured=("ranges",),
@@ -222,8 +216,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        reader=RANGE_SENSOR,
-        parts=("simulation", "surroundings"),
+        factory=RANGE_SENSOR,
         topics=(Topic("points", POINT_CLOUD),),
         fault="lidar3d",
         measured=("ranges",),
@@ -232,8 +225,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        reader=RANGE_SENSOR,
-        parts=("simulation", "surroundings"),
+        factory=RANGE_SENSOR,
         topics=(
             Topic("image", "sensor_msgs/msg/Image"),
             Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
@@ -246,7 +238,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=CameraState,
-        reader="harness.sensors.camera.sensor:CameraSensor",
+        factory="harness.sensors.camera.sensor:CameraSensor",
         topics=(
             Topic("image_raw", "sensor_msgs/msg/Image", on_demand=True),
             Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
@@ -257,8 +249,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=GnssFix,
-        reader="harness.sensors.gnss:GnssSensor",
-        parts=("simulation", "datum"),
+        factory="harness.sensors.gnss:GnssSensor",
         topics=(Topic("fix", "sensor_msgs/msg/NavSatFix"),),
         fault="gnss",
         measured=("latitude", "longitude", "altitude"),
@@ -267,8 +258,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=MagneticField,
-        reader="harness.sensors.magnetometer:MagnetometerSensor",
-        parts=("simulation", "datum"),
+        factory="harness.sensors.magnetometer:MagnetometerSensor",
         topics=(Topic("mag", "sensor_msgs/msg/MagneticField"),),
         fault="magnetometer",
         measured=("magnetic_field",),
@@ -277,8 +267,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Pressure,
-        reader="harness.sensors.barometer:BarometerSensor",
-        parts=("simulation", "datum"),
+        factory="harness.sensors.barometer:BarometerSensor",
         topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
         fault="barometer",
         measured=("fluid_pressure",),
@@ -287,7 +276,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=HeightScan,
-        reader="harness.sensors.height_scan:HeightScanSensor",
+        factory="harness.sensors.height_scan:HeightScanSensor",
         topics=(Topic("grid_map", "grid_map_msgs/msg/GridMap", option="grid_map"),),
         fault="height_scan",
         measured=("heights",),

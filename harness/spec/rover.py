@@ -62,12 +62,16 @@ class RoverSetup(Value):
     """
 
     name: Annotated[str, AfterValidator(checked(_check_name))] = ""
-    robot: Annotated[str, Option("NAME|FOLDER")] = "leo"
+    robot: Annotated[str, Option("NAME|FOLDER")] = Field(
+        default="leo", description="a rover that ships, or a folder (docs/robots.md)"
+    )
     start: Annotated[StartText | None, Option("X,Y[,YAW]")] = Field(
         default=None,
         description="start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle",
     )
-    driver: Annotated[str, Option("NAME")] = "wander"
+    driver: Annotated[str, Option("NAME")] = Field(
+        default="wander", description="who chooses the commands, or policy:FILE.npz (docs/gym.md)"
+    )
     goal_area: Annotated[AreaText | None, Option("XMIN,XMAX,YMIN,YMAX")] = Field(
         default=None,
         description="give the driver one random goal after another in this rectangle [m], as "
@@ -84,8 +88,13 @@ class RoverSetup(Value):
     imu_rate: Annotated[int, AfterValidator(checked(period_ticks)), Option("HZ")] = Field(
         default=IMU_RATE, description="samples of the IMU a second"
     )
-    noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = None
-    sensors: Annotated[SensorChoices, Option("NAME[,...]")] = None
+    noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = Field(
+        default=None, description="a preset of sensor errors; none if left out"
+    )
+    sensors: Annotated[SensorChoices, Option("NAME[,...]")] = Field(
+        default=None,
+        description="optional sensors, NAME or NAME=PRESET; those of rover.yaml if left out",
+    )
     faults: Annotated[tuple[FaultText, ...], listed(), Option("SPEC", flag="fault")] = Field(
         default=(),
         description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable; default: none",

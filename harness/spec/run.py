@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Self
 
-import numpy as np
 from pydantic import AfterValidator, Field, model_validator
+from pydantic.fields import FieldInfo
 
 from harness.base.errors import UsageError, unknown
 from harness.base.sim_time import (
@@ -16,12 +16,12 @@ from harness.base.sim_time import (
     check_duration,
     parse_timestep,
 )
+from harness.base.streams import FLEET, seeded
 from harness.spec.plan import Plan
 from harness.spec.rover import RoverSetup
 from harness.spec.value import Option, Seed, Value, checked, made
 from harness.spec.world import WorldSpec
 
-FLEET_STREAM = 13  # keeps the randomness of several rovers apart
 MOST_ROVERS = 16
 
 
@@ -89,8 +89,7 @@ class Run(Value):
         """
         if number == 0:
             return self.seed
-        source = np.random.SeedSequence(self.seed, spawn_key=(FLEET_STREAM, number))
-        return int.from_bytes(source.generate_state(4).tobytes(), "little")
+        return int.from_bytes(seeded(self.seed, FLEET, number).generate_state(4).tobytes(), "little")
 
     def alone(self, **changes: Any) -> "Run":  # noqa: ANN401 - as the fields are
         """Returns the same run with other values of some fields, of the first rover and alone.
@@ -147,6 +146,17 @@ def field_owners() -> Iterator[tuple[str, str]]:
 
 
 OWNERS = dict(field_owners())
+
+
+def keys_of(*names: str) -> dict[str, tuple[Any, FieldInfo]]:
+    """Returns fields of a run, of whatever part, as pydantic's `create_model` takes them.
+
+    Args:
+        names: Of the fields.
+    """
+    models: dict[str, type[Value]] = PARTS | {"": Run}
+    found = {name: models[OWNERS[name]].model_fields[name] for name in names}
+    return {name: (field.annotation, field) for name, field in found.items()}
 
 
 def from_fields(run: Run, changes: Mapping[str, Any], name: Callable[[str], str] = str) -> "Run":

@@ -11,7 +11,8 @@ from pydantic_core import ErrorDetails
 from harness.base.errors import UsageError, unknown
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Seconds = NotNegative
 Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Seed = Annotated[int, Field(ge=0)]
@@ -146,10 +147,11 @@ def _foremost(errors: list[ErrorDetails]) -> ErrorDetails:
 
 
 def _model_at(cls: type[BaseModel], keys: list[str]) -> type[BaseModel]:
+    """The model at a place in another one; items of lists are of the kind that the list holds."""
     for key in keys:
         kind = cls.model_fields[key].annotation if key in cls.model_fields else None
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            cls = kind
+        kinds = (kind, *get_args(kind))
+        cls = next((k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel)), cls)
     return cls
 
 

@@ -11,8 +11,11 @@ DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
 DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
 
-MapLength = Annotated[float, Field(ge=10.0, le=50_000.0)]  # [m]
-Relief = Annotated[float, Field(ge=0.0, le=10_000.0)]  # [m]
+SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
+LARGEST_RELIEF = 10_000.0  # [m]
+
+MapLength = Annotated[float, Field(ge=SMALLEST_MAP, le=LARGEST_MAP)]  # [m]
+Relief = Annotated[float, Field(ge=0.0, le=LARGEST_RELIEF)]  # [m]
 Cell = Annotated[float, Field(ge=0.02, le=10.0)]  # [m]
 Texts = Annotated[tuple[str, ...], listed()]
 
@@ -87,7 +90,15 @@ class WorldSpec(Value):
     )
 
 
-FILE_FIELDS = (  # for terrains from files alone
-    *("terrain_size", "terrain_height", "terrain_cell", "resource_path", "mesh_unit", "mesh_up"),
-    *("rock_height", "rock", "hazard"),
-)
+HEIGHTMAPS, SOLIDS = "heightmaps", "SDF worlds and meshes"
+FILE_FIELDS = {  # for terrains from files alone, and for which kind of file
+    "terrain_size": HEIGHTMAPS,
+    "terrain_height": HEIGHTMAPS,
+    "terrain_cell": SOLIDS,
+    "resource_path": SOLIDS,
+    "mesh_unit": SOLIDS,
+    "mesh_up": SOLIDS,
+    "rock_height": SOLIDS,
+    "rock": SOLIDS,
+    "hazard": SOLIDS,
+}

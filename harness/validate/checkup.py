@@ -1,12 +1,11 @@
 """What is odd about a rover: its masses, how it stands, drives, turns and parks on flat ground.
 
-The spans are wide: they catch mistakes of a model, such as millimetres for metres or an axis that points
-backwards, not a rover that is merely unusual.
+The manoeuvres are those of the validation. The spans are wide: they catch mistakes of a model, such as
+millimetres for metres or an axis that points backwards, not a rover that is merely unusual.
 """
 
 import math
 from collections.abc import Iterator
-from functools import partial
 
 import mujoco
 import numpy as np
@@ -14,39 +13,41 @@ import numpy as np
 from harness.base.errors import RunFailed
 from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
-from harness.robots.model import compiled_alone
-from harness.validate.check import Check, Span, around, at_most
-from harness.validate.grounds import Course
+from harness.robots.model import compiled_alone, extent
+from harness.robots.sections import Span
+from harness.validate.check import Check, around, at_most
+from harness.validate.driving import at_rest, shaking, straight, yaw_ratio
+from harness.validate.grounds import flat
 from harness.validate.rig import Rig
-from harness.validate.stability import balance, tip_angle
-from harness.world.heightfield import Heightfield
-from harness.world.world import World
+from harness.validate.stability import balance, creep, tip_angle
 
-HALF_SIZE, CELL = 60, 1.0  # [m]: perfectly flat
 MASSES = Span(0.2, 2000.0, "toys to field robots")
 GYRATION = Span(0.1, 1.5, "0.4 to 0.6 of solid bodies, 1 of shells")
 TIPS = Span(15.0, 80.0, "lower: falls over; higher: is there a mass?")
-RESTING, PARKED, MEASURED = 1.0, 2.0, 1.5  # [s]
-FASTEST_TEST = 20.0  # [m] at most of a test drive
 GRIP = Span(0.2, 1.5, "rubber on rock 0.6 to 1; the larger of wheel and ground without a priority")
-
-
-def flat() -> Course:
-    """Returns a level plane of 120 m x 120 m."""
-    heights = np.zeros((2 * HALF_SIZE + 1, 2 * HALF_SIZE + 1))
-    return Course(World("check", Heightfield(heights, CELL), (), 0, 0.0), 0.0)
+LOADS = Span(0.2, 2.5, "all wheels carry; suspensions share the load")
+PARKED = at_most(1.0, "a parked rover stands")
+STRAIGHT = around(0.0, 5.0, "both sides drive alike")
+IN_A_CURVE = Span(0.8, 1.15, "steered wheels roll about one centre")
+IN_PLACE = Span(0.15, 1.2, "1 with narrow tyres; long wheelbases turn less")
+CALM = at_most(1.0, "contacts that do not chatter: solimp of models/leo/leo.xml")
+WHEELS_ALONE = at_most(0.0, "wheels alone touch it")
+STANDING, PARKING, MEASURING, TURNING = 1.0, 2.0, 1.5, 2.0  # [s]
+LONGEST_WAY = 20.0  # [m] of a test drive, at most
+SHARP = 0.7  # of the curvature of the tightest turn
 
 
 def check_up(rover: RoverSpec) -> list[Check]:
-    """Returns what was found of a rover; what lies outside its span is odd."""
-    parts = (_masses, _standing, _straight, _turning)
-    return [check for part in parts for check in _safely(part, rover)]
+    """Returns what was measured of a rover; what lies outside its span is odd."""
+    return [
+        check for part in (_masses, _standing, _straight, _turning) for check in _safely(part(rover))
+    ]
 
 
-def _safely(part: partial[Iterator[Check]] | object, rover: RoverSpec) -> Iterator[Check]:
-    """The checks of a part; where the simulation fails that is one."""
+def _safely(checks: Iterator[Check]) -> Iterator[Check]:
+    """Yields checks; if the simulation fails that is the last one."""
     try:
-        yield from part(rover)  # type: ignore[operator]  # a generator function
+        yield from checks
     except RunFailed as error:
         yield Check("simulation", "", Span(0.0, 0.0, str(error)), math.nan)
 
@@ -56,140 +57,80 @@ def _masses(rover: RoverSpec) -> Iterator[Check]:
     yield Check("mass", "kg", MASSES, float(model.body_mass.sum()), digits=2)
     ratios = {}
     for body in range(1, model.nbody):
-        size = _half_diagonal(model, data, body)
-        if model.body_mass[body] > 0 and size:
+        geoms = np.flatnonzero(model.geom_bodyid == body).tolist()
+        low, high = extent(model, data, geoms)
+        if model.body_mass[body] > 0 and geoms:
             gyration = math.sqrt(model.body_inertia[body].max() / model.body_mass[body])
-            ratios[model.body(body).name] = gyration / size
+            ratios[model.body(body).name] = gyration / (float(np.linalg.norm(high - low)) / 2)
     for name in sorted({min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)}):
-        what = f"radius of gyration of '{name}' / half its diagonal"
-        yield Check(what, "", GYRATION, ratios[name], digits=2)
-    motors = {int(model.joint(name).bodyid[0]) for name in rover.wheel_joints}
-    tyres = [g for g in range(model.ngeom) if model.geom_bodyid[g] in motors and model.geom_contype[g]]
-    grip = max(
-        model.geom_friction[g, 0] if model.geom_priority[g] else max(1.0, model.geom_friction[g, 0])
-        for g in tyres
-    )
-    yield Check("friction of the wheels that counts", "", GRIP, float(grip), digits=2)
-
-
-def _half_diagonal(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
-    """Of the boxes around what is fixed to a body [m]; 0 if nothing is."""
-    from harness.robots.model import extent  # noqa: PLC0415
-
-    geoms = np.flatnonzero(model.geom_bodyid == body).tolist()
-    low, high = extent(model, data, geoms)
-    return float(np.linalg.norm(high - low)) / 2 if geoms else 0.0
+        quantity = f"radius of gyration of '{name}' / half its diagonal"
+        yield Check(quantity, "", GYRATION, ratios[name], digits=2)
+    wheels = [int(model.joint(name).bodyid[0]) for name in rover.wheel_joints]
+    tyres = np.flatnonzero(np.isin(model.geom_bodyid, wheels) & (model.geom_contype > 0))
+    own, wins = model.geom_friction[tyres, 0], model.geom_priority[tyres] > 0
+    grip = float(np.where(wins, own, np.maximum(own, 1.0)).max())
+    yield Check("friction of the wheels that counts", "", GRIP, grip, digits=2)
 
 
 def _standing(rover: RoverSpec) -> Iterator[Check]:
     rig = Rig(rover, flat())
     stand = balance(rig)
-    for name, arm in (
-        ("forward", stand.front),
-        ("backward", stand.rear),
-        ("left", stand.left),
-        ("right", stand.right),
-    ):
+    for name, arm in stand.arms.items():
         angle = math.degrees(tip_angle(arm, stand.height))
         yield Check(f"tip angle {name}, by its centre of mass", "deg", TIPS, angle, digits=0)
-    rig.run(RESTING)
-    shares = _wheel_loads(rig)
-    wheels = len(shares)
-    source = "all wheels carry; suspensions share the load"
+    rig.run(STANDING)
+    shares = wheel_loads(rig)
     for name, share in zip(rover.wheel_names, shares, strict=True):
         if share in (min(shares), max(shares)):
-            yield Check(
-                f"load of the {name.replace('_', ' ')} wheel / its share",
-                "",
-                Span(0.2, 2.5, source),
-                share * wheels,
-                digits=2,
-            )
-    rest = around(rover.gravity, 0.05, "gravity")
-    readings = rig.imu_readings(HIGHEST_RATE, 0.5)
-    force = [float(np.linalg.norm(reading.linear_acceleration)) for reading in readings]
-    yield Check("IMU at rest, |a|", "m/s2", rest, float(np.mean(force)))
-    start = rig.stance
-    rig.run(PARKED)
-    creep = 1e3 * math.hypot(rig.stance.ahead - start.ahead, rig.stance.aside - start.aside) / PARKED
-    yield Check("creep when parked", "mm/s", at_most(1.0, "a parked rover stands"), creep, digits=2)
-    scraping = sum(1 for name in _scraping(rig) if name)
-    yield Check(
-        "parts of the body on the ground", "", at_most(0.0, "wheels alone touch it"), scraping, digits=0
-    )
+            quantity = f"load of the {name.replace('_', ' ')} wheel / its share"
+            yield Check(quantity, "", LOADS, share * len(shares), digits=2)
+    force, _ = at_rest(rig, HIGHEST_RATE, 0.5)
+    gravity = around(rover.gravity, 0.05, "gravity")
+    yield Check("IMU at rest, |a|", "m/s2", gravity, float(force.mean()))
+    yield Check("creep when parked", "mm/s", PARKED, creep(rig, PARKING), digits=2)
+    yield _on_the_ground(rig, "standing")
 
 
-def _wheel_loads(rig: Rig) -> list[float]:
-    """The share of the weight that each wheel carries."""
+def wheel_loads(rig: Rig) -> list[float]:
+    """Returns the share of the weight that each wheel carries, in the order of the wheel joints."""
     model, data = rig.simulation.model, rig.simulation.data
     wheels = [int(model.joint(name).bodyid[0]) for name in rig.rover.wheel_joints]
     loads, force = dict.fromkeys(wheels, 0.0), np.zeros(6)
-    for index, geoms in enumerate(data.contact.geom.tolist()):
+    for index, geoms in enumerate(data.contact.geom):
         mujoco.mj_contactForce(model, data, index, force)
-        for geom in geoms:
-            body = int(model.body_weldid[model.geom_bodyid[geom]])
+        for body in model.body_weldid[model.geom_bodyid[geoms]].tolist():
             if body in loads:
                 loads[body] += float(force[0]) * abs(float(data.contact.frame[index][2]))
     weight = float(model.body_mass.sum()) * rig.rover.gravity
     return [loads[body] / weight for body in wheels]
 
 
-def _scraping(rig: Rig) -> set[str]:
-    return {
-        touch and "scrape"
-        for kind, touch in rig.simulation.contacts.strongest.items()
-        if kind == "scrape"
-    }
+def _on_the_ground(rig: Rig, doing: str) -> Check:
+    scrapes = float("scrape" in rig.simulation.contacts.strongest)
+    return Check(f"body on the ground while {doing}", "", WHEELS_ALONE, scrapes, digits=0)
 
 
 def _straight(rover: RoverSpec) -> Iterator[Check]:
     rig = Rig(rover, flat())
     believed = rover.wheel_radius / rover.controller_radius
-    for what, speed in (("cruising", rover.cruise_speed), ("top", rover.top_speed / believed)):
-        reached, turned = _driven(rig, speed)
-        source = "motors that are strong enough, axes that point to the left"
-        span = around(believed, 0.1, source)
-        yield Check(
-            f"speed reached / commanded, {what} {speed:.2f} m/s", "", span, reached / speed, digits=2
-        )
-    straight = around(0.0, 5.0, "both sides drive alike")
-    yield Check("turned on the way", "deg/m", straight, turned, digits=2)
-
-
-def _driven(rig: Rig, speed: float) -> tuple[float, float]:
-    """The speed once it is reached [m/s], and the turn by the way [deg/m]."""
-    rig.command(speed)
-    rig.run(speed / rig.rover.linear_acceleration + 1.0)
-    start, seconds = rig.stance, min(MEASURED, FASTEST_TEST / speed)
-    rig.run(seconds)
-    ahead = rig.stance.ahead - start.ahead
-    way = math.hypot(ahead, rig.stance.aside - start.aside)
-    turned = math.degrees(rig.stance.yaw - start.yaw) / way if way else math.nan
-    rig.command(0.0)
-    rig.run(speed / rig.rover.linear_acceleration + 0.5)
-    return math.copysign(way, ahead) / seconds, turned
+    reached = around(believed, 0.1, "motors that are strong enough, axes that point to the left")
+    for name, speed in (("cruising", rover.cruise_speed), ("top", rover.top_speed / believed)):
+        changing = speed / rover.linear_acceleration + 1.0
+        ground_speed, turned = straight(rig, speed, changing, min(MEASURING, LONGEST_WAY / speed))
+        quantity = f"speed reached / commanded, {name} {speed:.2f} m/s"
+        yield Check(quantity, "", reached, ground_speed / speed, digits=2)
+        rig.command(0.0)
+        rig.run(changing)
+    yield Check("turned on the way", "deg/m", STRAIGHT, math.degrees(turned), digits=2)
 
 
 def _turning(rover: RoverSpec) -> Iterator[Check]:
-    rig = Rig(rover, flat())
-    rate = rover.cruise_yaw_rate
+    rig, speed, rate, how, span = Rig(rover, flat()), 0.0, rover.cruise_yaw_rate, "in place", IN_PLACE
     if rover.steers:
-        speed = rover.cruise_speed
-        rate = 0.7 * speed / rover.tightest_turn
-        rig.command(speed, rate)
-        span = Span(0.8, 1.15, "steered wheels roll about one centre")
-    else:
-        rig.command(0.0, rate)
-        span = Span(0.15, 1.2, "1 with narrow tyres; long wheelbases turn less")
-    rig.run(1.5)
-    start = rig.stance.yaw
-    vertical = [imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, 2.0)]
-    ratio = (rig.stance.yaw - start) / (2.0 * rate)
-    how = "in a curve" if rover.steers else "in place"
-    yield Check(f"yaw rate reached / commanded, {how}, {rate:.2f} rad/s", "", span, ratio, digits=2)
-    calm = at_most(1.0, "contacts that do not chatter: solimp of models/leo/leo.xml")
-    yield Check("sd of az while turning, IMU at 100 Hz", "m/s2", calm, float(np.std(vertical)), digits=2)
-    if "scrape" in rig.simulation.contacts.strongest:
-        yield Check(
-            "body on the ground while turning", "", at_most(0.0, "wheels alone touch it"), 1.0, digits=0
-        )
+        speed, how, span = rover.cruise_speed, "in a curve", IN_A_CURVE
+        rate = SHARP * speed / rover.tightest_turn
+    ratio = yaw_ratio(rig, speed, rate, TURNING)
+    quantity = f"yaw rate reached / commanded, {how}, {rate:.2f} rad/s"
+    yield Check(quantity, "", span, ratio, digits=2)
+    yield Check("sd of az while turning, IMU at 100 Hz", "m/s2", CALM, shaking(rig, TURNING), digits=2)
+    yield _on_the_ground(rig, "turning")

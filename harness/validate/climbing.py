@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.validate.check import Check, Passage, Span, around, at_most, expected_of
+from harness.robots.sections import Passage, Span
+from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import block, floor, ramp, saddle
 from harness.validate.rig import Rig, largest_passing
 from harness.validate.stability import WHEEL_FRICTION, Balance, balance, steepest_stand
@@ -30,7 +31,7 @@ RAMPS = (20, 50)  # [deg]
 
 def passage_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """The highest rock that passes below each place of the rover that has been measured."""
-    for passage in expected_of(rover).passages:
+    for passage in rover.expected.passages:
         stated, passes = passage.height, partial(_passes, rover, seed, passage)
         highest = largest_passing(passes, stated - SCATTER, stated + SCATTER, 0.001)
         source = f"{passage.source}; D: up to 5 mm of sink, heave"
@@ -54,7 +55,7 @@ def rocker_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     follows = around(TWIST, 0.012, "D: the saddle's twist, all wheels on the ground")
     yield Check(f"rocker angle on a saddle of {TWIST:g} rad", "rad", follows, turned)
     limited = _twisted(rover, seed, OVERTWIST, rockers)
-    stop = expected_of(rover).rocker_stop
+    stop = rover.expected.rocker_stop
     yield Check("rocker angle at its stops", "rad", stop, limited)
     rig = Rig(rover, floor(seed, block("box", (0.05, 0.5, 0.025), x=0.5, y=0.52)))
     uneven: list[float] = []
@@ -88,7 +89,7 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
         kerb_limit(rover, stand), math.inf, "D: statics of the rear wheels, mu 1, no run-up"
     )
     yield Check("kerb climbed, head-on", "m", pulled_up, _kerb(rover, seed, one_side=False))
-    expected = expected_of(rover)
+    expected = rover.expected
     yield Check("kerb climbed, one side", "m", expected.kerb_one_side, _kerb(rover, seed, one_side=True))
     limit = math.degrees(steepest_stand(stand))
     source = f"{expected.ramp_source}D: atan(mu = 1) or the tip angle, whichever is less"

@@ -4,10 +4,12 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
-from harness.validate.check import Check, Span, around, at_most, expected_of
+from harness.robots.sections import Span
+from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig
 
@@ -17,19 +19,32 @@ IMU_RATE = 20  # [Hz]
 REST_BEFORE, REST = 1.0, 2.0  # [s]
 YAW_RATE, ARC_SPEED = 1.0, 0.3  # [rad/s], [m/s] commanded
 
+Magnitudes = NDArray[np.float64]
+
 
 def rest_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """Yields what the IMU reads at rest: gravity, and nothing that varies."""
     rig = Rig(rover, floor(seed))
     rig.run(REST_BEFORE)
-    readings = rig.imu_readings(IMU_RATE, REST)
-    force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
-    rate = np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
+    force, rate = at_rest(rig, IMU_RATE, REST)
     gravity = around(rover.gravity, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
     yield Check("IMU at rest, |a|", "m/s2", gravity, float(force.mean()), digits=4)
     still = at_most(1e-3, "S: no noise in RoboTerrain's sensors")
     yield Check("IMU at rest, sd of |a|", "m/s2", still, float(force.std()), digits=4)
     yield Check("IMU at rest, largest |w|", "rad/s", still, float(rate.max()), digits=4)
+
+
+def at_rest(rig: Rig, rate: int, seconds: float) -> tuple[Magnitudes, Magnitudes]:
+    """Returns the magnitudes of the IMU's readings: of acceleration [m/s^2] and of turning [rad/s].
+
+    Args:
+        rig: The rover, standing.
+        rate: Of the IMU [Hz].
+        seconds: How long it is read.
+    """
+    readings = rig.imu_readings(rate, seconds)
+    force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
+    return force, np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
@@ -40,7 +55,7 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 
 
 def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
-    expected, rig = expected_of(rover), Rig(rover, floor(seed))
+    expected, rig = rover.expected, Rig(rover, floor(seed))
     slow, source = expected.speed_ratio, expected.speed_ratio.source
     for commanded, span in (
         (0.1, Span(0.1 * slow.low, 0.1 * slow.high, source)),
@@ -48,23 +63,34 @@ def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
         (CRUISE, expected.at_half),
         (TOP, expected.at_top),
     ):
-        speed = straight_speed(rig, commanded)
+        speed, _ = straight(rig, commanded)
         yield Check(f"speed at {commanded:g} m/s commanded", "m/s", span, speed, digits=4)
 
 
-def straight_speed(rig: Rig, commanded: float) -> float:
-    """Returns the ground speed [m/s] once the commanded speed has been reached."""
+def straight(
+    rig: Rig, commanded: float, accelerating: float = ACCELERATING, measuring: float = MEASURING
+) -> tuple[float, float]:
+    """Drives straight on; returns the ground speed [m/s], negative backwards, and the turn [rad/m].
+
+    Args:
+        rig: The rover.
+        commanded: Speed [m/s].
+        accelerating: Time before the speed is measured [s].
+        measuring: Time over which it is measured [s].
+    """
     rig.command(commanded)
-    rig.run(ACCELERATING)
+    rig.run(accelerating)
     start = rig.stance
-    rig.run(MEASURING)
-    end = rig.stance
-    return math.hypot(end.ahead - start.ahead, end.aside - start.aside) / MEASURING
+    rig.run(measuring)
+    ahead, aside = rig.stance.ahead - start.ahead, rig.stance.aside - start.aside
+    way = math.hypot(ahead, aside)
+    turned = (rig.stance.yaw - start.yaw) / way if way else math.nan
+    return math.copysign(way, ahead) / measuring, turned
 
 
 def _stopping(rover: RoverSpec, seed: int) -> Check:
     rig = Rig(rover, floor(seed))
-    speed = straight_speed(rig, CRUISE)
+    speed, _ = straight(rig, CRUISE)
     start = rig.stance.ahead
     rig.command(0.0)
     rig.run(MEASURING)
@@ -83,20 +109,19 @@ def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
     if rover.steers:
         follows = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
         yield Check(
-            "yaw ratio in a curve, 0.3 m/s", "", follows, _yaw_ratio(rig, ARC_SPEED, _curve(rover))
+            "yaw ratio in a curve, 0.3 m/s", "", follows, yaw_ratio(rig, ARC_SPEED, _curve(rover))
         )
         return
-    in_place = _yaw_ratio(rig, 0.0)
-    yield Check("yaw ratio in place, 1 rad/s commanded", "", expected_of(rover).yaw_ratio, in_place)
-    vertical = [imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, TURNING)]
+    in_place = yaw_ratio(rig, 0.0)
+    yield Check("yaw ratio in place, 1 rad/s commanded", "", rover.expected.yaw_ratio, in_place)
     calm = at_most(0.3, "facts: no contact chatter, which no real rover has")
-    yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, float(np.std(vertical)))
+    yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, shaking(rig, TURNING))
     constant = Span(
         0.9 * in_place,
         1.1 * in_place,
         "D: in place +-10 %, as centres of rotation hardly move (Mandow et al. 2007)",
     )
-    yield Check("yaw ratio in an arc, 0.3 m/s", "", constant, _yaw_ratio(rig, ARC_SPEED))
+    yield Check("yaw ratio in an arc, 0.3 m/s", "", constant, yaw_ratio(rig, ARC_SPEED))
 
 
 def _curve(rover: RoverSpec) -> float:
@@ -104,9 +129,22 @@ def _curve(rover: RoverSpec) -> float:
     return 0.5 * ARC_SPEED / rover.tightest_turn
 
 
-def _yaw_ratio(rig: Rig, speed: float, yaw_rate: float = YAW_RATE) -> float:
+def yaw_ratio(rig: Rig, speed: float, yaw_rate: float = YAW_RATE, turning: float = TURNING) -> float:
+    """Returns the yaw rate over the commanded one, once it has been reached.
+
+    Args:
+        rig: The rover.
+        speed: Commanded [m/s].
+        yaw_rate: Commanded [rad/s].
+        turning: Time over which it is measured [s].
+    """
     rig.command(speed, yaw_rate)
     rig.run(MEASURING)
     start = rig.stance.yaw
-    rig.run(TURNING)
-    return (rig.stance.yaw - start) / (yaw_rate * TURNING)
+    rig.run(turning)
+    return (rig.stance.yaw - start) / (yaw_rate * turning)
+
+
+def shaking(rig: Rig, seconds: float) -> float:
+    """Returns the standard deviation of az of an IMU at 100 Hz while the rover drives on [m/s^2]."""
+    return float(np.std([imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, seconds)]))

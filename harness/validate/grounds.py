@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.base.streams import VALIDATION_GROUND
 from harness.world.heightfield import Field, Heightfield, fractal
 from harness.world.obstacles import Obstacle, ObstacleKind, Shape, orientation
 from harness.world.world import World
 
 HALF_SIZE, CELL = 6.0, 0.1  # [m]
+PLANE_HALF_SIZE, PLANE_CELL = 60, 1.0  # [m]
 UNEVENNESS = 0.0005  # [m] RMS: a good concrete floor
 RAMP_START, RAMP_BEND = 0.6, 0.8  # [m] ahead of the origin; length over which the incline grows
-GROUND_STREAM = 20  # keeps these random numbers apart from those of worlds and episodes
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,12 @@ class Course:
 
     world: World
     heading: float
+
+
+def flat() -> Course:
+    """Returns a level plane of 120 m x 120 m."""
+    heights = np.zeros((2 * PLANE_HALF_SIZE + 1, 2 * PLANE_HALF_SIZE + 1))
+    return Course(World("check", Heightfield(heights, PLANE_CELL), (), 0, 0.0), 0.0)
 
 
 def floor(seed: int, *blocks: Obstacle) -> Course:
@@ -83,7 +90,7 @@ def _heading_and_floor(seed: int) -> tuple[float, Field]:
 
 
 def _rng(seed: int) -> np.random.Generator:
-    return np.random.default_rng([seed, GROUND_STREAM])
+    return np.random.default_rng([seed, VALIDATION_GROUND])
 
 
 def _grid() -> tuple[Field, Field]:

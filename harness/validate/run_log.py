@@ -13,12 +13,17 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
+from harness.base.streams import VALIDATION_AGENT
 from harness.drivers import DriverContext, Observation
 from harness.drivers.wander import Roam
-from harness.episode.episode import Episode
+from harness.episode import loop
+from harness.episode.batch import Batch
+from harness.episode.episode import Episode, together
+from harness.episode.loop import Route
 from harness.episode.metrics_feed import SampleFeed
+from harness.faults.injector import FaultInjector
 from harness.robots import find_rover
-from harness.samples import LaserScan
+from harness.samples import LaserScan, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from rover_metrics.analysis.logs.header import UnreadableLog
@@ -40,7 +45,6 @@ RUN = Run.of(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", 
 SPEEDS = (0.15, 0.24, 0.28, 0.32, 0.36, 0.42, 0.55, 0.78, 1.0)
 SPEED_HELD = (6.0, 14.0)  # [s]: recorded velocities are alike for some ten seconds
 TURN_RATE = 2.0  # [rad/s]
-AGENT_STREAM = 30  # keeps the agent's random numbers apart
 
 Values = NDArray[np.float64]
 Log = Mapping[str, Values]  # by column
@@ -79,7 +83,7 @@ class RecordedAgent(Roam):
     """
 
     def __init__(self, context: DriverContext) -> None:
-        unit = replace(context.rover, cruise_speed=1.0, cruise_yaw_rate=TURN_RATE)
+        unit = context.rover.but(cruise_speed=1.0, cruise_yaw_rate=TURN_RATE)
         super().__init__(replace(context, rover=unit))
 
     def spell(self) -> tuple[float, float]:
@@ -89,25 +93,41 @@ class RecordedAgent(Roam):
         return held, float(np.interp(place, range(len(SPEEDS)), SPEEDS))
 
 
+class Agent:
+    """Lets an agent command an episode over cmd_vel after every batch; an Observer."""
+
+    def __init__(self, episode: Episode, agent: RecordedAgent) -> None:
+        self._episode, self._agent = episode, agent
+        self._ranges: NDArray[np.float32] | None = None
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        for tick in batch.ticks:
+            for sample in tick.samples:
+                if isinstance(sample, LaserScan):
+                    self._ranges = sample.ranges
+        simulation, (x, y, _) = self._episode.simulation, self._episode.simulation.position
+        seen = Observation(simulation.time_ns, x, y, simulation.yaw, self._ranges)
+        self._episode.command(self._agent.command(seen))
+
+
 def drive(run: Run) -> Log:
-    """Drives a run and returns its rows, one a second."""
+    """Drives a run by a RecordedAgent and returns its rows, one a second."""
     episode, session, lidar = Episode(run), MetricsSession(), LidarSpec()
-    feed, ranges = SampleFeed(session, lidar), None
-    rng = np.random.default_rng([run.seed, AGENT_STREAM])
+    feed, rng = SampleFeed(session, lidar), np.random.default_rng([run.seed, VALIDATION_AGENT])
     width, depth = episode.info.map_size
     half_size = width / 2, depth / 2
     agent = RecordedAgent(DriverContext(find_rover(run.rover.robot), half_size, lidar.bearings, rng))
+
+    def sink(_: Tick, sent: Tick) -> None:
+        for sample in sent.samples:
+            feed.take(sample)
+
     rows = []
-    for batch in episode.batches():
-        for tick in batch.ticks:
-            for sample in tick.samples:
-                feed.take(sample)
-                ranges = sample.ranges if isinstance(sample, LaserScan) else ranges
-            if tick.stamp_ns % NANOSECONDS == 0:
-                row = session.metrics.row(tick.stamp_ns // NANOSECONDS)
-                imu = (row.imu_acceleration_magnitude, row.vertical_roughness)
-                rows.append((*imu, row.current_velocity, row.obstacle_clearance))
-        x, y, _ = episode.simulation.position
-        seen = Observation(episode.simulation.time_ns, x, y, episode.simulation.yaw, ranges)
-        episode.command(agent.command(seen))
+    route = Route(FaultInjector((), run.seed), sink, (Agent(episode, agent),))
+    for tick in loop.drive(together((episode,)), (route,)):
+        if tick.stamp_ns % NANOSECONDS == 0:
+            row = session.metrics.row(tick.stamp_ns // NANOSECONDS)
+            imu = (row.imu_acceleration_magnitude, row.vertical_roughness)
+            rows.append((*imu, row.current_velocity, row.obstacle_clearance))
     return _complete(np.array(rows).reshape(-1, len(COLUMNS)), "the run")

@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator
 
 from harness.base.sim_time import period_ticks
 from harness.robots import RoverSpec
+from harness.robots.sections import Span
 from harness.sensors.odometry import WheelOdometry
-from harness.validate.check import Check, Span, around, expected_of
+from harness.validate.check import Check, around
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig
 
@@ -60,9 +61,11 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
         yield from _circle(rover, seed)
         return
     journey = _drive_square(Rig(rover, floor(seed)))
-    ratio = expected_of(rover).yaw_ratio
+    ratio = rover.expected.yaw_ratio
     wide = Span(
-        1 / ratio.high, 1 / ratio.low if ratio.tells else math.inf, f"D: 1 / yaw ratio; {ratio.source}"
+        1 / ratio.high,
+        1 / ratio.low if ratio.low > 0.0 else math.inf,
+        f"D: 1 / yaw ratio; {ratio.source}",
     )
     widening = journey.told_yaw / (journey.true_yaw or math.nan)
     yield Check("odometry over a square, yaw told / true", "", wide, widening, digits=2)

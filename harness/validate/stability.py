@@ -13,7 +13,8 @@ import mujoco
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.validate.check import Check, Span, around, at_most
+from harness.robots.sections import Span
+from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig
 
@@ -45,6 +46,14 @@ class Balance:
     rear: float
     left: float
     right: float
+
+    @property
+    def arms(self) -> dict[str, float]:
+        """Horizontal distance from the centre of mass to the axis about which the rover tips [m]."""
+        return {
+            "forward": self.front, "backward": self.rear, "to the left": self.left,
+            "to the right": self.right,
+        }  # fmt: skip
 
 
 def balance(rig: Rig) -> Balance:
@@ -105,12 +114,8 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     half = len(rover.drive.left)
     left, right = range(half), range(half, 2 * half)
     front, rear = (0, half), (half - 1, 2 * half - 1)
-    for name, uphill, wheels, arm in (
-        ("forward", math.pi, rear, stand.front),
-        ("backward", 0.0, front, stand.rear),
-        ("to the left", -math.pi / 2, right, stand.left),
-        ("to the right", math.pi / 2, left, stand.right),
-    ):
+    directions = ((math.pi, rear), (0.0, front), (-math.pi / 2, right), (math.pi / 2, left))
+    for (name, arm), (uphill, wheels) in zip(stand.arms.items(), directions, strict=True):
         limit = tip_angle(arm, stand.height)
         span = around(
             math.degrees(limit),
@@ -136,11 +141,15 @@ def _held(rover: RoverSpec, seed: int, stand: Balance) -> Iterator[Check]:
     table = TiltTable(rig, rig.heading)
     table.raise_until(lambda: table.angle >= STANDING, STANDING)
     rig.run(STANDING_TIME)
-    start = rig.stance
-    rig.run(STANDING_TIME)
-    creep = 1e3 * math.hypot(rig.stance.ahead - start.ahead, rig.stance.aside - start.aside)
-    yield Check("creep on 20 deg, nose up, parked", "mm/s", STILL, creep / STANDING_TIME, digits=2)
+    yield Check("creep on 20 deg, nose up, parked", "mm/s", STILL, creep(rig, STANDING_TIME), digits=2)
     limit = steepest_stand(stand)
     held = table.raise_until(lambda: rig.speed > SLIDING, limit - NEAR)
     low = Span(math.degrees(limit) - 2, math.degrees(limit) + 3, "D: atan(mu = 1), or tips if less")
     yield Check("slope held, nose up", "deg", low, math.degrees(held), digits=1)
+
+
+def creep(rig: Rig, seconds: float) -> float:
+    """Returns the speed at which a parked rover moves over the ground, as the crow flies [mm/s]."""
+    start = rig.stance
+    rig.run(seconds)
+    return 1e3 * math.hypot(rig.stance.ahead - start.ahead, rig.stance.aside - start.aside) / seconds

@@ -7,11 +7,13 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from harness.robots import RoverSpec
+from harness.robots.sections import OPEN, Expected
 from harness.validate import climbing, driving, square, stability
-from harness.validate.check import NOTHING_TOLD, Check
+from harness.validate.check import Check
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 
+MISS = "MISS"
 HEADINGS = ("quantity", "expected", "measured", "verdict", "source of the expectation")
 
 Manoeuvres = Callable[[RoverSpec, int], Iterator[Check]]
@@ -32,21 +34,23 @@ def validate(rover: RoverSpec, seed: int) -> list[Check]:
     Of a rover whose rover.yaml expects nothing everything is measured, and nothing judged.
     """
     checks = [check for manoeuvres in SUITE for check in manoeuvres(rover, seed)]
-    return checks if rover.expected else [replace(check, expected=NOTHING_TOLD) for check in checks]
+    judged = rover.expected != Expected()
+    return checks if judged else [replace(check, expected=OPEN) for check in checks]
 
 
-def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
+def print_table(console: Console, title: str, checks: Sequence[Check], missed: str = MISS) -> None:
     """Prints the checks of one rover.
 
     Args:
         console: Where to.
-        robot: Name of the rover, as the title.
+        title: Of the table.
         checks: One a row.
+        missed: What a check is called whose quantity lies outside its span.
     """
     headings = (Column(heading, overflow="fold") for heading in HEADINGS)
-    table = Table(*headings, title=robot, title_justify="left")
+    table = Table(*headings, title=title, title_justify="left")
     for check in checks:
-        table.add_row(*cells_of(check), style=None if check.passed else "bold red")
+        table.add_row(*cells_of(check, missed), style=None if check.passed else "bold red")
     console.print(table)
 
 
@@ -56,13 +60,13 @@ def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
     return "\n".join(f"### {sheet.title}\n\n{markdown(sheet)}" for sheet in tables)
 
 
-def cells_of(check: Check) -> tuple[str, str, str, str, str]:
-    """Returns quantity, expected, measured, verdict and source as text."""
-    told = check.expected.tells
+def cells_of(check: Check, missed: str = MISS) -> tuple[str, str, str, str, str]:
+    """Returns quantity, expected, measured, verdict and source of a check as text."""
+    judged = not check.expected.is_open
     return (
         check.quantity,
-        f"{check.expected.describe(check.digits)} {check.unit}".rstrip() if told else "-",
+        f"{check.expected.describe(check.digits)} {check.unit}".rstrip() if judged else "-",
         f"{check.measured:.{check.digits}f} {check.unit}".rstrip(),
-        ("ok" if check.passed else "MISS") if told else "-",
-        check.expected.source if told else "",
+        ("ok" if check.passed else missed) if judged else "-",
+        check.expected.source if judged else "",
     )

@@ -49,12 +49,11 @@ class StateWriter:
     def take(self, batch: Batch) -> None:
         """Writes the states of a batch; a fault may have taken one."""
         for tick in batch.ticks:
-            if people := next((s for s in tick.samples if isinstance(s, ActorPoses)), None):
+            if people := tick.of(ActorPoses):
                 self._people = _row_of(people)  # not on every tick of a state: the latest
             if tick.stamp_ns % PERIOD_NS:
                 continue
-            pose = next((s for s in tick.samples if isinstance(s, Pose)), None)
-            joints = next((s for s in tick.samples if isinstance(s, JointStates)), None)
+            pose, joints = tick.of(Pose), tick.of(JointStates)
             if pose is not None and joints is not None:
                 x, y, z, w = pose.orientation
                 row = (tick.stamp_ns / NANOSECONDS, *pose.position, w, x, y, z, *joints.position)

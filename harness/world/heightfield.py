@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Field = NDArray[np.float64]  # a value, mostly a height, for every vertex
 
+EDGE_MARGIN = 0.5  # [m] of map that must remain around a rover's origin, and around people
 FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from harness.gym import ENVIRONMENTS
 from harness.robots import ROVERS
-from harness.robots.schema import schema as rover_schema
+from harness.robots.spec import schema as rover_schema
 from harness.scenario.schema import schema as scenario_schema
 from harness.validate.suite import as_markdown, validate
 from rover_metrics.dictionary import dictionary

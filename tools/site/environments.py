@@ -2,13 +2,13 @@
 
 import inspect
 from collections.abc import Iterable
-from dataclasses import is_dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 from gymnasium import spaces
 
 from harness.gym import ENVIRONMENTS
-from harness.gym.options import Options
+from harness.gym.options import Options, RunOptions
+from harness.spec.value import Value
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 from tools.site.sensors import described
@@ -55,16 +55,19 @@ def _options(cls: type[Options]) -> str:
     """A table of what a class declares itself, one row for each field of the dataclasses in it."""
     rows: list[tuple[str, ...]] = []
     made, meanings = cls(), described(cls)
-    for name in inspect.get_annotations(cls):
+    of_runs = RunOptions.model_fields if cls is Options else {}
+    for name in (*of_runs, *inspect.get_annotations(cls)):
         value = getattr(made, name)
-        rows.append((f"`{name}`", _default(value), meanings[name]))
-        inner = vars(value) if is_dataclass(value) else {}
+        rows.append(
+            (f"`{name}`", _default(value), meanings.get(name) or of_runs[name].description or "")
+        )
+        inner = vars(value) if isinstance(value, Value) else {}
         rows += [(f"`{name}` `{k}`", _default(v), described(type(value))[k]) for k, v in inner.items()]
     return _table(("option", "default", "what"), rows) if rows else ""
 
 
 def _default(value: object) -> str:
-    if is_dataclass(value):
+    if isinstance(value, Value):
         return "as below"
     return f"`{list(value) if isinstance(value, tuple) else value!r}`"
 

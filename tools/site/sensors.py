@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import fields
 from inspect import cleandoc
 
 from harness.sensors.choice import by_default, kinds
@@ -38,11 +37,9 @@ def _topics(row: SensorRow) -> str:
 
 def _options(kind: type[SensorOptions], without: type[SensorOptions] | None = None) -> str:
     """The options of a kind; those that it has from another class only where their default differs."""
-    inherited = (
-        {item.name: getattr(without, item.name, None) for item in fields(without)} if without else {}
-    )
-    known, example = described(kind), kind(name="NAME")
-    defaults = {item.name: getattr(example, item.name) for item in fields(kind) if item.name != "name"}
+    inherited = {name: item.default for name, item in without.model_fields.items()} if without else {}
+    known = described(kind)
+    defaults = {name: item.default for name, item in kind.model_fields.items() if name != "name"}
     rows = (
         (f"`{name}`", _text(default), known[name])
         for name, default in defaults.items()
@@ -63,9 +60,10 @@ def _text(value: object) -> str:
 
 
 def _presets(kind: type[SensorOptions]) -> Iterator[str]:
+    usual = kind.model_fields["preset"].default if kind.presets else ""
     for name, values in kind.presets.items():
         meaning = ", ".join(f"{key} {_text(value)}" for key, value in values.items())
-        meaning = meaning or ("the defaults" if name == getattr(kind, "preset", "") else "")
+        meaning = meaning or ("the defaults" if name == usual else "")
         yield f"- preset `{name}`: {meaning}" if meaning else f"- preset `{name}`"
 
 

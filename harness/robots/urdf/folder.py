@@ -3,7 +3,7 @@
 import re
 import shutil
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -12,8 +12,8 @@ import mujoco
 from harness.base.errors import UsageError
 from harness.robots.model import compiled, free_root, show_what_collides, sort_geoms
 from harness.robots.reading import read_rover
-from harness.robots.schema import schema
-from harness.robots.spec import ACKERMANN, SKID, RoverSpec
+from harness.robots.sections import ACKERMANN, SKID
+from harness.robots.spec import RoverSpec, schema
 from harness.robots.urdf.joints import Joints, find_joints
 from harness.robots.urdf.outfit import Outfit, fit_out
 from harness.robots.urdf.source import read_urdf
@@ -90,7 +90,7 @@ def write_folder(
             half_made.mkdir()
             rover = _write(half_made, name, spec, joints, outfit, urdf)
             half_made.rename(folder)
-            rover = replace(rover, folder=folder.resolve())
+            rover = rover.but(folder=folder.resolve())
     except OSError as error:
         raise UsageError(f"cannot write {folder}: {error.strerror}") from error
     guesses = tuple(f"{key}: {told}" for key, told in outfit.guesses.items())

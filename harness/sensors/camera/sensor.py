@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
-from harness.base.errors import UsageError, find_named
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Quaternion, Vector3, plain_value
 from harness.sensors.camera.lens import LENSES, Lens
@@ -18,9 +17,8 @@ from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
 
-FEWEST_PIXELS, MOST_PIXELS = 8, 4096  # along a side
+Pixels = Annotated[int, Field(ge=8, le=4096)]  # along a side
 VISIBLE_STATE = 1 << 1 | 1 << 10 | 1 << 11  # of mjtState: QPOS, MOCAP_POS, MOCAP_QUAT
-MOST_NOISE = 0.5
 MOUNTS = ("camera_link", "camera_frame")  # of rovers that have a place for a camera, x ahead
 
 
@@ -41,7 +39,6 @@ class CameraState:
     state: NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
 class CameraOptions(SensorOptions):
     """Of a camera.
 
@@ -66,11 +63,11 @@ class CameraOptions(SensorOptions):
     }
 
     preset: str = "roboterrain"
-    lens: str = "pinhole"
-    width: int = 640
-    height: int = 480
-    fov: float = 1.1
-    noise: float = 0.0
+    lens: Literal["pinhole", "fisheye"] = "pinhole"
+    width: Pixels = 640
+    height: Pixels = 480
+    fov: Annotated[float, Field(gt=0.0)] = 1.1
+    noise: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0
 
     @property
     def frame_id(self) -> str:
@@ -84,7 +81,7 @@ class CameraOptions(SensorOptions):
             return ()
         link = f"{self.name}_link"
         above = (name for name in MOUNTS if name in known and name != link)
-        mounted = replace(self, parent=self.parent or next(above, ""))
+        mounted = self.but(parent=self.parent or next(above, ""))
         optical = FrameRow(parent=link, child=self.frame_id, rpy=OPTICAL_RPY)
         return (*mounted.mount(rover, link), optical)
 
@@ -92,27 +89,15 @@ class CameraOptions(SensorOptions):
         """Returns its lens."""
         return LENSES[self.lens](self.width, self.height, self.fov)
 
-    def check(self) -> None:
-        """Checks the values.
-
-        Raises:
-            UsageError: One is not valid; the message names those that are.
-        """
-        super().check()
-        widest = find_named("lens", self.lens, LENSES).widest
-        for name, pixels in (("width", self.width), ("height", self.height)):
-            if not FEWEST_PIXELS <= pixels <= MOST_PIXELS:
-                raise UsageError(
-                    f"{name} {pixels} of a camera is not valid; "
-                    f"give {FEWEST_PIXELS} to {MOST_PIXELS} pixels"
-                )
-        if not 0.0 < self.fov <= widest:
-            raise UsageError(
+    @model_validator(mode="after")
+    def _check_fov(self) -> Self:
+        widest = LENSES[self.lens].widest
+        if self.fov > widest:
+            raise ValueError(
                 f"fov {self.fov:g} rad of a {self.lens} camera is not valid; "
                 f"give more than 0 and at most {math.floor(100 * widest) / 100:g}"
             )
-        if not 0.0 <= self.noise <= MOST_NOISE:
-            raise UsageError(f"noise {self.noise:g} of a camera is not valid; give 0 to {MOST_NOISE:g}")
+        return self
 
 
 class CameraSensor(OptionalSensor):

@@ -16,7 +16,7 @@ from harness.tune.scoring.alarms import DETECTORS, EVENT_MEASURES, NEAREST_RANGE
 from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
 from harness.tune.scoring.estimate import Counts
 from harness.tune.scoring.result import Verdict
-from harness.validate.driving import straight_speed
+from harness.validate.driving import straight
 from harness.validate.grounds import floor
 from harness.validate.rig import Rig
 
@@ -104,7 +104,7 @@ def measure_braking(rover: RoverSpec, seed: int) -> Braking:
     rig = Rig(rover, floor(seed))
     # More than the wheels can do would have to be unwound first.
     fastest = min(rover.wheel_speed_limit * rover.controller_radius, FLOOR_SPEED)
-    speed = straight_speed(rig, fastest)
+    speed, _ = straight(rig, fastest)
     start, began = rig.stance.ahead, rig.simulation.time_ns
     rig.command(0.0)
     rig.run_until(lambda: rig.speed < STANDSTILL, LONGEST_STOP)

@@ -14,7 +14,7 @@ from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file
-from harness.world.solids.solid import Color, Solid
+from harness.world.solid import Color, Solid
 
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000

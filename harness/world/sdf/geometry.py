@@ -9,7 +9,7 @@ from harness.base.errors import UsageError
 from harness.world.sdf.poses import IDENTITY, Transform, transform
 from harness.world.sdf.reader import is_true, numbers, text_of
 from harness.world.sdf.resources import Missing, Resources
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Shape
+from harness.world.solid import MeshFile, Plane, Primitive, Relief, Shape
 
 Placed = tuple[Shape, Transform]  # and where it is in the frame of its geometry
 

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.spec.world import SMALLEST_MAP
 from harness.world.heightfield import resampled
 from harness.world.heightmap.raster import read_raster
+from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
 from harness.world.solids.mesh_file import Mesh, areas_and_normals, read_mesh
 from harness.world.solids.pieces import bodies
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from harness.world.solids.surface import ROUNDING, SMALLEST_SIDE, Bounds
+from harness.world.solids.surface import ROUNDING, Bounds
 
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
@@ -102,8 +103,8 @@ def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -
     )
     told = "" if widest is None else f" (the widest is {widest[0]:.3g} x {widest[1]:.3g} m)"
     return (
-        f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_SIDE:g} x "
-        f"{SMALLEST_SIDE:g} m or more{told}; add a ground plane, or tell the unit by --mesh-unit, "
+        f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_MAP:g} x "
+        f"{SMALLEST_MAP:g} m or more{told}; add a ground plane, or tell the unit by --mesh-unit, "
         "the axis by --mesh-up"
     )
 
@@ -148,7 +149,7 @@ def _seen(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def _is_wide(mesh: Mesh) -> bool:
-    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE - ROUNDING).all())
+    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_MAP - ROUNDING).all())
 
 
 def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.spec.world import LARGEST_MAP, SMALLEST_MAP
 from harness.world.heightfield import Field, Heightfield, filled
 from harness.world.solids.columns import Crossings, Grid, crossings, floors
 from harness.world.solids.mesh_file import Mesh, areas_and_normals
@@ -18,7 +19,6 @@ from harness.world.terrain import HEIGHT_DECIMALS
 
 CELL = 0.1  # [m], as the named terrains have
 MOST_VERTICES = 1500 * 1500
-SMALLEST_SIDE, LARGEST_SIDE = 10.0, 50_000.0  # [m] of a map
 ROUNDING = 1e-6  # [m] by which a length may differ once it lies somewhere
 PIT = 2.0  # [m] below the lowest floor
 LARGEST_GAP = 0.25  # [m2] that is filled
@@ -59,10 +59,10 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
         UsageError: The bounds cannot be driven, or such cells are too many.
     """
     width, depth = bounds[1] - bounds[0], bounds[3] - bounds[2]
-    smallest, largest = SMALLEST_SIDE - ROUNDING, LARGEST_SIDE + ROUNDING
+    smallest, largest = SMALLEST_MAP - ROUNDING, LARGEST_MAP + ROUNDING
     if not smallest <= min(width, depth) <= max(width, depth) <= largest:
         raise UsageError(
-            f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_SIDE:g} and {LARGEST_SIDE:g} m can "
+            f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_MAP:g} and {LARGEST_MAP:g} m can "
             "be driven; --mesh-unit tells the unit of a mesh that does not"
         )
     least = math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1)

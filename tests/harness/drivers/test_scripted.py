@@ -48,7 +48,7 @@ def test_drivers_are_found_by_name_and_an_unknown_one_is_refused_with_the_names(
 
 @pytest.mark.parametrize(
     ("rover", "speed", "yaw_rate"),
-    [(LEO, 0.3, 1.0), (ROVER_ZERO4WD, 0.3, 2.0), (replace(LEO, cruise_speed=0.2), 0.2, 1.0)],
+    [(LEO, 0.3, 1.0), (ROVER_ZERO4WD, 0.3, 2.0), (LEO.but(cruise_speed=0.2), 0.2, 1.0)],
 )
 def test_straight_and_spin_command_one_axis_each(
     rover: RoverSpec, speed: float, yaw_rate: float

@@ -1,6 +1,5 @@
 """A rover of a test's own model: its spec is Leo's, but for the frames and the file."""
 
-from dataclasses import replace
 from pathlib import Path
 
 from harness.robots import RoverSpec
@@ -21,4 +20,4 @@ def made_rover(folder: Path, body: str, assets: str = "") -> RoverSpec:
         f'<freejoint name="root"/><inertial pos="0 0 0.1" mass="1" diaginertia="1 1 1"/>'
         f'<site name="imu"/><site name="lidar"/>{body}</body></worldbody></mujoco>'
     )
-    return replace(LEO, frames=(), name="made", folder=folder)
+    return LEO.but(frames=(), name="made", folder=folder)

@@ -1,7 +1,6 @@
 """The frames of both rovers are the real ones'; what does not fit a model is told in one line."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -71,7 +70,7 @@ def test_the_base_is_what_odometry_tells_of_and_wheels_and_rockers_are_what_move
 
 
 def test_a_rover_yaml_without_frames_has_those_of_its_model() -> None:
-    frames = rover_frames(replace(LEO, frames=()))
+    frames = rover_frames(LEO.but(frames=()))
     links = {link.name: link.parent for link in frames.links}
     rockers = {f"rocker_{side}_link": "base_footprint" for side in "LR"}
     wheels = {f"wheel_{end}{side}_link": f"rocker_{side}_link" for side in "LR" for end in "FR"}
@@ -111,15 +110,13 @@ def row(parent: str, child: str, **where: object) -> FrameRow:
 )
 def test_a_frame_that_does_not_fit_is_told_in_one_line(added: FrameRow, message: str) -> None:
     with pytest.raises(UsageError) as told:
-        rover_frames(replace(LEO, frames=(*LEO.frames, added)))
+        rover_frames(LEO.but(frames=(*LEO.frames, added)))
     assert message in str(told.value)
     assert "\n" not in str(told.value)
 
 
 def test_a_frame_may_hang_on_a_wheel() -> None:
-    frames = rover_frames(
-        replace(LEO, frames=(*LEO.frames, row("wheel_FL_link", "valve", xyz=(0, 0, 0.05))))
-    )
+    frames = rover_frames(LEO.but(frames=(*LEO.frames, row("wheel_FL_link", "valve", xyz=(0, 0, 0.05)))))
     assert frames.edge(frames.links[-1]).translation == pytest.approx((0.0, 0.0, 0.05))
     assert frames.links[-1].joint == -1
 

@@ -38,7 +38,7 @@ def test_a_rover_does_not_pass_where_only_corners_of_cells_meet() -> None:
         Obstacle(ObstacleKind.HAZARD, "box", (*half, 0.5), (*middle, 0.5))
         for half, middle in (((1.99, 2.99), (-3.01, 2.01)), ((2.99, 1.99), (2.01, -3.01)))
     ]
-    tiny = replace(LEO, footprint=(-0.01, 0.01, -0.01, 0.01))
+    tiny = LEO.but(footprint=(-0.01, 0.01, -0.01, 0.01))
     assert Places(world(*blocks), tiny).middles.min(axis=0) == pytest.approx([-0.9, -0.9])
 
 
@@ -46,7 +46,7 @@ def test_a_rover_does_not_pass_where_only_corners_of_cells_meet() -> None:
 def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free(
     footprint: tuple[float, float, float, float],
 ) -> None:
-    x, y = Places(world(), replace(LEO, footprint=footprint)).middles.T
+    x, y = Places(world(), LEO.but(footprint=footprint)).middles.T
     farthest = 4.5 - math.hypot(0.6, 0.3)
     assert farthest - 0.25 <= max(np.abs(x).max(), np.abs(y).max()) <= farthest
 

@@ -5,11 +5,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from harness.physics.ackermann import Ackermann, curvature_of
+from harness.physics.diff_drive import DiffDrive
 from numpy.typing import NDArray
 
-from harness.physics.ackermann import Ackermann, curvature_of
 from harness.physics.base_controller import base_controller
-from harness.physics.diff_drive import DiffDrive
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from tests.support.rovers import LEO

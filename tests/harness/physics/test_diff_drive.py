@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from harness.physics.diff_drive import DiffDrive
 from numpy.typing import NDArray
 
-from harness.physics.diff_drive import DiffDrive
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from tests.support.rovers import LEO, ROVER_ZERO4WD

@@ -191,7 +191,7 @@ def test_the_hash_of_a_model_is_that_of_its_file() -> None:
 
 def test_a_model_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
     shutil.copytree(LEO.folder, tmp_path / LEO.name)
-    copied = replace(LEO, folder=tmp_path / LEO.name)
+    copied = LEO.but(folder=tmp_path / LEO.name)
     before = scene_of(copied).model.opt.gravity[2]
     text = copied.model_path.read_text()
     copied.model_path.write_text(text.replace(f"0 0 {before:g}", "0 0 -1.5"))

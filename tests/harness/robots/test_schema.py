@@ -8,7 +8,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.robots import MODELS_DIR, ROVERS, RoverSpec
-from harness.robots.schema import schema
+from harness.robots.spec import schema
 
 PUBLISHED = (MODELS_DIR / "rover.schema.json").read_text()
 RULES = jsonschema.Draft202012Validator(json.loads(PUBLISHED))

@@ -11,10 +11,10 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image
 
-from harness.episode.assembly import world_of
 from harness.ros.camera import camera_info_fill, image_fill, painter
 from harness.ros.channel import Channel
 from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 
 STATE = CameraState(12_000_000_345, "eye", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), np.zeros(3))
@@ -80,16 +80,9 @@ def test_without_an_image_nothing_is_published(draw: Any) -> None:  # noqa: ANN4
 
 
 def test_a_run_has_a_painter_of_its_cameras_alone() -> None:
-    config = Run.of(sensors=("camera=small", "gnss"), seed=4)
-    subject = painter(config)
+    run = Run.of(sensors=("camera=small", "gnss"), seed=4)
+    subject = painter(run)
     assert [camera.width for camera in subject._cameras.values()] == [160]
-    world, (only,) = subject._scenery()
-    assert (world is world_of(config), only.rover.name, subject._seed) == (True, "leo", 4)
-    other = Run.of(robot="rover_zero4wd", seed=4, name="b", number=1, start=(2.0, 1.0, 0.5))
-    beside = painter(other, (config, other))
-    _, fleet = beside._scenery()
-    assert [(member.rover.name, member.start) for member in fleet] == [
-        ("leo", (0.0, 0.0, 0.0)),
-        ("rover_zero4wd", (2.0, 1.0, 0.5)),
-    ]
-    assert beside._seed != 4
+    assert subject._seed == 4
+    other = RoverSetup(robot="rover_zero4wd", name="b", start=(2.0, 1.0, 0.5))
+    assert painter(run.but(rovers=(run.rover, other)), 1)._seed != 4

@@ -44,7 +44,7 @@ class Rig:
             get_logger=lambda: SimpleNamespace(info=self.said.append, warning=self.said.append),
         )
         source: Any = SimpleNamespace(put=self._order("put"), head_for=self._order("head for"))
-        self.navigation = Navigation(bridge, config, source)
+        self.navigation = Navigation(bridge, config, 0, source)
 
     def _order(self, what: str) -> Any:  # noqa: ANN401
         def order(place: Place) -> int | None:

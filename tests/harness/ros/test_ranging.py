@@ -31,7 +31,7 @@ LEO = replace(
 
 
 def test_points_and_depths_are_where_mujocos_rays_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harness.config.chosen", lambda _, asked: chosen(LEO, asked))
+    monkeypatch.setattr("harness.episode.assembly.chosen", lambda _, asked: chosen(LEO, asked))
     episode = Episode(Run.of(terrain="rocky", driver="spin", lidar_beams=8, duration=0.1))
     (*_, last) = (tick for batch in episode.batches() for tick in batch.ticks)
     readings = {s.sensor: s for s in last.samples if isinstance(s, RangeReading)}

@@ -31,6 +31,7 @@ class Scripted:
 
     seen: list[Run]
     wanted: object = None  # samples, by whoever drove it last
+    number = 0
 
     def __init__(self, config: Run, samples: object = None) -> None:
         self.info, type(self).wanted = INFO, samples
@@ -62,7 +63,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     seen: list[Run] = []
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
-    monkeypatch.setattr(direct, "fleet_of", lambda configs: tuple(map(Scripted, configs)))
+    monkeypatch.setattr(direct, "episodes_of", lambda run: (Scripted(run),))
     monkeypatch.setattr(direct, "together", lambda made: zip(*(e.batches() for e in made), strict=True))
     return seen
 

@@ -20,7 +20,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode import direct
 from harness.episode.episode import Episode
-from harness.episode.result import RunResult
+from harness.episode.result import Outputs, RunResult
 from harness.samples import LaserScan, Sample
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines
@@ -94,9 +94,10 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     run = direct.run_direct
     failed, scratch = "the rover left the map at 1.9 s", list[Path]()
 
-    def fail(config: Run, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
+    def fail(config: Run, outputs: Any, options: RosOptions, *rest: Any) -> tuple[RunResult, ...]:  # noqa: ANN401
         scratch.append(options.log_dir.parent)
-        return replace(run(config, options, *rest), failure=failed, info=None)
+        (result,) = run(config, outputs, options, *rest)
+        return (replace(result, failure=failed, info=None),)
 
     monkeypatch.setattr(USED, fail)
     done = attempt(case, tmp_path / "out", scratch=tmp_path)
@@ -189,7 +190,7 @@ def test_a_baseline_is_kept_until_something_differs(
     assert recorded["values"] == {"truth.path_length end": 1.0}
     assert len(recorded["log"]) == 4  # the end of the last line is one more
     assert attempt(case, tmp_path).passed
-    elsewhere = replace(case, config=case.config.alone(terrain="elsewhere/flat"))
+    elsewhere = replace(case, run=case.run.alone(terrain="elsewhere/flat"))
     assert attempt(elsewhere, tmp_path).passed
 
     def changed(**values: object) -> Attempt:
@@ -236,7 +237,7 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
-    episode = Episode(case.config.alone(terrain="slope"))
+    episode = Episode(case.run.alone(terrain="slope"))
     for _ in episode.batches():
         pass
     data = episode.simulation.data
@@ -249,7 +250,7 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
     expect = {name: f"{{over: end, min: {v - 0.02}, max: {v + 0.02}}}" for name, v in exact.items()}
     text = ", ".join(f"{name}: {bound}" for name, bound in expect.items())
     (case,) = make_cases(f"{{{text}}}", "driver: straight")
-    done = attempt(replace(case, config=episode.config), tmp_path / "out")
+    done = attempt(replace(case, run=episode.run), tmp_path / "out")
     assert done.passed, done
 
 
@@ -290,10 +291,12 @@ def test_the_truth_is_the_same_without_the_other_sensors(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
-    config = case.config.alone(terrain="rocky", duration=1.0)
+    config = case.run.alone(terrain="rocky", duration=1.0)
     full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
     stop = StopRequest()
-    first = direct.run_direct(config, RosOptions(log_dir=tmp_path), stop, observers=(full,))
+    (first,) = direct.run_direct(
+        config, (Outputs(log_dir=tmp_path, observers=(full,)),), RosOptions(log_dir=tmp_path), stop
+    )
     second = direct.run_unlogged(config, stop, SAMPLES, (alone,))
     assert second.truth == first.truth
     assert second.along == first.along

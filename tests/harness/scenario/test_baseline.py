@@ -44,10 +44,10 @@ def test_runs_are_comparable_if_nothing_differs_in_either(
     was: dict[str, int], now: dict[str, int], told: str | None
 ) -> None:
     if told is None:
-        check_comparable(Recorded(now), Recorded(was))
+        check_comparable(Recorded(of=now), Recorded(of=was))
         return
     with pytest.raises(UsageError, match=f"^{told}if that is meant, record it anew"):
-        check_comparable(Recorded(now), Recorded(was))
+        check_comparable(Recorded(of=now), Recorded(of=was))
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,9 @@ def test_runs_are_comparable_if_nothing_differs_in_either(
 def test_the_first_cell_that_differs_is_told_with_both_values(
     now: tuple[str, ...], told: str | None
 ) -> None:
-    difference = first_difference(Recorded({}, log=now), Recorded({}, log=("t,x,y", "1,2,3", "4,5,6")))
+    difference = first_difference(
+        Recorded(of={}, log=now), Recorded(of={}, log=("t,x,y", "1,2,3", "4,5,6"))
+    )
     assert difference == (told and f"same_bytes: {told}")
 
 
@@ -72,7 +74,10 @@ def test_runs_are_written_beside_those_that_the_file_has(make_cases: MakeCases, 
     path = tmp_path / "two.baseline.json"
     kept = {"two[9]": {"of": {"a": 9}, "values": {}, "log": []}}
     path.write_text(json.dumps(kept | {"two[2]": kept["two[9]"]}))
-    recorded = [(one, Recorded({"a": 1}, {"v": 2.5}, ("x",))), (two, Recorded({"a": 2}))]
+    recorded = [
+        (one, Recorded(of={"a": 1}, values={"v": 2.5}, log=("x",))),
+        (two, Recorded(of={"a": 2})),
+    ]
     assert write_baselines(recorded) == [path]
     assert json.loads(path.read_text()) == kept | {
         "two[1]": {"of": {"a": 1}, "values": {"v": 2.5}, "log": ["x"]},

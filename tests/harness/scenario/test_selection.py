@@ -12,7 +12,7 @@ from harness.base.errors import UsageError
 from harness.robots import MODELS_DIR
 from harness.scenario.selection import find_files, plan
 from harness.spec.run import Run
-from harness.spec.world import FILE_OPTIONS
+from harness.spec.world import FILE_FIELDS
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"
@@ -38,7 +38,7 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     outside = replace(cases[3], path=Path("../two.scenario.yaml"))
     assert outside.folder == Path("two[leo-1.0-7]")
     assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
-    assert [case.config.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
+    assert [case.run.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
     with pytest.raises(UsageError, match="no run has robot=mole"):
         plan([file], None, (("robot", "mole"),))
 
@@ -47,7 +47,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     make_cases: MakeCases, tmp_path: Path
 ) -> None:
     cases = make_cases(SPEED, "matrix: {driver: [goal, straight]}\ngoal: {at: [3, 4], yaw: 1}")
-    assert [case.config.goals for case in cases] == [((0.0, 3.0, 4.0, 1.0),), ()]
+    assert [case.run.plan.goals for case in cases] == [((0.0, 3.0, 4.0, 1.0),), ()]
     fault = '{at: 1.2345678, fault: "scan:nan", for: 0.2}'
     events = f"[{{at: 0.5, command: [0.3, 0]}}, {{at: 1, reset: true}}, {fault}]"
     more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
@@ -56,7 +56,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     walk = f"<actor name='a'><script><trajectory id='0'>{walk}</trajectory></script></actor>"
     (tmp_path / "walk.sdf").write_text(walk)
     (case,) = make_cases(SPEED, more)
-    assert case.config == Run.of(
+    assert case.run == Run.of(
         terrain="flat",
         duration=2.0,
         driver="cmd_vel",
@@ -75,18 +75,18 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     of_cell = text.replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
     case.path.write_text(f"{of_cell}terrain_size: [40, 40]\n")
     (case,) = plan([case.path])
-    assert case.config.terrain == str(hill)
+    assert case.run.world.terrain == str(hill)
     (case.path.parent / "models").mkdir()
     values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
     values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
     lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
     text = text.replace("flat", "a.world")
     case.path.write_text(text + "".join(lines))
-    assert set(FILE_OPTIONS) == {*values, "terrain_size", "terrain_height"}
+    assert set(FILE_FIELDS) == {*values, "terrain_size", "terrain_height"}
     (case,) = plan([case.path])
     values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
     for name, value in values.items():
-        assert getattr(case.config, name) == (tuple(value) if isinstance(value, list) else value)
+        assert getattr(case.run.world, name) == (tuple(value) if isinstance(value, list) else value)
     case.path.write_text(f"{text}mesh_up: down\n")
     with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
         plan([case.path])
@@ -106,8 +106,11 @@ def test_a_folder_beside_the_scenario_is_a_rover_unless_one_that_ships_is_called
 ) -> None:
     for name in ("mole", "leo", "flat"):
         (tmp_path / name).symlink_to(MODELS_DIR / "rover_zero4wd")
-    runs = [case.config for case in make_cases(SPEED, "matrix: {robot: [mole, leo]}")]
-    assert [(run.robot, run.terrain) for run in runs] == [(f"{tmp_path}/mole", "flat"), ("leo", "flat")]
+    runs = [case.run for case in make_cases(SPEED, "matrix: {robot: [mole, leo]}")]
+    assert [(run.rover.robot, run.world.terrain) for run in runs] == [
+        (f"{tmp_path}/mole", "flat"),
+        ("leo", "flat"),
+    ]
 
 
 def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
@@ -119,7 +122,7 @@ def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_case
     found = []
     for robot in ("leo", "rover_zero4wd"):
         for terrain in ("flat", "slope", "maps/hill.npy"):
-            told = replace(case, config=case.config.alone(robot=robot, terrain=terrain))
+            told = replace(case, run=case.run.alone(robot=robot, terrain=terrain))
             found.append(told.expected_failure and told.expected_failure.reason)
     assert found == ["one", None, "two", "three", "three", "two"]
 

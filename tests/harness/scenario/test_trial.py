@@ -63,7 +63,7 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
 def run(case_of: MakeCases, expect: str, more: str = "", seconds: float = 2.0) -> tuple[str, ...]:
     (case,) = case_of(expect, FAST + more)
-    with ScenarioTrial(replace(case, config=case.config.alone(duration=seconds))) as trial:
+    with ScenarioTrial(replace(case, run=case.run.alone(duration=seconds))) as trial:
         trial.host(Brake)
         return trial.finish()
 
@@ -106,11 +106,11 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
 ) -> None:
     path = ROOT / "scenarios/logging_node.scenario.yaml"
     trial = ScenarioTrial.load(path, seed=3, robot="rover_zero4wd")
-    assert (trial.config.seed, trial.config.robot) == (3, "rover_zero4wd")
-    trial.config = replace(trial.config, duration=2.01)
+    assert (trial.run.seed, trial.run.rover.robot) == (3, "rover_zero4wd")
+    trial.run = trial.run.alone(duration=2.01)
     expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=2, max=2)}
     scenario = trial.case.scenario.model_copy(update={"expect": expect})
-    with ScenarioTrial(replace(trial.case, scenario=scenario, config=trial.config)) as trial:
+    with ScenarioTrial(replace(trial.case, scenario=scenario, run=trial.run)) as trial:
         trial._bridge.channels_of[Imu][0].published += 1  # as if one had been lost
         assert trial.finish() == ("run.lost_messages: 1 > 0, first at 2.01 s",)
         result = trial.findings.result

@@ -46,7 +46,7 @@ def _rows(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def rover(*sensors: Mapping[str, Any]) -> RoverSpec:
-    return replace(find_rover("leo"), sensors=sensors)
+    return find_rover("leo").but(sensors=sensors)
 
 
 def carried(asked: tuple[str, ...] | None, *sensors: Mapping[str, Any]) -> dict[str, SensorRow]:

@@ -142,7 +142,7 @@ def test_a_wheel_without_a_motor_has_no_encoder(
     simulate: "Callable[[RoverSpec], Simulation]",
 ) -> None:
     rear = LEO.wheel_joints[1::2]
-    rover = replace(LEO, drive=replace(LEO.drive, driven=LEO.wheel_joints[::2]))
+    rover = LEO.but(drive=LEO.drive.but(driven=LEO.wheel_joints[::2]))
     simulation = simulate(rover)
     odometry = WheelOdometry(simulation, 5)
     for name in rear:

@@ -9,7 +9,7 @@ from harness.robots import FrameRow
 from harness.sensors.optional import SensorOptions
 from tests.support.rovers import LEO
 
-BARE = replace(LEO, frames=(), rest_height=0.2)
+BARE = LEO.but(frames=(), rest_height=0.2)
 
 
 @pytest.mark.parametrize(

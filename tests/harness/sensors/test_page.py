@@ -1,7 +1,6 @@
 """The sensors' page says what the table and the options say."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -35,7 +34,7 @@ def test_arguments_are_not_described_as_attributes() -> None:
 
 def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:
     (example,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
-    rover = replace(find_rover("leo"), sensors=tuple(YAML(typ="safe").load(example)["sensors"]))
+    rover = find_rover("leo").but(sensors=tuple(YAML(typ="safe").load(example)["sensors"]))
     given = [row.given for row in chosen(rover, None) if row.given is not None]
     assert [(some.name, some.frame_id) for some in given] == [
         ("top", "top_link"),

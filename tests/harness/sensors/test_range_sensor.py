@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from harness.sensors.mount import Mount
 
 from harness.episode.episode import Episode
 from harness.robots import RoverSpec, find_rover
 from harness.sensors import choice
 from harness.sensors.depth import DepthOptions
-from harness.sensors.mount import Mount
 from harness.sensors.optional import Installation
 from harness.sensors.range_sensor import RangeSensor
 from harness.sensors.ranging import RangeReading
@@ -30,7 +30,7 @@ def readings(
     """Of a short run on flat ground with these sensors."""
 
     def equipped(_: RoverSpec, asked: tuple[str, ...] | None) -> Any:  # noqa: ANN401 - rows
-        return chosen(replace(find_rover("leo"), sensors=entries), asked)
+        return chosen(find_rover("leo").but(sensors=entries), asked)
 
     chosen = choice.chosen
     monkeypatch.setattr("harness.config.chosen", equipped)

@@ -1,7 +1,6 @@
 """The documented run resembles the recorded logs, and does so because of what is documented."""
 
 import io
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,15 +9,15 @@ from rich.console import Console
 from scipy.stats import wasserstein_distance
 
 from harness.validate.realism import WITHIN, Comparison, Distances, distances, print_comparison
-from harness.validate.run_log import COLUMNS, CONFIG, Log, drive, read_log
+from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
 from tests.support.once import made_once
 from tests.support.rovers import ROVER_ZERO4WD
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
 LOGS_DIR = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 LOGS = [LOGS_DIR / f"metrics_log_20250116_{time}.csv" for time in (120457, 125842)]
-RECORDED = replace(CONFIG, robot=ROVER_ZERO4WD.name)
-LONG = replace(RECORDED, duration=90.0)
+RECORDED = RUN.alone(robot=ROVER_ZERO4WD.name)
+LONG = RECORDED.alone(duration=90.0)
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +41,7 @@ def test_a_minute_and_a_half_lies_as_near_to_the_recorded_logs_as_those_to_each_
 
 
 def test_without_the_noise_the_imu_is_calmer_than_any_recorded(recorded: list[Log]) -> None:
-    calm = drive(replace(RECORDED, noise=None, duration=15.0))
+    calm = drive(RECORDED.alone(noise=None, duration=15.0))
     for column in IMU:
         assert distances(calm, recorded, column).ratio > WITHIN
         assert np.percentile(calm[column], 95) < 12.0
@@ -50,7 +49,7 @@ def test_without_the_noise_the_imu_is_calmer_than_any_recorded(recorded: list[Lo
 
 def test_the_run_has_a_row_for_every_second_and_repeats_itself(shaken: Log) -> None:
     assert {len(values) for values in shaken.values()} == {90}
-    short = drive(replace(RECORDED, duration=5.0))
+    short = drive(RECORDED.alone(duration=5.0))
     for column in COLUMNS:
         assert short[column].tolist() == shaken[column][:5].tolist()
 

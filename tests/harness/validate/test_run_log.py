@@ -12,7 +12,7 @@ from harness.drivers import DriverContext, Observation, wander
 from harness.samples import Imu, LaserScan, Odometry, Tick, Twist
 from harness.spec.run import Run
 from harness.validate import run_log
-from harness.validate.run_log import COLUMNS, CONFIG, SPEEDS, RecordedAgent, drive, read_log
+from harness.validate.run_log import COLUMNS, RUN, SPEEDS, RecordedAgent, drive, read_log
 from tests.support.rovers import ROVER_ZERO4WD
 
 HEADER = ",".join(["Timestamp", *COLUMNS])
@@ -118,7 +118,7 @@ def test_a_row_is_written_each_full_second_and_the_agent_sees_the_latest_scan(
     monkeypatch.setattr(run_log, "Episode", ToldEpisode)
     monkeypatch.setattr(RecordedAgent, "command", see)
 
-    log = drive(CONFIG)
+    log = drive(RUN)
 
     assert {name: values.tolist() for name, values in log.items()} == {
         "IMU Acceleration Magnitude": [pytest.approx(13.0)],

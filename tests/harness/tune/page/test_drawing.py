@@ -1,7 +1,6 @@
 """Drawings and curves of the tuning report, against what can be worked out by hand."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,7 @@ from tests.support.rovers import LEO
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
 
-SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
+SQUARE = LEO.but(footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from harness.base.errors import UsageError
 from harness.world.sdf import document as module
 from harness.world.sdf.document import Document, read_document
 from harness.world.sdf.resources import Resources
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief
+from harness.world.solid import MeshFile, Plane, Primitive, Relief
 from tests.harness.world.solids.shapes import at
 
 BOX = "<geometry><box><size>2 4 6</size></box></geometry>"

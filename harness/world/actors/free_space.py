@@ -1,33 +1,40 @@
 """Where people can walk: on the map, and not through hazards. They step over rocks."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from harness.world.obstacles import ObstacleKind, Points, outline
-from harness.world.world import EDGE_MARGIN, World
+from harness.world.heightfield import EDGE_MARGIN, Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline
 
 CHECKED_EVERY = 0.1  # [m] along a leg
 
 
-class Room:
-    """The room that a world has for people.
+class FreeSpace:
+    """The space that a world leaves to people.
+
+    Args:
+        ground: Whose map they stay on, EDGE_MARGIN from its edge.
+        obstacles: The hazards among them are walls.
 
     Attributes:
-        low: Least x and y that the map leaves them [m]; likewise `high`.
+        low: Least x and y that the map leaves them, shape (2,) [m].
+        high: Largest x and y that the map leaves them, shape (2,) [m].
     """
 
-    def __init__(self, world: World) -> None:
-        x, x_to, y, y_to = world.ground.bounds(EDGE_MARGIN)
+    def __init__(self, ground: Heightfield, obstacles: Sequence[Obstacle]) -> None:
+        x, x_to, y, y_to = ground.bounds(EDGE_MARGIN)
         self.low, self.high = np.array([x, y]), np.array([x_to, y_to])
         self._walls = {
             f"hazard_{index}": outline(obstacle)
-            for index, obstacle in enumerate(world.obstacles)
+            for index, obstacle in enumerate(obstacles)
             if obstacle.kind is ObstacleKind.HAZARD
         }
         corners = [(*wall.min(axis=0), *wall.max(axis=0)) for wall in self._walls.values()]
         self._boxes = np.array(corners).reshape(-1, 4)
 
-    def trouble(self, points: Points, radius: float) -> tuple[str, Points] | None:
-        """Returns what is in the way of a body at one of some points, and that point; else None.
+    def blocked(self, points: Points, radius: float) -> tuple[str, Points] | None:
+        """Returns what blocks a body at one of some points, and that point; None if all are free.
 
         Args:
             points: In the world [m], shape (n, 2).
@@ -46,13 +53,19 @@ class Room:
         return None
 
     def is_clear(self, start: tuple[float, float], end: tuple[float, float], radius: float) -> bool:
-        """Returns whether a body can walk straight from one point to another [m]."""
-        return self.trouble(along((start, end)), radius) is None
+        """Returns whether a body can walk straight from one point to another.
 
-    def walls_near(self, place: Points, within: float) -> list[Points]:
+        Args:
+            start: x and y in the world [m].
+            end: x and y in the world [m].
+            radius: Of the body [m].
+        """
+        return self.blocked(along((start, end)), radius) is None
+
+    def walls_near(self, point: Points, within: float) -> list[Points]:
         """Returns the outlines of the hazards around a point, closer than some distance [m]."""
         low, high = self._boxes[:, :2] - within, self._boxes[:, 2:] + within
-        near = ((low <= place) & (high >= place)).all(axis=1)
+        near = ((low <= point) & (high >= point)).all(axis=1)
         walls = list(self._walls.values())
         return [walls[index] for index in np.flatnonzero(near).tolist()]
 

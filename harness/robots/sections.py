@@ -1,0 +1,121 @@
+"""The sections of rover.yaml: frames, mounts, the drive, what is expected of the rover."""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
+
+from harness.spec.value import Value
+
+SKID: Literal["skid"] = "skid"
+ACKERMANN: Literal["ackermann"] = "ackermann"
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+Vector = tuple[Number, Number, Number]
+
+
+class FrameRow(Value):
+    """One frame of rover.yaml: where `child` is, in what is named."""
+
+    parent: str
+    child: str
+    body: str = Field(
+        default="",
+        description="the model's body that it belongs to, whose mass and shapes its link has in the "
+        "URDF; with neither body nor site it is fixed to `parent`",
+    )
+    site: str = Field(default="", description="the model's site that it is at")
+    xyz: Vector = Field(default=(0.0, 0.0, 0.0), description="its origin there, else in the parent [m]")
+    rpy: Vector = Field(default=(0.0, 0.0, 0.0), description="its roll, pitch and yaw there [rad]")
+
+
+class Mount(Value):
+    """Where a sensor is on a model that has no site for it."""
+
+    body: str = Field(default="", description="the model's body that carries it; empty: the root body")
+    xyz: Vector = Field(default=(0.0, 0.0, 0.0), description="its origin in that body [m]")
+    rpy: Vector = Field(default=(0.0, 0.0, 0.0), description="its roll, pitch and yaw there [rad]")
+
+
+class Drive(Value):
+    """Which joints drive and steer."""
+
+    kind: Literal["skid", "ackermann"] = Field(
+        default=SKID,
+        description="skid: the wheels of a side turn alike and the rover turns by their difference; "
+        "ackermann: the front wheels are steered",
+    )
+    left: tuple[str, ...] = Field(default=(), description="joints of the left wheels, front to rear")
+    right: tuple[str, ...] = Field(default=(), description="joints of the right wheels, front to rear")
+    driven: tuple[str, ...] = Field(default=(), description="joints of the wheels that have motors")
+    steering: tuple[str, ...] = Field(
+        default=(), description="joints that turn the left and the right front wheel; ackermann only"
+    )
+    steering_limit: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(
+        default=0.0, description="largest angle of a steered wheel [rad]; 0: its joint's or motor's"
+    )
+    steering_rate: Positive = Field(
+        default=2.0, description="how fast the mean steered wheel turns [rad/s]"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Lowest and highest expected value, and where they come from; an open end is infinite."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+
+    low: Annotated[float, Field(strict=True)]
+    high: Annotated[float, Field(strict=True)]
+    source: str
+
+    @property
+    def is_open(self) -> bool:
+        """Whether nothing is expected."""
+        return math.isinf(self.low) and math.isinf(self.high)
+
+    def describe(self, digits: int) -> str:
+        """Returns the span as text, rounded to so many decimals."""
+        low, high = f"{self.low:.{digits}f}", f"{self.high:.{digits}f}"
+        if self.is_open:
+            return "-"
+        if math.isinf(self.low):
+            return f"at most {high}"
+        return f"at least {low}" if math.isinf(self.high) else f"{low} to {high}"
+
+
+OPEN = Span(-math.inf, math.inf, "nothing is expected of it")
+
+
+class Passage(Value):
+    """A place below the rover where rocks may pass, and the height that just does."""
+
+    name: str = Field(description="what is above it")
+    aside: Number = Field(description="of the middle of the place, to the left [m]")
+    radius: Positive = Field(description="of the largest upright cylinder that no wheel touches [m]")
+    height: Positive = Field(description="above flat ground [m]")
+    source: str = Field(description="where the height comes from")
+
+
+def _open(description: str) -> Span:
+    span: Span = Field(default_factory=lambda: OPEN, description=description)
+    return span
+
+
+class Expected(Value):
+    """What harness.validate expects of a rover; nothing of what is left out."""
+
+    speed_ratio: Span = _open("ground speed over commanded speed, within the wheels' limit")
+    at_half: Span = _open("ground speed at a command of 0.5 m/s [m/s]")
+    at_top: Span = _open(
+        "ground speed at a command of 1.0 m/s, the highest of RoboTerrain's agents [m/s]"
+    )
+    yaw_ratio: Span = _open("achieved over commanded yaw rate, in place")
+    kerb_one_side: Span = _open("height climbed with the wheels of one side [m]")
+    rocker_stop: Span = _open("largest angle of a rocker, of a rover that has some [rad]")
+    ramp_source: str = Field(
+        default="", description="what states the slope climbed, before what it is derived from"
+    )
+    passages: tuple[Passage, ...] = ()
