@@ -14,10 +14,9 @@ from harness import robots
 from harness.robots import RoverSpec, find_rover
 from harness.samples import Twist
 from harness.spec.run import Run
-from harness.world.actors.actor import with_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.world import World
+from harness.world.world import World, with_actors
 from tests.e2e.topic_oracle.surroundings import carried
 from tests.support.words import parse_actors
 

@@ -7,6 +7,7 @@ from unittest.mock import Mock
 import mujoco
 import numpy as np
 import pytest
+from harness.world.actors.walker import SocialWalker
 
 from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
@@ -17,10 +18,8 @@ from harness.robots import ROVERS
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.world.actors.actor import with_actors
-from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
-from harness.world.world import World
+from harness.world.world import World, with_actors
 from tests.support.words import parse_actors
 
 MakeSimulation = Callable[..., Simulation]

@@ -11,8 +11,7 @@ from harness.report.log import Event, Log, collisions, contacts, meetings
 from harness.report.recorder import Approach, Stretch
 from harness.report.tables import encounter_rows, people
 from harness.report.terrain_map import map_figure, roughness
-from harness.world.actors.actor import with_actors
-from harness.world.world import build_world
+from harness.world.world import build_world, with_actors
 from tests.harness.report.stretches import stretches
 from tests.support.words import parse_actors
 
