@@ -69,15 +69,6 @@ def test_the_ground_has_its_heights_where_the_world_has_them(model: mujoco.MjMod
     assert model.hfield_size[0] == pytest.approx((4.0, 4.0, 0.5, 1.0))  # a metre of solid ground
 
 
-def test_level_ground_is_level() -> None:
-    world = World("w", Heightfield(np.full((5, 5), 1.5), cell=2.0), (), 0, 0.5)
-    model = build_scene(world, LEO, 0.002).model
-
-    assert model.geom("terrain").pos[2] == 1.5
-    assert (model.hfield_data == 0.0).all()
-    assert model.hfield_size[0] == pytest.approx((4.0, 4.0, 0.001, 1.0))
-
-
 def test_obstacles_are_geoms_of_two_bodies_with_size_place_and_turn(model: mujoco.MjModel) -> None:
     names = ("hazard_0", "rock_1", "hazard_2")
     types = (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYLINDER)
