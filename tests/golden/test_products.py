@@ -62,7 +62,7 @@ def test_an_environment_alone_ours_of_many_and_gymnasiums_see_the_same(
     for action in actions:
         (seen, *of_ours), (expected, *of_theirs) = ours.step(action), theirs.step(action)
         assert_alike(seen, expected)
-        assert [each.tolist() for each in of_ours[:3]] == [each.tolist() for each in of_theirs[:3]]
+        assert repr(of_ours[:3]) == repr(of_theirs[:3])
         own, *_ = alone.step(action[0])
         assert_alike({key: value[0] for key, value in seen.items()}, own)
     for env in (ours, theirs, alone):
