@@ -17,8 +17,8 @@ from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
-from harness.drivers.steered import drivable
 from harness.episode.assembly import check, check_world, scenery, sensor_rows
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.frames.rover_frames import RoverFrames, rover_frames

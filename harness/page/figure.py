@@ -128,7 +128,7 @@ class Key:
     """A line of a legend.
 
     Attributes:
-        swatch: "line", "area" or the name of a marker symbol.
+        swatch: "line", "area", "hatch", "cross" or the name of a marker symbol.
         color: Name of a custom property of the style sheet.
         dash: Dash pattern of a line [px].
     """
@@ -147,6 +147,9 @@ def keys(figure: Figure) -> list[Key]:
 
 
 def _key(item: Trace | Layout) -> Key:
+    if "fillpattern" in item:
+        pattern = item["fillpattern"]
+        return Key(item["name"], "cross" if pattern["shape"] == "x" else "hatch", pattern["fgcolor"])
     if "fillcolor" in item:
         return Key(item["name"], "area", item["fillcolor"])
     if "lines" in item.get("mode", "lines"):

@@ -45,8 +45,8 @@ class OccupancyMap:
         """Returns whether no cell is occupied whose middle lies in a disc, nor the one at its middle.
 
         Args:
-            x: Middle of the disc [m]; a point off the map is not free. Likewise `y`.
-            y: See `x`.
+            x: Of the disc's middle [m]; a point off the map is not free.
+            y: Of the disc's middle [m].
             radius: Of the disc [m].
         """
         half_x, half_y = self.half_size

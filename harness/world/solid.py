@@ -1,4 +1,4 @@
-"""A solid as files tell it: a shape, and where it is in the world."""
+"""A solid as a file describes it: a shape, and where it is in the world."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,8 +71,8 @@ class Solid:
     Attributes:
         name: Unique or not: model::link::collision.
         pose: T_world_solid, shape (4, 4) [m].
-        friction: Coulomb's coefficient where the file tells one.
-        color: How it looks where the file tells.
+        friction: Coulomb's coefficient; None if the file has none.
+        color: Of the visual beside it; None if the file has none.
     """
 
     name: str

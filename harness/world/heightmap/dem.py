@@ -1,7 +1,7 @@
 """A world from a heightmap file: the whole of it, without gaps, with a start on which a rover can stand.
 
 The data are not altered where they need not be: square pixels between 5 cm and the map's limit become
-vertices as they are. Whatever is done (filled, resampled, scaled) and what came of it is told in a note.
+vertices as they are. Whatever is done (filled, resampled, scaled) and what came of it stands in a note.
 """
 
 import math
@@ -20,7 +20,7 @@ from harness.world.world import ORIGIN, STEEPEST_START, Start, World
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
 MOST_VERTICES = 1500 * 1500
 MOST_MISSING = 0.5  # share of heights that may be filled in
-SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is told
+SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is noted
 START_REACH = 0.4  # [m] around the start that must not be steeper
 START_SEARCH = 0.25  # of the map's shorter side, from its middle
 

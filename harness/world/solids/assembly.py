@@ -18,7 +18,7 @@ from harness.world.sdf.document import read_document
 from harness.world.sdf.poses import IDENTITY
 from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Solid
-from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
+from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
 from harness.world.solids.pieces import obstacles_of
@@ -81,10 +81,10 @@ def assembled(
         UsageError: Nothing of it can be driven.
     """
     kinds = Kinds(spec, rover.clearance, [solid.name for solid in solids])
-    found = sorted_solids(solids, notes, spec.mesh_unit, spec.mesh_up)
-    grid = chosen_grid(map_bounds(found), spec.terrain_cell)
-    whole = joined(found.ground)
-    surface = surface_of(whole, grid, found.plane, notes)
+    parts = partition(solids, notes, spec.mesh_unit, spec.mesh_up)
+    grid = chosen_grid(map_bounds(parts), spec.terrain_cell)
+    whole = joined(parts.ground)
+    surface = surface_of(whole, grid, parts.plane, notes)
     ground = surface.ground
     width, depth = (2 * half for half in ground.half_size)
     notes.append(
@@ -92,7 +92,7 @@ def assembled(
         f"{grid.cell:.4g} m apart, relief {np.ptp(ground.heights[surface.has_floor]):.4g} m, "
         f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
     )
-    obstacles = _obstacles(found, whole, surface, kinds, notes)
+    obstacles = _obstacles(parts, whole, surface, kinds, notes)
     world = World(
         Path(spec.terrain).name,
         ground,
@@ -101,21 +101,21 @@ def assembled(
         None,
         room=_room(surface),
         friction=min((s.friction for s in solids if s.friction is not None), default=None),
-        files=tuple((str(path), digest) for path, digest in sorted(found.hashes.items())),
+        files=tuple((str(path), digest) for path, digest in sorted(parts.hashes.items())),
     )
     start = _start(world, surface, rover.step_limit, notes) if rover.needs_start else ORIGIN
     return replace(world, start=start, notes=tuple(notes))
 
 
 def _obstacles(
-    found: Sorted, whole: Mesh, surface: Surface, kinds: Kinds, notes: list[str]
+    parts: Partition, whole: Mesh, surface: Surface, kinds: Kinds, notes: list[str]
 ) -> list[Obstacle]:
     ground = surface.ground
-    placed = [obstacle_of(solid, ground, kinds.of(solid.name)) for solid in found.primitives]
+    placed = [obstacle_of(solid, ground, kinds.of(solid.name)) for solid in parts.primitives]
     obstacles = [obstacle for obstacle in placed if obstacle is not None]
     over = joined([whole.part(surface.left_over)])
     obstacles += obstacles_of(over, ground, kinds.by_height, kinds.clearance)
-    for solid, mesh in found.standing:
+    for solid, mesh in parts.standing:
         pieces = obstacles_of(joined([mesh]), ground, kinds.of(solid.name), kinds.clearance)
         obstacles += (replace(piece, color=solid.color) for piece in pieces)
     if buried := len(placed) - sum(obstacle is not None for obstacle in placed):

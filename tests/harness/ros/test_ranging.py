@@ -1,6 +1,5 @@
 """Clouds and depth images of a run, point by point, against MuJoCo's rays from the mount."""
 
-from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -21,8 +20,7 @@ from harness.spec.run import Run
 XYZ, RPY = (0.1, -0.2, 0.7), (0.2, 0.3, -0.4)
 MOUNT = {"parent": "base_footprint", "xyz": list(XYZ), "rpy": list(RPY)}
 FARTHEST = 6.0
-LEO = replace(
-    find_rover("leo"),
+LEO = find_rover("leo").but(
     sensors=(
         {"kind": "lidar3d", "rings": 6, "columns": 12, "organised": True, "range_max": FARTHEST} | MOUNT,
         {"kind": "depth", "width": 8, "height": 6, "cloud": True, "range_max": FARTHEST} | MOUNT,

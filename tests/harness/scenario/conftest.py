@@ -10,8 +10,7 @@ import pytest
 from harness.episode import direct
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
-from harness.scenario.case import Case
-from harness.scenario.selection import plan
+from harness.scenario.case import Case, plan
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 

@@ -14,7 +14,8 @@ from harness.tune.episodes.plan import Part
 from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
-from harness.tune.page.subject import Subject, levels, mark
+from harness.tune.page.scan_figures import scan_figures
+from harness.tune.page.subject import Subject, levels
 from harness.tune.page.tables import _text, clearance
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
@@ -105,13 +106,6 @@ def test_the_command_is_text_and_never_markup(page: str) -> None:
     assert page.count("&lt;b&gt;tuning") == 3  # both files and the way to repeat it
 
 
-def test_the_method_takes_five_sentences(page: str) -> None:
-    (method,) = re.findall(r'<ol class="sentences">(.*?)</ol>', page, re.DOTALL)
-    sentences = re.findall(r"<li>(.*?)</li>", method, re.DOTALL)
-    assert [sentence.count(". ") for sentence in sentences] == [0] * 5
-    assert all(sentence.endswith(".") for sentence in sentences)
-
-
 @pytest.mark.parametrize(
     ("score", "expected"),
     [
@@ -134,10 +128,6 @@ def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
     assert recall.tolist() == [0.1, 0.4, 0.7]
 
 
-def test_an_open_mark_shows_in_its_colour() -> None:
-    assert mark("", 0.0, 0.0, tuned="--metric")["marker"]["color"] == "--metric"
-
-
 def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:
     proven = small_sweep[0][0].collision.verdict
     doubtful = replace(proven, gain={"F1": Estimate(0.1, -0.1, 0.3)})
@@ -152,3 +142,25 @@ def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sw
     plot = ground_figures(leo)[f"{signal.parameter}-classes"]
     assert not isinstance(plot, str)
     assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["roc", "rough_terrain_threshold-roc"])
+def test_values_of_thresholds_stand_on_the_curve_of_what_they_are_compared_with(
+    name: str, small_sweep: "Sweep"
+) -> None:
+    studies, records = small_sweep
+    leo = Subject(studies[0], scored_records("leo", records))
+    plot = (scan_figures(leo) | ground_figures(leo))[name]
+    assert not isinstance(plot, str)
+    curves, marks = list[list[float]](), list[list[float]]()
+    for trace in plot.figure["data"]:
+        if not trace["name"].startswith("chance"):
+            (marks if trace["mode"] == "markers" else curves).append([trace["x"], trace["y"]])
+    assert len(marks) >= 2
+    points = [np.array(curve, np.float64) for curve in curves]
+    between = np.linspace(0.0, 1.0, 50)[:, None, None]  # of two points that follow each other
+    each = [one[:, :-1].T * (1.0 - between) + one[:, 1:].T * between for one in points]
+    dense = np.concatenate([one.reshape(-1, 2) for one in each])
+    for place in marks:
+        assert np.hypot(*(dense.T - place)).min() < 0.02
+    assert all(np.trapezoid(y, x) > 0.5 for x, y in points)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from harness.drivers.steered import drivable
+from harness.drivers.base import drivable
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from tests.support.rovers import LEO

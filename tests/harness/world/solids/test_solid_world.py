@@ -2,16 +2,18 @@
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
+from harness.spec.value import made
+from harness.spec.world import WorldSpec
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
 from harness.world.solids.assembly import BUILT
-from harness.world.terrain_file import MIDDLE, TerrainFile
-from harness.world.world import World
+from harness.world.world import ORIGIN, RoverNeeds, World
 from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
 
 WORLDS = Path(__file__).parents[5] / "shared/data/roboterrain/worlds"
@@ -32,10 +34,15 @@ def cube(name: str, pose: str, size: str = "1 1 1") -> str:
     return solid(name, f"<box><size>{size}</size></box>", pose)
 
 
-def world_of(folder: Path, body: str, **options: object) -> World:
+def of_file(path: Path, *, needs_start: bool = True, **fields: object) -> World:
+    spec = made(WorldSpec, {"terrain": str(path)} | fields)
+    return file_world(spec, RoverNeeds(needs_start=needs_start), 7)
+
+
+def world_of(folder: Path, body: str, **fields: Any) -> World:  # noqa: ANN401 - of several fields
     path = folder / "a.World"
     path.write_text(f"<sdf version='1.9'><world name='w'>{body}</world></sdf>")
-    return file_world(TerrainFile(path=path, **options), 7)  # type: ignore[arg-type]  # its own
+    return of_file(path, **fields)
 
 
 def kinds(world: World) -> list[str]:
@@ -85,11 +92,11 @@ def test_options_override_what_is_a_rock_and_what_a_hazard(tmp_path: Path) -> No
     )
     body = solid("ground", PLANE) + solid("m", "<mesh><uri>m.obj</uri></mesh>")
     body += "".join(cube(name, f"{x} 0 0 0 0 0") for name, x in (("a1", 0), ("a2", 8), ("b", 11)))
-    every = world_of(tmp_path, body, cell=0.5, rock_height=9.0)
-    assert (kinds(every), every.start == MIDDLE) == (["ROCK"] * 5, False)
-    options = {"rocks": ("a?", "m"), "hazards": ("a2::l::c",), "needs_start": False}
-    named = world_of(tmp_path, body, cell=0.5, **options)
-    assert (kinds(named), named.start) == (["ROCK", *["HAZARD"] * 3, "ROCK"], MIDDLE)
+    every = world_of(tmp_path, body, terrain_cell=0.5, rock_height=9.0)
+    assert (kinds(every), every.start == ORIGIN) == (["ROCK"] * 5, False)
+    names = {"rock": ("a?", "m"), "hazard": ("a2::l::c",)}
+    named = world_of(tmp_path, body, terrain_cell=0.5, needs_start=False, **names)
+    assert (kinds(named), named.start) == (["ROCK", *["HAZARD"] * 3, "ROCK"], ORIGIN)
 
 
 def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
@@ -110,7 +117,7 @@ def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
 def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> None:
     ground = both(sheet(lambda x, _: 0.1 * x, 8.0, 6.0), box((0, 0, 1), (1, 1, 1)))
     path = write_mesh(tmp_path / "t.obj", ground)
-    world = file_world(TerrainFile(path=path, cell=0.5), 0)
+    world = of_file(path, terrain_cell=0.5)
     assert (world.name, world.ground.cell, world.friction) == ("t.obj", 0.5, None)
     assert world.ground.half_size == (8.0, 6.0)
     assert [obstacle.color for obstacle in world.obstacles] == [BUILT[ObstacleKind.HAZARD]]
@@ -118,13 +125,13 @@ def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> No
         np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]), (1000.0,) * 3
     )
     path = write_mesh(tmp_path / "u.obj", turned)
-    again = file_world(TerrainFile(path=path, cell=0.5, mesh_unit="mm", mesh_up="y"), 0)
+    again = of_file(path, terrain_cell=0.5, mesh_unit="mm", mesh_up="y")
     np.testing.assert_allclose(again.ground.heights, world.ground.heights, atol=1e-6)
 
 
 def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
     path = write_mesh(tmp_path / "t.obj", both(flat(0.0, 15.0, 10.0), flat(0.0, 6.0, 15.0)))
-    world = file_world(TerrainFile(path=path), 0)
+    world = of_file(path)
     assert world.ground.half_size == pytest.approx((15.0, 15.0), abs=0.1)
     middle, half = world.roaming
     assert middle == pytest.approx((0.0, 0.0), abs=1.0)
@@ -132,7 +139,7 @@ def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("body", "told"),
+    ("body", "said"),
     [
         ("", "nothing in it can be collided with; give its models a <collision>"),
         (cube("b", "0 0 0 0 0 0", "3 4 5"), "it has no ground: neither a plane nor a heightmap"),
@@ -140,10 +147,10 @@ def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
         (solid("m", "<mesh><uri>n.obj</uri></mesh>"), "1 of its vertices are NaN or infinite"),
     ],
 )
-def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, told: str) -> None:
+def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, said: str) -> None:
     write_mesh(tmp_path / "m.obj", box((0, 0, 0), (2, 3, 4)))
     (tmp_path / "n.obj").write_text("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
-    with pytest.raises(UsageError, match=told) as raised:
+    with pytest.raises(UsageError, match=said) as raised:
         world_of(tmp_path, body)
     assert str(raised.value).count("a.World") == 1
     assert "\n" not in str(raised.value)
@@ -151,7 +158,7 @@ def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, tol
 
 @needs_worlds
 def test_the_inspection_world_is_met_to_a_decimetre() -> None:
-    world = file_world(TerrainFile(path=WORLDS / "inspection_boxes_x10_v2.world", cell=0.4), 0)
+    world = of_file(WORLDS / "inspection_boxes_x10_v2.world", terrain_cell=0.4)
     assert world.gravity == 9.8
     assert world.ground.bounds() == pytest.approx((-31.15, 33.28, -31.65, 67.98), abs=0.4)
     assert sum(obstacle.shape == "box" for obstacle in world.obstacles) == 17

@@ -25,8 +25,8 @@ QUEUE = 1000  # messages of a topic that may wait; in lock-step nothing is lost
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]
 
 
-class Hearing:
-    """What is heard of topics.
+class Subscriptions:
+    """The topics of which something is expected, and what has arrived on them.
 
     Args:
         bridge: Subscribes.

@@ -1,4 +1,4 @@
-"""Readings of optional lidars and depth cameras -> LaserScan, PointCloud2, Image, CameraInfo.
+"""Readings of optional lidars, cameras and depth cameras as LaserScan, PointCloud2, Image, CameraInfo.
 
 Points are made here, in the process that publishes, so that the one that simulates is not kept from it.
 Their layout is that of velodyne_pointcloud: x, y, z and intensity as float32, ring as uint16, time as
@@ -6,18 +6,22 @@ float32. The time is 0: all points of a cloud are of its stamp.
 """
 
 from array import array
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 
-from harness.base.sim_time import NANOSECONDS
-from harness.ros.camera import lens_info
-from harness.ros.channel import Fill
-from harness.sensors.camera.lens import Pinhole
+from harness.ros.channel import Fill, set_stamp
+from harness.samples import Sample
+from harness.sensors.camera.lens import Lens, Pinhole
+from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.ranging import RangeReading
 
+Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL
+ENCODING, CHANNELS = "rgb8", 3
 # Reflectivities in percent, estimates: dry soil, rock. Neither range nor angle changes them.
 ON_GROUND, ON_OBSTACLE = 25.0, 50.0
 XYZ = ("x", "y", "z")
@@ -34,7 +38,7 @@ def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
     message.intensities = array("f")
 
     def fill(reading: RangeReading) -> LaserScan:
-        _set_stamp(message, reading)
+        set_stamp(message.header.stamp, reading.stamp_ns)
         message.ranges = array("f", reading.ranges.tobytes())
         return message
 
@@ -82,7 +86,7 @@ def _cloud(
     exact = np.ascontiguousarray(directions.astype(np.float32).T)
 
     def fill(reading: RangeReading) -> PointCloud2:
-        _set_stamp(message, reading)
+        set_stamp(message.header.stamp, reading.stamp_ns)
         hit = np.isfinite(reading.ranges)
         chosen = slice(None) if keeps_misses else hit
         points = whole[chosen] if not keeps_misses else whole
@@ -106,7 +110,7 @@ def depth_image(message: Image, options: DepthOptions) -> Fill:
     message.encoding, message.is_bigendian, message.step = "32FC1", 0, 4 * options.width
 
     def fill(reading: RangeReading) -> Image:
-        _set_stamp(message, reading)
+        set_stamp(message.header.stamp, reading.stamp_ns)
         message.data = array("B", reading.ranges.tobytes())
         return message
 
@@ -118,6 +122,39 @@ def depth_camera_info(message: CameraInfo, options: DepthOptions) -> Fill:
     return lens_info(message, Pinhole(options.width, options.height, options.fov))
 
 
-def _set_stamp(message: LaserScan | PointCloud2 | Image, reading: RangeReading) -> None:
-    stamp = message.header.stamp
-    stamp.sec, stamp.nanosec = divmod(reading.stamp_ns, NANOSECONDS)
+def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fill:
+    """Returns a filler that has the image of each sample drawn; None for a message without one."""
+    message.encoding, message.is_bigendian = ENCODING, 0
+    message.width, message.height = options.width, options.height
+    message.step = CHANNELS * options.width
+
+    def fill(state: CameraState) -> Image | None:
+        pixels = None if draw is None else draw(state)
+        if pixels is None:
+            return None
+        set_stamp(message.header.stamp, state.stamp_ns)
+        message.data = array("B", pixels.tobytes())
+        return message
+
+    return fill
+
+
+def camera_info_fill(message: CameraInfo, options: CameraOptions) -> Fill:
+    """Returns a filler of what is known of the camera's lens."""
+    return lens_info(message, options.lens_of())
+
+
+def lens_info(message: CameraInfo, lens: Lens) -> Fill:
+    """Returns a filler of what is known of a lens, which is without further distortion."""
+    message.width, message.height = lens.width, lens.height
+    message.distortion_model = lens.distortion_model
+    message.d = [0.0] * lens.coefficients
+    message.k = lens.matrix.ravel()
+    message.r = np.eye(3).ravel()
+    message.p = np.column_stack([lens.matrix, np.zeros(3)]).ravel()
+
+    def fill(sample: Sample) -> CameraInfo:
+        set_stamp(message.header.stamp, sample.stamp_ns)
+        return message
+
+    return fill

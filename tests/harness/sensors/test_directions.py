@@ -1,25 +1,25 @@
-"""Directions of optional lidars against the products of their names, and what cannot be a lidar."""
+"""Directions of lidars and depth cameras: data sheets, closed forms, the intrinsic matrix, REP-103."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from harness.base.errors import UsageError
-from harness.robots import find_rover
 from harness.sensors.choice import chosen
-from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.depth import OPTICAL_RPY, DepthOptions
+from harness.sensors.lidars import CloudLidarOptions
 from harness.sensors.ranging import RangeOptions
+from harness.spec.sensor import parse_choice
+from tests.support.rovers import LEO
 
 Array = NDArray[np.float64]
-CLOUD, PLANAR = CloudLidarOptions, PlanarLidarOptions
 
 
 def options(word: str) -> RangeOptions:
     """Of a preset."""
-    given = chosen(find_rover("leo"), (word,))[-1].given
+    given = chosen(LEO, (parse_choice(word),))[-1].given
     assert isinstance(given, RangeOptions)
     return given
 
@@ -32,14 +32,14 @@ def angles(directions: Array) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize(
-    ("preset", "elevations", "step", "rate", "limits"),
+    ("preset", "elevations", "step", "limits"),
     [
-        ("vlp16", np.arange(-15.0, 16.0, 2.0), 0.2, 10, (0.5, 100.0)),
-        ("os1_64", np.linspace(-16.6, 16.6, 64), 360 / 1024, 10, (0.8, 120.0)),
+        ("vlp16", np.arange(-15.0, 16.0, 2.0), 0.2, (0.5, 100.0)),
+        ("os1_64", np.linspace(-16.6, 16.6, 64), 360 / 1024, (0.8, 120.0)),
     ],
 )
 def test_rings_are_those_of_the_data_sheet(
-    preset: str, elevations: Array, step: float, rate: int, limits: tuple[float, float]
+    preset: str, elevations: Array, step: float, limits: tuple[float, float]
 ) -> None:
     given = options(f"lidar3d={preset}")
     assert isinstance(given, CloudLidarOptions)
@@ -47,21 +47,24 @@ def test_rings_are_those_of_the_data_sheet(
     assert np.unique(elevation) == pytest.approx(elevations)
     assert np.diff(np.unique(azimuth)) == pytest.approx(step)
     assert len(np.unique(azimuth)) == round(360 / step)
-    assert (given.rate, given.range_min, given.range_max) == (rate, *limits)
+    assert (given.rate, given.range_min, given.range_max) == (10, *limits)
     assert elevation[0] == pytest.approx(elevations[-1])  # an image's first row is its highest
     ring_of = {ring: np.unique(elevation[given.ring == ring]) for ring in range(len(elevations))}
     assert all(ring_of[ring] == pytest.approx(elevations[ring]) for ring in ring_of)
 
 
 def test_a_spiral_covers_its_field_of_view_evenly() -> None:
-    azimuth, elevation = angles(options("lidar3d=livox").directions())
+    given = options("lidar3d=livox")
+    azimuth, elevation = angles(given.directions())
     assert len(azimuth) * 10 == 200_000  # a second
     assert (elevation.min(), elevation.max()) == pytest.approx((-7.0, 52.0))
     edges = np.degrees(np.arcsin(np.linspace(math.sin(math.radians(-7)), math.sin(math.radians(52)), 6)))
-    turns = np.arange(50) * 2 / (1 + math.sqrt(5)) - 0.5  # a golden part further each, from behind
+    turns = np.arange(50) * (0.5 * math.sqrt(5) - 0.5) - 0.5  # a golden part further each, from behind
     assert np.exp(1j * np.radians(azimuth[:50])) == pytest.approx(np.exp(2j * np.pi * turns))
     counts, *_ = np.histogram2d(azimuth, elevation, (np.linspace(-180, 180, 9), edges))
     assert counts == pytest.approx(500, rel=0.02)  # parts of the same solid angle
+    assert isinstance(given, CloudLidarOptions)
+    assert not given.ring.any()
 
 
 @pytest.mark.parametrize(
@@ -78,7 +81,7 @@ def test_planar_beams_are_those_of_the_data_sheet(
 
 
 @pytest.mark.parametrize(("span", "step"), [(2 * np.pi, 2 * np.pi / 5), (6.0, 1.5), (3.5, 0.875)])
-def test_all_around_the_last_column_would_be_the_first_and_otherwise_both_ends_are_there(
+def test_all_around_the_last_column_is_not_the_first_and_otherwise_both_ends_are_there(
     span: float, step: float
 ) -> None:
     given = CloudLidarOptions(name="x", rings=1, columns=5, angle_min=-span / 2, angle_max=span / 2)
@@ -87,44 +90,27 @@ def test_all_around_the_last_column_would_be_the_first_and_otherwise_both_ends_a
     assert np.exp(1j * np.radians(azimuth)) == pytest.approx(np.exp(1j * expected))
 
 
-def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
+def test_elevations_may_be_given_one_by_one() -> None:
     given = CloudLidarOptions(name="x", elevations=(-0.2, 0.1), columns=3, angle_min=-0.5, angle_max=0.5)
     azimuth, elevation = angles(given.directions())
     assert np.radians(azimuth) == pytest.approx([-0.5, 0.0, 0.5] * 2)
     assert np.radians(elevation) == pytest.approx([0.1] * 3 + [-0.2] * 3)
     assert given.ring.tolist() == [1, 1, 1, 0, 0, 0]
-    spiral = CloudLidarOptions(name="x", rings=2, columns=3, pattern="spiral")
-    assert spiral.ring.dtype == np.uint16
-    assert spiral.ring.tolist() == [0] * 6
 
 
-@pytest.mark.parametrize(
-    ("kind", "values", "message"),
-    [
-        (CLOUD, {"rings": 1000, "columns": 10_000}, r"10,000,000 rays a reading .* 1 to 500,000"),
-        (CLOUD, {"angle_min": 1.0, "angle_max": 1.0}, r"a field of view from 1 to 1 rad is not"),
-        (CLOUD, {"angle_min": -3.2}, r"a field of view from -3\.2 to 3\.14159 rad"),
-        (CLOUD, {"angle_max": 4.0}, r"from -3\.14159 to 3\.14159"),
-        (CLOUD, {"lowest": 0.3, "highest": 0.1}, r"elevations from 0\.3 to 0\.1 rad is not valid"),
-        (CLOUD, {"highest": 1.6}, r"elevations from .* to 1\.6 rad .* to 1\.5708$"),
-        (CLOUD, {"elevations": (-1.6, 0.1)}, r"elevations from -1\.6 to 0\.1 rad"),
-        (CLOUD, {"elevations": (0.1, 0.3, 0.2)}, r"from the lowest to the highest"),
-        (CLOUD, {"pattern": "zigzag"}, r"pattern 'zigzag' is not valid; give rings or spiral"),
-        (CLOUD, {"misses": "zero"}, r"misses 'zero' is not valid; give left_out or nan"),
-        (CLOUD, {"pattern": "spiral", "organised": True}, r"a spiral has no rings"),
-        (CLOUD, {"pattern": "spiral", "elevations": (0.1,)}, r"a spiral has no rings"),
-        (PLANAR, {"angle_max": 3.2}, r"a field of view from -3\.14159 to 3\.2 rad"),
-        (PLANAR, {"angle_min": 0.0, "angle_max": 0.0}, r"field of view from 0 to 0 rad"),
-        (PLANAR, {"beams": 1}, r"1 beams are not valid; give 2 or more"),
-        (PLANAR, {"beams": 10_000_000}, r"10,000,000 rays"),
-    ],
-)
-def test_what_cannot_be_is_told(kind: Any, values: dict[str, Any], message: str) -> None:  # noqa: ANN401
-    with pytest.raises(UsageError, match=message):
-        kind(name="x", **values).check()
+@pytest.mark.parametrize(("width", "height", "fov"), [(7, 4, 1.3), (6, 5, 2.9), (1, 1, 0.1)])
+def test_each_pixel_looks_where_the_intrinsic_matrix_has_it(width: int, height: int, fov: float) -> None:
+    """K d = (column, row, 1), row by row from the top; the outer edges of a row are `fov` apart."""
+    camera = DepthOptions(name="eye", width=width, height=height, fov=fov)
+    focal = width / 2 / np.tan(fov / 2)
+    matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
+    rows, columns = np.indices((height, width))
+    pixels = np.column_stack([columns.ravel(), rows.ravel(), np.ones(width * height)])
+    assert camera.directions() @ matrix.T == pytest.approx(pixels)
+    assert camera.rays == width * height
+    assert camera.focal_length == pytest.approx(focal)
 
 
-def test_a_single_ring_has_no_span_of_elevations_and_two_beams_are_a_lidar() -> None:
-    PLANAR(name="two", beams=2).check()
-    CloudLidarOptions(name="one", rings=1, lowest=0.1, highest=0.1).check()
-    CloudLidarOptions(name="one", elevations=(0.1,)).check()
+def test_an_optical_frame_has_x_to_the_right_y_down_and_z_ahead() -> None:
+    right, down, ahead = Rotation.from_euler("xyz", OPTICAL_RPY).as_matrix().T
+    assert [*right, *down, *ahead] == pytest.approx([0, -1, 0, 0, 0, -1, 1, 0, 0])
