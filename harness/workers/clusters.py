@@ -95,7 +95,8 @@ class Cluster(Workers):
         try:
             outcome, error = future.result()
         except Exception as lost:  # what work raises is returned, see `_by_value`
-            raise WorkerLost(f"workers of {self.name} were lost (out of memory?)") from lost
+            why = f"{type(lost).__name__}; out of memory?"
+            raise WorkerLost(f"workers of {self.name} were lost ({why})") from lost
         if isinstance(error, ImportError):
             mend = f"install rover-harness[tune] {__version__} for all workers"
             raise UsageError(
