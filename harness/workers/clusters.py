@@ -32,7 +32,7 @@ from harness.workers.pool import Item, Outcome, WorkerLost, Workers
 PACKAGES = ("mujoco", "numba", "numpy", "scipy")
 
 ADDRESS = re.compile(r"(\w+://)?([^/\s]+):(\d+)|auto")  # "auto" is looked up by Ray's client
-CONNECTION, PATIENCE = 3.0, 10.0  # [s] for a connection; for a cluster's answer
+CONNECTION, PATIENCE = 3.0, 20.0  # [s] for a connection; for an answer, also on a busy machine
 
 _busy = threading.Lock()
 
