@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.sensors.rays.arrays import heightfield_arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.world.heightfield import Heightfield
+from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
 Rays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int64], Array]
@@ -197,3 +198,19 @@ def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map() -> None:
         assert_same_hits(ours, mujoco_cast(scene, origin, directions))
         hits += np.isfinite(ours).tolist()
     assert min(sum(hits), len(hits) - sum(hits)) > 60
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (5, 9), (21, 18)])  # the last with three levels of blocks
+def test_as_plain_python_the_walk_gives_the_bits_of_the_compiled_one(
+    shape: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch).cast_rays
+    rng = np.random.default_rng(8)
+    heights = 0.2 * rng.normal(size=shape)
+    rays = heightfield_arrays(terrain_model(heights, 0.25, (0.5, -1.0))[0])
+    size = np.array([0.25 * shape[1], 0.25 * shape[0], np.ptp(heights) + BASE])
+    for steepness in (0.05, 1.0, 3.0):
+        origin = np.array([0.5, -1.0, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
+        directions = random_directions(rng, 60, steepness)
+        ours = cast(rays, origin, directions, kernel=plain)
+        assert ours.tobytes() == cast(rays, origin, directions).tobytes()
