@@ -87,9 +87,13 @@ def test_the_same_state_gives_the_same_image_whatever_was_drawn_in_between(
         np.testing.assert_array_equal(renderer.image(camera, state(camera)), first)
 
 
-def test_noise_has_its_deviation_and_differs_from_stamp_to_stamp(renderer: CameraRenderer) -> None:
+@pytest.mark.parametrize(("camera", "stamp_ns"), [("noisy", 1), ("noisy_too", 0)])
+def test_noise_has_its_deviation_and_is_another_for_each_stamp_and_camera(
+    renderer: CameraRenderer, camera: str, stamp_ns: int
+) -> None:
     clean = renderer.image("pinhole", state("pinhole")).astype(float)
-    errors = [renderer.image("noisy", state("noisy", stamp_ns=n)) - clean for n in (0, 1)]
+    which = (("noisy", 0), (camera, stamp_ns))
+    errors = [renderer.image(name, state(name, stamp_ns=n)) - clean for name, n in which]
     for error in errors:
         assert error.std() == pytest.approx(0.02 * 255, rel=0.02)
         assert error.mean() == pytest.approx(0.0, abs=0.15)
