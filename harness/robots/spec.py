@@ -3,9 +3,9 @@
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, ConfigDict, Field
 
 from harness.robots.sections import ACKERMANN, Drive, Expected, FrameRow, Mount, Number, Positive
 from harness.spec.value import Value
@@ -117,12 +117,7 @@ class ModelFacts(Value):
 class RoverSpec(RoverFile, ModelFacts):
     """One rover, complete; lengths in metres, angles in radians, rates in hertz of simulation time."""
 
-    @model_validator(mode="after")
-    def _is_complete(self) -> Self:
-        for key in RoverFile.model_fields:
-            if getattr(self, key) is None and key not in ("lidar", "imu"):
-                raise ValueError(f"key '{key}' is missing")
-        return self
+    model_config = ConfigDict(validate_default=True)  # what nobody states is no valid value
 
     def __hash__(self) -> int:
         """Rovers are told apart by their folders; entries of `sensors` have no hash."""

@@ -164,7 +164,7 @@ def test_a_node_that_dds_does_not_connect_is_refused_with_its_topics(
     with reserved_domain() as elsewhere:
         rclpy.init(context=context, domain_id=elsewhere)
         away = metrics_node(context, tmp_path)
-        with pytest.raises(UsageError, match="DDS did not connect /scan, .*, /clock within"):
+        with pytest.raises(UsageError, match=r"DDS did not connect /scan, .*, /clock within"):
             HostedMetrics(bridge, away).await_match()
         away.destroy_node()
         context.shutdown()

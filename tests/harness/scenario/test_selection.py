@@ -12,10 +12,10 @@ from harness.base.errors import UsageError
 from harness.robots import MODELS_DIR
 from harness.scenario.case import find_files, plan
 from harness.spec.run import Run
-from harness.spec.world import FILE_FIELDS
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"
+HEAD = "about: a test\nterrain: flat\nduration: 2\n"
 MATRIX = "matrix: {robot: [leo, rover_zero4wd], difficulty: [0, 1.0]}\nseeds: [4, 7]"
 
 
@@ -69,36 +69,49 @@ def test_a_file_becomes_the_configuration_that_it_describes(
         resets=(1.0,),
         actors=(f"p={tmp_path / 'walk.sdf'}:delay=1", "random"),
     )
-    hill = case.path.parent / "hill.npy"
-    np.save(hill, np.zeros((40, 40)))
-    text = case.path.read_text()
-    of_cell = text.replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
-    case.path.write_text(f"{of_cell}terrain_size: [40, 40]\n")
+
+
+def test_files_and_folders_stand_relative_to_the_scenario(make_cases: MakeCases, tmp_path: Path) -> None:
+    np.save(tmp_path / "hill.npy", np.zeros((40, 40)))
+    (case,) = make_cases(SPEED)
+    text = case.path.read_text().replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
+    case.path.write_text(f"{text}terrain_size: [40, 40]\nterrain_height: 1\n")
     (case,) = plan([case.path])
-    assert case.run.world.terrain == str(hill)
-    (case.path.parent / "models").mkdir()
-    values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
+    assert case.run.world.terrain == str(tmp_path / "hill.npy")
+    (tmp_path / "models").mkdir()
+    (tmp_path / "a.world").write_text("<sdf version='1.9'><world name='a'/></sdf>")
+    values = {"mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
     values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
-    lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
-    text = text.replace("flat", "a.world")
-    case.path.write_text(text + "".join(lines))
-    assert set(FILE_FIELDS) == {*values, "terrain_size", "terrain_height"}
+    lines = "".join(f"{name}: {json.dumps(value)}\n" for name, value in values.items())
+    case.path.write_text(f"{HEAD.replace('flat', 'a.world')}expect: {SPEED}\n{lines}")
     (case,) = plan([case.path])
-    values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
-    for name, value in values.items():
-        assert getattr(case.run.world, name) == (tuple(value) if isinstance(value, list) else value)
-    case.path.write_text(f"{text}mesh_up: down\n")
-    with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
-        plan([case.path])
-    params = cases_with(
-        make_cases, hill.parent, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
-    )
-    assert [case.params for case in params] == [{"collision_threshold": 5.0}, {}]
-    assert [case.name for case in params] == ["two[near.yaml-0]", "two[None-0]"]
+    values["resource_path"] = [str(tmp_path / "models"), "elsewhere"]
+    assert {name: case.run.fields()[name] for name in values} == values
+
+
+@pytest.mark.parametrize(
+    ("more", "mend"),
+    [
+        ("robot: mole", "robot 'mole' does not exist; available"),
+        ("terrain_size: [40, 40]", "terrain"),
+        ("sensors: sonar", "sonar"),
+        ("cmd_vel_timeout: 1", "for --driver cmd_vel only"),
+    ],
+)
+def test_what_no_run_can_be_is_told_with_the_file(make_cases: MakeCases, more: str, mend: str) -> None:
+    with pytest.raises(UsageError, match=rf"two\.scenario\.yaml: .*{mend}"):
+        make_cases(SPEED, more)
+
+
+def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    near = "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
+    cases = cases_with(make_cases, tmp_path, near)
+    assert [case.params for case in cases] == [{"collision_threshold": 5.0}, {}]
+    assert [case.name for case in cases] == ["two[near.yaml-0]", "two[None-0]"]
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
-        cases_with(make_cases, hill.parent, "metrics_node: {ros__parameters: {collision_threshol: 5.0}}")
-    with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
-        make_cases(SPEED, "robot: mole")
+        cases_with(make_cases, tmp_path, near.replace("old", "ol"))
 
 
 def test_a_folder_beside_the_scenario_is_a_rover_unless_one_that_ships_is_called_so_and_no_terrain(

@@ -1,5 +1,6 @@
 """The documented run resembles the recorded logs, and does so because of what is documented."""
 
+import csv
 import io
 from pathlib import Path
 
@@ -8,8 +9,16 @@ import pytest
 from rich.console import Console
 from scipy.stats import wasserstein_distance
 
+from harness.base.errors import UsageError
+from harness.base.interrupt import StopRequest
+from harness.drivers import DriverContext, Observation
+from harness.drivers.wander import Wander
+from harness.episode.direct import run_direct
+from harness.episode.result import Outputs
+from harness.samples import Twist
+from harness.spec.ros import RosOptions
 from harness.validate.realism import WITHIN, Comparison, Distances, distances, print_comparison
-from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
+from harness.validate.run_log import COLUMNS, RUN, SPEEDS, Log, RecordedAgent, drive, read_log
 from tests.support.once import made_once
 from tests.support.rovers import ROVER_ZERO4WD
 
@@ -17,7 +26,7 @@ IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
 LOGS_DIR = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 LOGS = [LOGS_DIR / f"metrics_log_20250116_{time}.csv" for time in (120457, 125842)]
 RECORDED = RUN.alone(robot=ROVER_ZERO4WD.name)
-LONG = RECORDED.alone(duration=90.0)
+HEADER = ",".join(["Timestamp", *COLUMNS])
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +39,10 @@ def recorded() -> list[Log]:
 
 @pytest.fixture(scope="module")
 def shaken(tmp_path_factory: pytest.TempPathFactory) -> Log:
-    return made_once(tmp_path_factory, "shaken", lambda: drive(LONG))
+    return made_once(tmp_path_factory, "shaken", lambda: drive(RECORDED.alone(duration=90.0)))
 
 
-def test_a_minute_and_a_half_lies_as_near_to_the_recorded_logs_as_those_to_each_other_times_two(
+def test_a_run_lies_at_most_twice_as_far_from_the_recorded_logs_as_those_from_each_other(
     shaken: Log, recorded: list[Log]
 ) -> None:
     ratios = {column: distances(shaken, recorded, column).ratio for column in COLUMNS}
@@ -47,28 +56,97 @@ def test_without_the_noise_the_imu_is_calmer_than_any_recorded(recorded: list[Lo
         assert np.percentile(calm[column], 95) < 12.0
 
 
-def test_the_run_has_a_row_for_every_second_and_repeats_itself(shaken: Log) -> None:
+def test_a_run_repeats_itself_and_another_seed_drives_elsewhere(shaken: Log) -> None:
     assert {len(values) for values in shaken.values()} == {90}
     short = drive(RECORDED.alone(duration=5.0))
     for column in COLUMNS:
         assert short[column].tolist() == shaken[column][:5].tolist()
+    other = drive(RECORDED.alone(duration=5.0, seed=1, noise=None))
+    assert other["Current Velocity"].tolist() != short["Current Velocity"].tolist()
+
+
+def test_a_run_has_the_rows_of_a_direct_run_with_the_commands_of_its_agent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The agent's commands act from the next control period on, as those of a plan do."""
+    commands: list[tuple[float, float, float]] = []
+    decide = RecordedAgent.command
+
+    def noted(agent: RecordedAgent, seen: Observation) -> Twist:
+        twist = decide(agent, seen)
+        commands.append((seen.time_ns / 1e9, twist.linear, twist.angular))
+        return twist
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RecordedAgent, "command", noted)
+        ours = drive(RECORDED.alone(duration=6.0))
+    planned = RECORDED.alone(duration=6.0, commands=commands[:-1])
+    (result,) = run_direct(
+        planned, (Outputs(log_dir=tmp_path),), RosOptions(log_dir=tmp_path), StopRequest()
+    )
+    assert result.log_path is not None
+    rows = list(csv.DictReader(result.log_path.read_text().splitlines()))
+    assert len(commands) == 120
+    for column in COLUMNS:
+        assert ours[column] == pytest.approx([float(row[column]) for row in rows], abs=6e-5), column
+
+
+def test_the_agent_drives_as_its_driver_at_speeds_that_are_spread_as_recorded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Wander, "command", lambda *_: Twist(0.5, 0.3))
+    context = DriverContext(ROVER_ZERO4WD, (9.0, 9.0), np.empty(0), np.random.default_rng(0))
+    agent = RecordedAgent(context)
+    twists = [agent.command(Observation(n * 100_000_000, 0.0, 0.0, 0.0, None)) for n in range(30_000)]
+    speeds = np.array([twist.linear for twist in twists])
+    changes = np.flatnonzero(np.diff(speeds)) + 1
+    held, chosen = np.diff(changes) / 10, speeds[[0, *changes]] / 0.5
+    assert {twist.angular for twist in twists} == {0.3}
+    assert 6.0 <= held.min() < 6.5
+    assert 13.5 < held.max() <= 14.1
+    # The quantiles are those of the table, evenly spaced from 0 to 1.
+    assert np.quantile(chosen, np.linspace(0, 1, 9)) == pytest.approx(SPEEDS, abs=0.06)
+
+
+def test_a_log_is_read_by_column_without_the_rows_before_the_first_scan(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(f"{HEADER}\n1,9.8,9.7,0.1,inf\n2,10.5, 9.1,0.3,2.5\n3,427.1234\n")
+    values = {column: values.tolist() for column, values in read_log(path).items()}
+    assert values == dict(zip(COLUMNS, ([10.5], [9.1], [0.3], [2.5]), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [
+        (b"", "empty"),
+        (f"{HEADER}\n".encode(), "no row"),
+        (b"Timestamp,Current Velocity\n1,2\n", "IMU Acceleration Magnitude, Vertical"),
+        (f"{HEADER}\n1,9.8,9.7,0.1,inf\n".encode(), "no complete row"),
+        (f"{HEADER}\n1,rough,9.7,0.1,2\n".encode(), "no complete row"),
+        (f"{HEADER}\n1,9.8\n".encode(), "usable"),
+        (b"\xff\xfe\x00\x80", "not the header of a metrics log"),
+        (None, "--realism takes two logs"),
+    ],
+)
+def test_a_file_that_is_no_log_is_one_line(content: bytes | None, named: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(UsageError, match=named) as error:
+        read_log(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def test_distances_are_those_of_scipy_and_pass_up_to_twice_the_yardstick() -> None:
     rng = np.random.default_rng(0)
     logs = [{"v": rng.normal(mean, 1.0, size)} for mean, size in ((0.3, 90), (1.0, 70), (2.5, 50))]
-
-    found = distances(logs[0], logs[1:], "v")
-
-    values = [log["v"] for log in logs]
-    assert found.ours == pytest.approx(
-        (wasserstein_distance(values[0], values[1]), wasserstein_distance(values[0], values[2]))
-    )
-    assert found.recorded == pytest.approx(wasserstein_distance(values[1], values[2]))
-    assert found.ratio == pytest.approx(max(found.ours) / found.recorded)
-    close, far = Distances((2.0, 4.0), 2.0), Distances((4.1, 1.0), 2.0)
-    assert (close.ratio, close.passed, far.passed) == (2.0, True, False)
-    assert Comparison({}, {"close": close, "far": far}).missed == ["far"]
+    ours, (one, other) = logs[0]["v"], (log["v"] for log in logs[1:])
+    measured = distances(logs[0], logs[1:], "v")
+    near, far = wasserstein_distance(ours, one), wasserstein_distance(ours, other)
+    assert measured.ours == pytest.approx((near, far))
+    assert measured.recorded == pytest.approx(wasserstein_distance(one, other))
+    assert measured.ratio == pytest.approx(max(near, far) / measured.recorded)
 
 
 def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> None:
@@ -76,17 +154,12 @@ def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> Non
     logs: dict[str, Log] = {
         title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))
     }
-    found = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0)) | {
-        "Current Velocity": Distances((9.0, 1.0), 2.0)
-    }
-    console = Console(file=io.StringIO(), width=140)
-
-    print_comparison(console, Comparison(logs, found))
-
-    assert isinstance(console.file, io.StringIO)
-    lines = [" ".join(line.replace("│", " ").split()) for line in console.file.getvalue().splitlines()]
+    measured = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0))
+    measured["Current Velocity"] = Distances((1.0, 4.1), 2.0)
+    comparison, text = Comparison(logs, measured), io.StringIO()
+    print_comparison(Console(file=text, width=140), comparison)
+    lines = [" ".join(line.replace("│", " ").split()) for line in text.getvalue().splitlines()]
+    assert comparison.missed == ["Current Velocity"]
     assert "IMU Acceleration Magnitude, m/s2 ours 1.00 10.00 19.00 24.9 %" in lines
-    assert "Obstacle Clearance, m a 2.00 11.00 20.00" in lines
     assert "Vertical Roughness 2.000 2.000 4.000 2.00 ok" in lines
-    assert "Current Velocity 2.000 9.000 1.000 4.50 MISS" in lines
-    assert any("recorded: from a (1st) to b (2nd)" in line for line in lines)
+    assert "Current Velocity 2.000 1.000 4.100 2.05 MISS" in lines

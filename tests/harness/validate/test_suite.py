@@ -1,6 +1,6 @@
 """The rovers pass, rovers that were tampered with do not, and tables show it."""
 
-import io
+import math
 import re
 from collections.abc import Callable
 from functools import partial
@@ -8,17 +8,16 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from rich.console import Console
 
 from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
 from harness.robots import MODELS_DIR, ROVERS, RoverSpec
-from harness.validate import climbing, driving, rig, stability
-from harness.validate.check import Check, Span
+from harness.robots.sections import OPEN, Span
+from harness.validate import climbing, driving, rig, stability, suite
+from harness.validate.check import Check, around, at_most
 from harness.validate.suite import (
     Manoeuvres,
     as_markdown,
-    print_table,
     validate,
 )
 from tests.support.once import made_once
@@ -171,10 +170,28 @@ def test_markdown_has_a_row_a_check_with_its_bars_escaped() -> None:
     assert "\n| \\|a\\| at rest | " in text
 
 
-def test_the_terminal_shows_expected_measured_verdict_and_source() -> None:
-    console = Console(file=io.StringIO(), width=160)
-    print_table(console, "leo", [GOOD, BAD])
-    assert isinstance(console.file, io.StringIO)
-    line = next(line for line in console.file.getvalue().splitlines() if "speed" in line)
-    for cell in ("0.49 to 0.50 m/s", "0.42 m/s", "MISS", "S: recorded"):
-        assert cell in line
+@pytest.mark.parametrize(
+    ("span", "text", "passing", "missing"),
+    [
+        (Span(0.49, 0.50, ""), "0.49 to 0.50", (0.49, 0.495, 0.50), (0.489, 0.501, math.nan)),
+        (Span(0.07, math.inf, ""), "at least 0.07", (0.07, 1e9), (0.06, math.nan)),
+        (at_most(0.3, ""), "at most 0.30", (0.3, -1e9), (0.31, math.nan)),
+        (around(0.57, 0.03, ""), "0.54 to 0.60", (0.55,), (0.61,)),
+        (OPEN, "-", (1e9, math.nan), ()),
+    ],
+)
+def test_a_value_passes_on_the_ends_of_its_span_and_between(
+    span: Span, text: str, passing: tuple[float, ...], missing: tuple[float, ...]
+) -> None:
+    assert span.describe(2) == text
+    assert all(Check("speed", "m/s", span, value).passed for value in passing)
+    assert not any(Check("speed", "m/s", span, value).passed for value in missing)
+
+
+def test_a_rover_of_which_nothing_is_expected_is_measured_and_not_judged(
+    foreign: Callable[[str], RoverSpec], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(suite, "SUITE", (driving.rest_checks,))
+    checks = suite.validate(foreign("husky"), 0)
+    assert checks[0].measured == pytest.approx(9.81, abs=0.01)
+    assert {check.expected for check in checks} == {OPEN}

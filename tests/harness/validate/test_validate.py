@@ -3,8 +3,9 @@
 import pytest
 
 from harness.robots import RoverSpec
+from harness.robots.sections import Span
 from harness.validate import __main__ as validate
-from harness.validate.check import Check, Span
+from harness.validate.check import Check
 from tests.support.complaint import complaint
 
 GOOD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.495)

@@ -15,7 +15,15 @@ from harness.robots import RoverSpec
 from harness.robots.model import read_model
 from harness.robots.urdf.folder import Written, write_folder
 from tests.support.complaint import complaint
-from tests.support.foreign_rovers import BUGGY, HUSKY, LEO_LIKE, ROVER_4WD_LIKE
+from tests.support.foreign_rovers import (
+    BUGGY,
+    HUSKY,
+    LEO_LIKE,
+    ROVER_4WD_LIKE,
+    joint,
+    link,
+    wheel,
+)
 
 Foreign = Callable[[str], RoverSpec]
 
@@ -31,6 +39,7 @@ def test_a_rover_built_as_leo_is(tmp_path: Path) -> None:
     meshes.mkdir(parents=True)
     trimesh.creation.box((0.31, 0.28, 0.1)).export(meshes / "Chassis_outline.stl")
     made = written(tmp_path, LEO_LIKE)
+    meshes.rename(tmp_path / "gone")  # the folder has meshes of its own
     assert made.notes == tuple(
         f"link '{link}': visual mesh package://leo_description/models/{mesh} is not there; dropped"
         for link, mesh in (("base_link", "Chassis.dae"), ("antenna_link", "Antenna.dae"))
@@ -45,7 +54,6 @@ def test_a_rover_built_as_leo_is(tmp_path: Path) -> None:
     assert rover.odometry_child_frame == "base_footprint"
     assert rover.wheelbase == pytest.approx(0.30512)
     assert model.neq == 1
-    assert (made.folder / "meshes" / "0_Chassis_outline.stl").is_file()
     assert rover.lidar_x == pytest.approx(0.174)
     frames = {link.name: link.in_base[:3, 3] for link in rover_frames(rover).links}
     assert frames["lidar_link"] == pytest.approx((0.174, 0.0, 0.79783))
@@ -81,6 +89,48 @@ def test_what_the_urdf_says_is_kept_and_what_it_does_not_is_marked_as_a_guess(fo
     assert "# guess, lidar: no link is called so; 5 cm over the highest point" in said
     assert "# guess in the model, tyres" in said
     assert "# encoder_ticks: 4096  # guess" in said
+
+
+def test_a_joint_whose_axis_points_backwards_is_turned_with_its_range(tmp_path: Path) -> None:
+    urdf = BUGGY.urdf.replace('lower="-0.4189" upper="0.4189"', 'lower="-0.4" upper="0.3"')
+    urdf = urdf.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>')
+    made = written(tmp_path, urdf)
+    model = read_model(made.rover).compile()
+    assert made.rover.drive.steering == ("left_steering", "right_steering")
+    for name in made.rover.drive.steering:
+        assert model.joint(name).axis.tolist() == [0.0, 0.0, 1.0]
+        assert model.joint(name).range == pytest.approx((-0.3, 0.4))
+        assert model.actuator(name).ctrlrange == pytest.approx((-0.3, 0.4))
+    assert len([note for note in made.notes if "pointed backwards" in note]) == 2
+
+
+def test_a_limited_hinge_that_reaches_the_ground_is_no_wheel(tmp_path: Path) -> None:
+    arm = wheel("arm", "base_link", (0.0, 0.4, 0.0328), 0.1651, 0.05, 1.0)
+    arm = arm.replace("continuous", "revolute").replace(
+        '<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    )
+    made = written(tmp_path, HUSKY.urdf.replace("</robot>", f"{arm}</robot>"))
+    assert made.rover.drive.left == HUSKY.left
+    assert made.rover.passive_joints == ("arm_joint",)
+
+
+def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
+    urdf = BUGGY.urdf
+    for side in ("left", "right"):
+        old = f'<parent link="chassis"/><child link="rear_{side}"/>'
+        assert old in urdf
+        urdf = urdf.replace(old, f'<parent link="{side}_rear_hinge"/><child link="rear_{side}"/>')
+        y = 0.12065 if side == "left" else -0.12065
+        where = f'<origin xyz="-0.17145 {y} 0.0"/>'
+        urdf = urdf.replace(where, '<origin xyz="0 0 0"/>')
+        axis = '<axis xyz="0 0 1"/><limit lower="-0.4" upper="0.4" effort="5" velocity="3"/>'
+        place = (-0.17145, y, 0.0)
+        hinge = link(f"{side}_rear_hinge", 0.05, "", (0.03, 0.03, 0.03))
+        hinge += joint(f"{side}_rear", "revolute", "chassis", f"{side}_rear_hinge", place, axis)
+        urdf = urdf.replace("</robot>", f"{hinge}</robot>")
+    made = written(tmp_path, urdf)
+    assert made.rover.drive.kind == "skid"
+    assert len([note for note in made.notes if note.endswith("steers; held straight")]) == 4
 
 
 def test_a_controllers_plugin_tells_what_it_believes(tmp_path: Path) -> None:
@@ -136,7 +186,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize(("urdf", "told"), MISTAKES.values(), ids=MISTAKES)
-def test_a_urdf_that_is_no_rover_is_told_of_in_one_line(urdf: str, told: str, tmp_path: Path) -> None:
+def test_a_urdf_that_is_no_rover_is_reported_in_one_line(urdf: str, told: str, tmp_path: Path) -> None:
     (tmp_path / "a.dae").touch()
     with pytest.raises(UsageError) as error:
         written(tmp_path, urdf)
