@@ -37,8 +37,8 @@ def read(folder: Path, body: str) -> Document:
 
 
 def pose(numbers: list[float], relative_to: str = "") -> str:
-    told = f" relative_to='{relative_to}'" if relative_to else " frame='x'"  # of old files: nothing
-    return f"<pose{told}>{' '.join(map(str, numbers))}</pose>"
+    note = f" relative_to='{relative_to}'" if relative_to else " frame='x'"  # of old files: nothing
+    return f"<pose{note}>{' '.join(map(str, numbers))}</pose>"
 
 
 def assert_placed(document: Document, expected: list[tuple[str, np.ndarray]]) -> None:
@@ -292,8 +292,8 @@ LAUGHS = '<!DOCTYPE l [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]><sdf>&b;</sdf>'
         ("<?xml version='1.0'?><urdf/>", "its root is <urdf>, not <sdf>"),
         ("<urdf/>", "neither <world> nor <model>"),
         *(
-            (GRAVITY.format(told), "not straight down")
-            for told in ("0 1 -9", "1 0 -9", "0 0 0", "0 0 9")
+            (GRAVITY.format(note), "not straight down")
+            for note in ("0 1 -9", "1 0 -9", "0 0 0", "0 0 9")
         ),
         (GRAVITY.format("0 0 nan"), "gravity '0 0 nan' is not valid"),
         ("<world><include><uri>a.world</uri></include></world>", "includes itself: a.world -> a.world"),
@@ -335,8 +335,8 @@ def test_includes_that_double_themselves_are_bounded(
     for depth in range(6):
         twice = f"<include><uri>{depth + 1}.sdf</uri></include>" * 2
         written(tmp_path, f"<model name='m'>{twice if depth < 5 else link()}</model>", f"{depth}.sdf")
-    for includes, solids, told in ((61, 32, "61 includes"), (62, 31, "31 collisions"), (62, 32, "")):
+    for includes, solids, note in ((61, 32, "61 includes"), (62, 31, "31 collisions"), (62, 32, "")):
         monkeypatch.setattr(module, "MOST_INCLUDES", includes)
         monkeypatch.setattr(module, "MOST_SOLIDS", solids)
-        with pytest.raises(UsageError, match=f"more than {told}; take") if told else nullcontext():
+        with pytest.raises(UsageError, match=f"more than {note}; take") if note else nullcontext():
             assert len(read_document(tmp_path / "0.sdf", Resources()).solids) == 32
