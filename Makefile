@@ -6,7 +6,7 @@ COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
 JOBS ?= 3
 
-.PHONY: run test test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
+.PHONY: run test golden test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
@@ -14,10 +14,13 @@ run: setup  ## a rover over rocky terrain, metrics logged to CSV
 test: setup $(COLLECTED)  ## the whole test suite, in random order
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=20 $(ARGS)
 
+golden: setup  ## what a change does to whole runs, field by field; ARGS=--accept keeps it, ARGS="-k 07-" drives one of them
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --tb=short tests/golden $(ARGS)
+
 test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
 	tools/test_jazzy.sh $(ARGS)
 
-test-cluster:  ## sweeps on a real local Ray and a real local Dask cluster: same bytes, killed workers
+test-cluster:  ## sweeps and scenarios on a real local Ray and a real local Dask cluster: same bytes, killed workers
 	tools/test_cluster.sh $(ARGS)
 
 mutants: setup  ## small changes of the modules that differ from main, or ARGS="--all" or files: which does no test notice?

@@ -8,8 +8,7 @@ from typing import NamedTuple
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.runs import physics, recorded
 from harness.scenario.attempt import attempt
-from harness.scenario.case import Case
-from harness.scenario.selection import plan
+from harness.scenario.case import Case, plan
 from harness.scenario.suite import run_all
 from harness.workers import workers_of
 

@@ -32,7 +32,7 @@ from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import Drawing
-from harness.world.terrain_file import is_terrain_file
+from harness.world.files import is_terrain_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

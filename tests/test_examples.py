@@ -19,7 +19,7 @@ from harness.robots import find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from tests.support.layouts import FOXGLOVE, foxglove_panels
-from tools.site.notebooks import told
+from tools.site.notebooks import as_markdown as told
 from tools.site.pages import NOTEBOOKS
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

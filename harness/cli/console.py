@@ -55,7 +55,7 @@ class RunProgress(Progress):
 
 @contextmanager
 def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
-    """Yields what moves a bar, told how much of how much is done; silent where there is no terminal."""
+    """Yields what moves a bar, called with what is done of what; silent where there is no terminal."""
     bar = Progress(
         TextColumn(f"[bold]{title}"),
         BarColumn(bar_width=None),

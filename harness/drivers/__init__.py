@@ -54,7 +54,7 @@ def find_driver(name: str) -> type[Driver]:
 
 
 def takes_goals(name: str) -> bool:
-    """Returns whether the driver of that name goes where it is told.
+    """Returns whether the driver of that name goes to goals that it is given.
 
     Raises:
         UsageError: No such driver.

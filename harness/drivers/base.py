@@ -1,5 +1,6 @@
 """What a driver is: from what the rover can know to a twist, once per control period."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
@@ -11,6 +12,8 @@ from harness.robots import RoverSpec
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle
 
+BACKWARDS, SLOWEST = 0.6, 0.4  # of the cruising speed, of rovers that cannot turn in place
+
 
 @dataclass(frozen=True, slots=True)
 class Observation:
@@ -18,11 +21,12 @@ class Observation:
 
     Attributes:
         time_ns: Simulation time since the drive began, at the start or at a reset.
-        x: Position [m] in the world, as a localisation would tell; likewise `y`.
+        x: Position in the world, as a localisation would give it [m].
+        y: Position in the world [m].
         yaw: Heading [rad].
         ranges: The last scan, shape (beams,), or None before the first.
         readings: The last sample of each kind that is read.
-        touches_hazard: What a bumper all around the rover would tell; for staged encounters.
+        touches_hazard: What a bumper all around the rover would feel; for staged encounters.
     """
 
     time_ns: int
@@ -68,3 +72,22 @@ class Driver(Protocol):
     def command(self, observation: Observation) -> Twist:
         """Returns the twist for the next control period."""
         ...
+
+
+def drivable(twist: Twist, rover: RoverSpec) -> Twist:
+    """Returns a twist that the rover can follow, nearest to what a driver wants.
+
+    Turning in place becomes backing up in the tightest curve, which turns the heading the same way and
+    leaves what is ahead; a slow tight curve is driven fast enough to get round.
+
+    Args:
+        twist: As the driver commands it.
+        rover: Which is to follow; one that turns in place follows any.
+    """
+    if not rover.steers or twist.angular == 0.0:
+        return twist
+    needed = abs(twist.angular) * rover.tightest_turn  # [m/s]
+    if twist.linear == 0.0:
+        return Twist(-min(needed, BACKWARDS * rover.cruise_speed), twist.angular)
+    slowest = min(needed, SLOWEST * rover.cruise_speed)
+    return Twist(math.copysign(max(abs(twist.linear), slowest), twist.linear), twist.angular)

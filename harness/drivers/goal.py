@@ -1,4 +1,4 @@
-"""The driver that goes where it is told: to the poses of /goal_pose, by what its lidar sees."""
+"""The driver that goes to goals: the poses of /goal_pose, by what its lidar sees."""
 
 import math
 from typing import ClassVar
@@ -26,8 +26,8 @@ class Goal(Wander):
         """Takes the next goal.
 
         Args:
-            x: Position in the world [m]; likewise `y`.
-            y: See `x`.
+            x: Position in the world [m].
+            y: Position in the world [m].
             yaw: Heading there [rad].
         """
         self._target, self._is_there = (x, y, yaw), False

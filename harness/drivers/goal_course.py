@@ -7,27 +7,11 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.samples import Place, Quaternion
-from harness.world.actors.room import Room
+from harness.spec.rover import Area
+from harness.world.actors.free_space import FreeSpace
 from rover_metrics.core.goals import GoalAccount
 
 TRIES = 1000
-
-Area = tuple[float, float, float, float]  # x from, to, y from, to [m]
-
-
-def check_area(area: Area) -> None:
-    """Checks the numbers of an area by themselves.
-
-    Raises:
-        UsageError: They are none, or an end is not beyond its begin.
-    """
-    finite = len(area) == 4 and all(map(math.isfinite, area))
-    if not (finite and area[0] < area[1] and area[2] < area[3]):
-        text = ",".join(f"{value:g}" for value in area)
-        raise UsageError(
-            f"goal area {text} is not valid; give XMIN,XMAX,YMIN,YMAX in metres, XMIN "
-            "below XMAX and YMIN below YMAX"
-        )
 
 
 @dataclass
@@ -36,13 +20,13 @@ class GoalCourse:
 
     Attributes:
         area: Where goals lie.
-        room: Keeps them off hazards.
+        space: Keeps them off hazards and on the map.
         clearance: To hazards and the map's edge [m].
         rng: Source of randomness.
     """
 
     area: Area
-    room: Room
+    space: FreeSpace
     clearance: float
     rng: np.random.Generator
 
@@ -76,7 +60,7 @@ class GoalCourse:
         x_min, x_max, y_min, y_max = self.area
         low, high = (x_min, y_min, -math.pi), (x_max, y_max, math.pi)
         for x, y, yaw in self.rng.uniform(low, high, size=(TRIES, 3)).tolist():
-            if self.room.trouble(np.array([[x, y]]), self.clearance) is None:
+            if self.space.blocked(np.array([[x, y]]), self.clearance) is None:
                 return Place(x, y, yaw)
         raise UsageError(
             f"there is no free place in the goal area x {x_min:g} to {x_max:g}, y {y_min:g} to "

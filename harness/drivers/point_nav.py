@@ -67,7 +67,7 @@ def clipped(value: object, low: object, high: object) -> NDArray[np.float32]:
     Args:
         value: The numbers.
         low: Smallest of each, or of all.
-        high: Largest, likewise.
+        high: Largest of each, or of all.
     """
     least, most = np.asarray(low, np.float32), np.asarray(high, np.float32)
     return np.minimum(np.maximum(np.asarray(value, np.float32), least), most)

@@ -111,8 +111,8 @@ def read_policy(file: Path | str) -> Policy:
 @lru_cache(maxsize=4)
 def _read(path: Path, _modified_ns: int) -> Policy:
     try:
-        with np.load(path, allow_pickle=False) as found:
-            arrays = dict(found)
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = dict(archive)
     except (ValueError, BadZipFile, TypeError, EOFError) as error:
         raise UsageError(f"policy {path} is no .npz file of arrays; see docs/gym.md") from error
     count = sum(name.startswith("weights_") for name in arrays)
@@ -144,7 +144,7 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
 
 
 class PolicyDriver:
-    """Drives to each goal that it is told as its policy does; stands there, and before the first.
+    """Drives to each goal that it is given as its policy does; stands there, and before the first.
 
     Raises:
         UsageError: The policy is for a lidar with another number of beams.
@@ -169,7 +169,7 @@ class PolicyDriver:
 
         Args:
             x: Position in the world [m].
-            y: Likewise.
+            y: Position in the world [m].
             _yaw: Not minded: PointNav is at its goal however it stands.
         """
         self._goal = x, y

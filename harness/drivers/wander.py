@@ -1,6 +1,6 @@
 """The default driver: seeks seeded goals, avoids what its lidar sees, backs out when stuck.
 
-And the same at changing speeds, which tells how metrics depend on speed.
+And the same at changing speeds, which shows how metrics depend on speed.
 """
 
 import math

@@ -17,19 +17,15 @@ from harness.faults.injector import FaultInjector
 from harness.faults.lookup import find_faults
 from harness.robots import RoverSpec, find_rover
 from harness.sensors.choice import chosen
-from harness.sensors.geodesy import Datum
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
 from harness.spec.run import Run
-from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, WorldSpec
-from harness.world.actors.actor import with_actors
+from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
 from harness.world.berths import Member, berth
-from harness.world.files import file_world
-from harness.world.terrain_file import TerrainFile, is_terrain_file
-from harness.world.terrains import TERRAINS
-from harness.world.world import World, build_world, starting_at
+from harness.world.files import check_terrain, file_world, is_terrain_file
+from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors
 
 
 def check(run: Run) -> None:
@@ -40,8 +36,7 @@ def check(run: Run) -> None:
     """
     for rover in run.rovers:
         find_rover(rover.robot)
-    _check_terrain(run)
-    Datum(*run.world.datum).check()
+    check_terrain(run.world)
     people(run.world)
     for rover in run.rovers:
         _check_rover(rover)
@@ -220,8 +215,8 @@ _named_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to
 
 
 @lru_cache(maxsize=2)
-def _file_world(file: TerrainFile, seed: int, _modified_ns: int) -> World:
-    return file_world(file, seed)
+def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int, _modified_ns: int) -> World:
+    return file_world(spec, rover, seed)
 
 
 @lru_cache(maxsize=2)  # of a long way, each step is looked at
@@ -233,42 +228,9 @@ def _peopled(world: World, start: Start | None, who: tuple[Pedestrian, ...]) -> 
 def _terrain_world(run: Run) -> World:
     if not is_terrain_file(run.world.terrain):
         return _named_world(run.world.terrain, run.seed, run.world.difficulty)
-    file = _terrain_file(run)
-    return _file_world(file, run.seed, modified_ns(file.path))
-
-
-def _terrain_file(run: Run) -> TerrainFile:
-    world, rover = run.world, find_rover(run.rover.robot)
-    return TerrainFile(
-        path=Path(world.terrain),
-        size=world.terrain_size,
-        relief=world.terrain_height,
-        needs_start=run.rover.start is None,
-        folders=tuple(map(Path, world.resource_path)),
-        cell=world.terrain_cell,
-        mesh_unit=world.mesh_unit,
-        mesh_up=world.mesh_up,
-        rock_height=world.rock_height,
-        rocks=world.rock,
-        hazards=world.hazard,
-        clearance=rover.clearance,
-        step_limit=rover.step_limit,
-    )
-
-
-def _check_terrain(run: Run) -> None:
-    world = run.world
-    if is_terrain_file(world.terrain):
-        _terrain_file(run).check()
-        if world.difficulty != DEFAULT_DIFFICULTY:
-            raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
-        return
-    find_named("terrain", world.terrain, TERRAINS)
-    for name in FILE_FIELDS:
-        if getattr(world, name) not in (None, (), ""):
-            raise UsageError(
-                f"--{name.replace('_', '-')} applies to terrains from files only; leave it out"
-            )
+    rover = find_rover(run.rover.robot)
+    needs = RoverNeeds(rover.clearance, rover.step_limit, needs_start=run.rover.start is None)
+    return _file_world(run.world, needs, run.seed, modified_ns(Path(run.world.terrain)))
 
 
 def _check_rover(rover: RoverSetup) -> None:

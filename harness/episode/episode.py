@@ -17,8 +17,8 @@ from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
-from harness.drivers.steered import drivable
 from harness.episode.assembly import check, check_world, scenery, sensor_rows
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.frames.rover_frames import RoverFrames, rover_frames
@@ -42,7 +42,7 @@ from harness.sensors.suite import SensorSuite
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
-from harness.world.actors.room import Room
+from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
 from harness.world.world import World, terrain_hash
 
@@ -325,8 +325,8 @@ def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
     if rover.goal_area is None:
         return None
     reach = find_rover(rover.robot).reach
-    rng = generator(run.own_seed(number), GOALS)
-    course = GoalCourse(rover.goal_area, Room(world), reach, rng)
+    space, rng = FreeSpace(world.ground, world.obstacles), generator(run.own_seed(number), GOALS)
+    course = GoalCourse(rover.goal_area, space, reach, rng)
     course.draw()
     return course
 

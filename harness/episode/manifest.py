@@ -15,7 +15,7 @@ from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.result import RunResult
 from harness.truth.traversal import ContactEvent
-from harness.world.terrain_file import is_terrain_file
+from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much

@@ -27,7 +27,7 @@ from harness.samples import Place, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.run import Run
-from harness.world.terrain_file import is_terrain_file
+from harness.world.files import is_terrain_file
 from harness.world.world import World
 
 if TYPE_CHECKING:

@@ -59,7 +59,7 @@ class TruthAccount:
             if len(self._path) == MOST_POINTS:
                 self._path, self._period_ns = self._path[1::2], 2 * self._period_ns
         for tick in batch.ticks:
-            if tick.samples and isinstance(state := tick.samples[-1], TruthState):
+            if (state := tick.of(TruthState)) is not None:
                 step = round(min(state.roughness, ROUGHNESS_LIMIT) / ROUGHNESS_STEP)
                 self._roughness[step] += 1
 

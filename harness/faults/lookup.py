@@ -1,6 +1,5 @@
 """Faults by the names of sensors and kinds (harness.spec.fault: how a user writes them)."""
 
-import math
 from collections.abc import Iterable
 from functools import cache
 from typing import Any
@@ -81,7 +80,7 @@ def _value(spec: FaultSpec, kind: Kind[Any]) -> float:
         if takes.default is None:
             raise UsageError(f"fault '{spec}' needs ={takes.name}: {takes.meaning}")
         return takes.default
-    if math.isnan(value) or not takes.valid(value):
+    if not takes.valid(value):
         raise UsageError(f"fault '{spec}': the value is not valid; give {takes.meaning}")
     return value
 

@@ -82,7 +82,7 @@ def line(
     Args:
         name: In the legend.
         x: Shape (n,).
-        y: Likewise.
+        y: Shape (n,).
         color: Name of a custom property of the style sheet.
         hover: Template of the text under the pointer; the curve does not react to it if None.
         style: Of the line, in Plotly's terms: dash, width [px], shape.
@@ -104,8 +104,8 @@ def band(name: str, x: ArrayLike, low: ArrayLike, high: ArrayLike) -> list[Trace
     Args:
         name: In the legend.
         x: Shape (n,).
-        low: The lower curve, likewise.
-        high: The upper curve, likewise.
+        low: The lower curve, shape (n,).
+        high: The upper curve, shape (n,).
     """
     edges = [line(name, x, y, BAND, width=0) for y in (low, high)]
     return [edges[0] | {"showlegend": False}, edges[1] | {"fill": "tonexty", "fillcolor": BAND}]
@@ -128,7 +128,7 @@ class Key:
     """A line of a legend.
 
     Attributes:
-        swatch: "line", "area" or the name of a marker symbol.
+        swatch: "line", "area", "hatch", "cross" or the name of a marker symbol.
         color: Name of a custom property of the style sheet.
         dash: Dash pattern of a line [px].
     """
@@ -147,6 +147,9 @@ def keys(figure: Figure) -> list[Key]:
 
 
 def _key(item: Trace | Layout) -> Key:
+    if "fillpattern" in item:
+        pattern = item["fillpattern"]
+        return Key(item["name"], "cross" if pattern["shape"] == "x" else "hatch", pattern["fgcolor"])
     if "fillcolor" in item:
         return Key(item["name"], "area", item["fillcolor"])
     if "lines" in item.get("mode", "lines"):

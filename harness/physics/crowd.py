@@ -14,7 +14,7 @@ from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.contacts import ContactWatch, Touch
 from harness.physics.scene import Scene
 from harness.samples import Place, Vector3
-from harness.world.actors.walker import SocialWalker
+from harness.world.actors.social_force import SocialForceWalker
 
 REACH = 0.1  # [m] beyond bounding discs within which a touch is looked for
 
@@ -36,7 +36,7 @@ class Crowd:
         model = scene.model
         self.actors = scene.world.people
         self._ground, self._model, self._data = scene.world.ground, model, data
-        self._ways = [actor.way() for actor in self.actors]
+        self._ways = [actor.walk() for actor in self.actors]
         self._rovers = [(data.qpos[s.qpos_at : s.qpos_at + 7], s.rover.reach) for s in scenes]
         self._mocap = [int(model.body(actor.name).mocapid[0]) for actor in self.actors]
         self._geoms = [int(model.geom(actor.name).id) for actor in self.actors]
@@ -50,7 +50,7 @@ class Crowd:
         """Lets all walks begin anew at a simulation time."""
         self._began_ns = time_ns
         for way in self._ways:
-            if isinstance(way, SocialWalker):
+            if isinstance(way, SocialForceWalker):
                 way.restart()
         self.places = [Place(*actor.begin, 0.0) for actor in self.actors]
         self.move(time_ns)
@@ -65,7 +65,7 @@ class Crowd:
         seconds, first = TICK_NS / NANOSECONDS if since_s > 0.0 else 0.0, len(self._rovers)
         self.places = [
             way.walk(since_s, seconds, discs[:number] + discs[number + 1 :])
-            if isinstance(way, SocialWalker)
+            if isinstance(way, SocialForceWalker)
             else way.place(since_s)
             for number, way in enumerate(self._ways, first)
         ]

@@ -17,7 +17,8 @@ from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
-from harness.world.world import EDGE_MARGIN, Start
+from harness.world.heightfield import EDGE_MARGIN
+from harness.world.world import Start
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following

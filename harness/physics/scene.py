@@ -133,7 +133,7 @@ def build_scenes(
     spec.option.timestep = timestep
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
-    _add_actors(spec, world.people)
+    _add_actors(spec, world)
     for prefix, other in zip(prefixes[1:], specs[1:], strict=True):
         spec.attach(other, prefix=prefix, frame=spec.worldbody.add_frame())
     _keep_constraints_soft(spec, timestep)
@@ -254,11 +254,11 @@ def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:
             geom.friction = [min(geom.friction[0], friction), *geom.friction[1:]]
 
 
-def _add_actors(spec: mujoco.MjSpec, actors: tuple[Actor, ...]) -> None:
-    for actor in actors:
+def _add_actors(spec: mujoco.MjSpec, world: World) -> None:
+    for actor in world.people:
         options = actor.spec.options
         x, y = actor.begin
-        height = actor.world.ground.height_at(x, y) + 0.5 * options.height
+        height = world.ground.height_at(x, y) + 0.5 * options.height
         body = spec.worldbody.add_body(name=actor.name, mocap=True, pos=[x, y, height])
         body.add_geom(
             name=actor.name,

@@ -29,9 +29,9 @@ class Encounter:
 def encounters(track: Sequence[Stretch]) -> list[Encounter]:
     """Returns the nearest MOST_ENCOUNTERS, one of each person at least, in the order of time."""
     people = max((len(stretch.approaches) for stretch in track), default=0)
-    found = [_of_person(track, number) for number in range(people)]
-    nearest = [min(some, key=_distance) for some in found]
-    others = sorted((encounter for some in found for encounter in some), key=_distance)
+    by_person = [_of_person(track, number) for number in range(people)]
+    nearest = [min(some, key=_distance) for some in by_person]
+    others = sorted((encounter for some in by_person for encounter in some), key=_distance)
     chosen = {id(e): e for e in (*nearest, *others[: max(0, MOST_ENCOUNTERS - people)])}
     return sorted(chosen.values(), key=lambda e: (e.nearest.time_s, e.person))
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
+from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
@@ -25,12 +26,7 @@ MOST_NOTES = 20  # kinds
 
 
 # The thresholds that the values of a column are compared with.
-THRESHOLDS = {
-    "Current Smoothness": ("smoothness_threshold",),
-    "Obstacle Clearance": ("collision_threshold", "min_safe_clearance"),
-    "IMU Acceleration Magnitude": ("rough_terrain_threshold",),
-}
-FLAGS = ("Current Collision Status", "Is Rough Terrain")
+THRESHOLDS = {metric.column: metric.thresholds for metric in METRICS.values() if metric.thresholds}
 WITH_GRAVITY = ("Current Smoothness", "IMU Acceleration Magnitude", "Vertical Roughness")
 DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
     column.header: column for column in EXTENDED_COLUMNS

@@ -26,7 +26,7 @@ class Approach:
         distance: Between the two [m].
         time_s: When [s].
         rover: Where the rover was, x and y [m].
-        person: Where the person was, likewise.
+        person: Where the person was, x and y [m].
     """
 
     distance: float

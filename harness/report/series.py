@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from harness.page import figure as fig
-from harness.report.log import FLAGS, THRESHOLDS, WITH_GRAVITY, Event, Log, describe
+from harness.report.log import THRESHOLDS, WITH_GRAVITY, Event, Log, describe
 from harness.report.recorder import Stretch
+from rover_metrics.analysis.metric import FLAGS
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
 MOST_ROWS = 4000  # of a plot

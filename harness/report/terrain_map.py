@@ -23,6 +23,7 @@ from harness.report.encounters import Encounter, encounters
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
+from harness.samples import Vector3
 from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline
 from harness.world.world import World
@@ -144,27 +145,37 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
 
 
 def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
-    """The way of each person, dashed, and a dot where it ends."""
+    known = [stretch.people for stretch in track if stretch.people]
+    places = {actor.name: [people[n] for people in known] for n, actor in enumerate(actors)}
+    return _ways(places, PERSON)
+
+
+def _others(tracks: Mapping[str, Sequence[Stretch]]) -> list[Trace]:
+    places = {name: [stretch.position for stretch in track] for name, track in tracks.items()}
+    known = {name: [p for p in path if all(map(math.isfinite, p))] for name, path in places.items()}
+    return _ways(known, INK)
+
+
+def _ways(places: Mapping[str, Sequence[Vector3]], color: str) -> list[Trace]:
+    """Dashed lines by name, and a dot where each ends; nothing of who was nowhere."""
     traces: list[Trace] = []
-    known = [stretch for stretch in track if stretch.people]
-    for number, actor in enumerate(actors if known else ()):
-        ways = [stretch.people[number] for stretch in known]
-        hover = f"{actor.name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
+    for number, (name, way) in enumerate(places.items()):
+        hover = f"{name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
         dash = tuple(DASHES)[1 + number % (len(DASHES) - 1)]
-        way = line(actor.name, *_columns(ways), PERSON, hover=hover, dash=dash)
-        end = _points(ways[-1:], actor.name, {"size": 9, "color": PERSON}, hover)
-        traces += [way, end | {"showlegend": False}]
+        traces.append(line(name, *_columns(way), color, hover=hover, dash=dash))
+        end = _points(way[-1:], name, {"size": 9, "color": color}, hover)
+        traces.append(end | {"showlegend": False})
     return traces
 
 
 def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
     """Lines from the rover, where the number is that the table has, to whom it met."""
-    points, numbered, told = [], [], []
+    points, numbered, texts = [], [], []
     for number, one in enumerate(met, 1):
         near, name = one.nearest, actors[one.person].name
         points += [near.rover, near.person, (math.nan, math.nan)]
         numbered += [f"<b>{number}</b>", "", ""]
-        told += [f"{number}: {name}, {near.distance:.2f} m, t = {near.time_s:.1f} s"] * 3
+        texts += [f"{number}: {name}, {near.distance:.2f} m, t = {near.time_s:.1f} s"] * 3
     trace = line(CLOSEST, *_columns(points), PERSON, hover="%{hovertext}")
     return [
         trace
@@ -174,24 +185,9 @@ def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace
             "text": numbered,
             "textposition": "top right",
             "textfont": {"size": 14, "color": INK},
-            "hovertext": told,
+            "hovertext": texts,
         }
     ]
-
-
-def _others(tracks: Mapping[str, Sequence[Stretch]]) -> list[Trace]:
-    """The way of each other rover, dashed, and a dot where it ends."""
-    traces: list[Trace] = []
-    for number, (name, track) in enumerate(tracks.items()):
-        ways = [stretch.position for stretch in track if all(map(math.isfinite, stretch.position))]
-        if not ways:
-            continue
-        dash = tuple(DASHES)[1 + number % (len(DASHES) - 1)]
-        hover = f"{name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
-        traces.append(line(name, *_columns(ways), INK, hover=hover, dash=dash))
-        end = _points(ways[-1:], name, {"size": 9, "color": INK}, hover)
-        traces.append(end | {"showlegend": False})
-    return traces
 
 
 def _scale_top(rough: Sequence[float]) -> float:

@@ -22,10 +22,10 @@ from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM, Description
 from harness.robots import RoverSpec
 from harness.ros import messages
-from harness.ros.camera import Draw
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
 from harness.ros.frames import FrameTopics
+from harness.ros.optional_messages import Draw
 from harness.sensors.choice import chosen
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SensorRow, Topic

@@ -8,6 +8,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.sensors.table import Topic
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
@@ -46,6 +47,11 @@ class Channel:
             return
         self.publisher.publish(message if self.record is None else self.record(message))
         self.published += 1
+
+
+def set_stamp(stamp: Message, stamp_ns: int) -> None:
+    """Sets a builtin_interfaces/Time to nanoseconds of simulation time."""
+    stamp.sec, stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
 
 
 def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:

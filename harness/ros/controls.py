@@ -22,22 +22,18 @@ class Controls:
     """Offers both services, for each rover of a world: each is reset by itself, a pause is of all.
 
     Args:
-        bridge: The node; it has an executor.
-        reset: Puts the rover back; gives the simulation time [ns] at which that happens, or None if
-            the episode ends before.
-        others: Likewise, of the other rovers.
+        rovers: The bridge of each rover, the first of which an executor spins, and what puts the rover
+            back: it returns the simulation time [ns] at which that happens, None if the run ends before.
 
     Attributes:
         held_s: Wall time for which the run was paused [s].
     """
 
-    def __init__(
-        self, bridge: Bridge, reset: Reset, others: Sequence[tuple[Bridge, Reset]] = ()
-    ) -> None:
-        self._bridge = bridge
+    def __init__(self, rovers: Sequence[tuple[Bridge, Reset]]) -> None:
+        self._bridge = rovers[0][0]
         self._paused = False
         self.held_s = 0.0
-        for node, put_back in ((bridge, reset), *others):
+        for node, put_back in rovers:
             node.create_service(Trigger, "~/reset", partial(self._answer_reset, put_back))
             node.create_service(SetBool, "~/pause", self._answer_pause)
 

@@ -148,7 +148,7 @@ class FrameTopics:
             if not self._watched and self._node.count_publishers(channel.topic) > 1:
                 self._watched = True
                 kind, qos = channel.publisher.msg_type, keep_last(100, BEST_EFFORT)  # holds up nobody
-                self._node.create_subscription(kind, channel.topic, self._look, qos, raw=True)
+                self._node.create_subscription(kind, channel.topic, self.hear, qos, raw=True)
                 forget_missing_definition()
 
     def _owned(self) -> dict[str, str]:
@@ -158,7 +158,8 @@ class FrameTopics:
         mapped = any(edge.child == ODOM for edge in description.fixed)
         return owned | ({ODOM: "no --map-tf"} if mapped else {})
 
-    def _look(self, data: bytes) -> None:
+    def hear(self, data: bytes) -> None:
+        """Takes a message of /tf, of this run or of somebody else."""
         if data in self._sent:
             return
         message: Any = typestore().deserialize_cdr(data, TF_MESSAGE)

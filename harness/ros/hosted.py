@@ -4,7 +4,6 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 
 from rclpy.context import Context
 from rclpy.parameter import Parameter
@@ -26,8 +25,6 @@ def metrics_node(
     context: Context,
     log_dir: Path,
     namespace: str = "",
-    parameters: Mapping[str, object] = MappingProxyType({}),
-    *,
     settings: Settings | None = None,
 ) -> MetricsNode:
     """Returns a MetricsNode on simulation time that logs into a folder.
@@ -36,13 +33,12 @@ def metrics_node(
         context: The rclpy context that the node lives in.
         log_dir: The folder, whatever the settings or the command line say.
         namespace: Namespace of the node and of what it listens to, where there are several rovers.
-        parameters: Parameters that win over the command line, by name.
         settings: Defaults of the node's parameters, over which `--ros-args` wins.
 
     Raises:
         UsageError: The log cannot be created, or a parameter on the command line is not valid.
     """
-    values = {**parameters, "use_sim_time": True, "log_dir": str(log_dir)}
+    values = {"use_sim_time": True, "log_dir": str(log_dir)}
     overrides = [Parameter(name, value=value) for name, value in values.items()]
     try:
         return MetricsNode(settings, context=context, parameter_overrides=overrides, namespace=namespace)

@@ -28,11 +28,9 @@ from sensor_msgs.msg import (
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
-from harness.base.sim_time import NANOSECONDS
 from harness.robots import RoverSpec
-from harness.ros import ranging
-from harness.ros.camera import Draw, camera_info_fill, image_fill
-from harness.ros.channel import Fill, Message
+from harness.ros import optional_messages as optional
+from harness.ros.channel import Fill, Message, set_stamp
 from harness.ros.grid_map import grid_map_fill
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
@@ -48,7 +46,7 @@ GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConve
 
 
 def filler(
-    row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec, draw: Draw | None = None
+    row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec, draw: optional.Draw | None = None
 ) -> Fill:
     """Returns what makes messages of a sensor's samples: of FILLERS, of OF_OPTIONS, or `by_names`.
 
@@ -65,7 +63,7 @@ def filler(
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
     if isinstance(message, Image) and isinstance(row.given, CameraOptions):
-        return image_fill(message, row.given, draw)
+        return optional.image_fill(message, row.given, draw)
     of_options = OF_OPTIONS.get((type(row.given), type(message)))
     if of_options is not None:
         return of_options(message, row.given)
@@ -96,7 +94,7 @@ def _refilled(message: Message, sources: Mapping[str, Callable[[Any], object]]) 
     setters = [(value_of, _setter(message, path)) for path, value_of in sources.items()]
 
     def fill(sample: samples.Sample) -> Message:
-        _set_stamp(stamp, sample.stamp_ns)
+        set_stamp(stamp, sample.stamp_ns)
         for value_of, put in setters:
             put(value_of(sample))
         return message
@@ -128,10 +126,6 @@ def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
     target.x, target.y, target.z, target.w = value
 
 
-def _set_stamp(stamp: Time, stamp_ns: int) -> None:
-    stamp.sec, stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
-
-
 def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
     """Scans of that lidar; scan_time and time_increment stay 0, as ros_gz_bridge leaves them."""
     message.angle_min, message.angle_max = -lidar.angle_max, lidar.angle_max
@@ -142,7 +136,7 @@ def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
     ranges = np.frombuffer(whole, dtype=np.float32)
 
     def fill(scan: samples.LaserScan) -> LaserScan:
-        _set_stamp(message.header.stamp, scan.stamp_ns)
+        set_stamp(message.header.stamp, scan.stamp_ns)
         if scan.ranges.size == ranges.size:
             ranges[:] = scan.ranges
             message.ranges = whole
@@ -157,7 +151,7 @@ def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
     pose = by_names(Pose(), samples.Pose)
 
     def fill(sample: samples.Pose) -> PoseArray:
-        _set_stamp(message.header.stamp, sample.stamp_ns)
+        set_stamp(message.header.stamp, sample.stamp_ns)
         message.poses = [] if sample.empty else [pose(sample)]
         return message
 
@@ -231,11 +225,11 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
 }
 # Of optional sensors, by the class of their options.
 OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
-    (PlanarLidarOptions, LaserScan): ranging.laser_scan,
-    (CloudLidarOptions, PointCloud2): ranging.lidar_cloud,
-    (DepthOptions, PointCloud2): ranging.depth_cloud,
-    (DepthOptions, Image): ranging.depth_image,
-    (DepthOptions, CameraInfo): ranging.depth_camera_info,
-    (CameraOptions, CameraInfo): camera_info_fill,
+    (PlanarLidarOptions, LaserScan): optional.laser_scan,
+    (CloudLidarOptions, PointCloud2): optional.lidar_cloud,
+    (DepthOptions, PointCloud2): optional.depth_cloud,
+    (DepthOptions, Image): optional.depth_image,
+    (DepthOptions, CameraInfo): optional.depth_camera_info,
+    (CameraOptions, CameraInfo): optional.camera_info_fill,
     (GnssOptions, NavSatFix): _nav_sat_fix,
 }

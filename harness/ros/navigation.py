@@ -25,8 +25,8 @@ from harness.ros.channel import open_channel
 from harness.samples import Place
 from harness.sensors.table import Topic
 from harness.spec.run import Run
+from harness.world.heightfield import EDGE_MARGIN
 from harness.world.occupancy import OccupancyMap, occupancy
-from harness.world.world import EDGE_MARGIN
 from rover_metrics.core import rotation
 
 FRAMES = ("map", "odom", "world")

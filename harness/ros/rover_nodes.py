@@ -1,25 +1,42 @@
-"""The nodes of one rover in a run: the bridge, what follows its goals, the hosted MetricsNode."""
+"""The nodes of one rover, in a run and in a trial alike: bridge, navigation, hosted MetricsNode."""
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 
 from rclpy.context import Context
 from rclpy.executors import Executor
+from rclpy.logging import get_logger
 
-from harness.episode.assembly import actor_names, injector, sensor_rows
+from harness.episode.assembly import actor_names, injector, scenery, sensor_rows
 from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
 from harness.frames.tree import Description
 from harness.robots import find_rover
-from harness.ros.bridge import Bridge, Listener
-from harness.ros.camera import painter
+from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.navigation import Navigation
+from harness.samples import Twist
+from harness.sensors.camera.painter import CameraPainter
+from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
-from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
+
+
+def painter(run: Run, number: int = 0) -> CameraPainter:
+    """Returns what draws for the cameras of a rover; nothing is started before the first image.
+
+    Args:
+        run: The run.
+        number: The rover's place in it.
+    """
+    given = (row.given for row in sensor_rows(run.rovers[number]))
+    cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
+    warn = get_logger("harness").warning
+    return CameraPainter(partial(scenery, run), cameras, run.own_seed(number), warn)
 
 
 class RoverNodes:
@@ -27,36 +44,42 @@ class RoverNodes:
 
     Args:
         run: What is driven.
-        number: The rover's place in the run.
-        outputs: Where its data go.
-        options: How the run goes through ROS.
-        orders: Of the rover.
-        clock: /clock, if another one tells it.
+        number: The rover's place in it.
+        on_command: Is given each command that is heard.
+        at_end: Ends the nodes.
+        cmd_vel: How commands come, as `Bridge` says.
+        context: Of rclpy; the default one if None.
+        clock: /clock, if the bridge of another rover publishes it.
+
+    Attributes:
+        bridge: Publishes the samples and hears the commands.
+        faults: What of the rover's samples reaches the listeners.
+        navigation: Serves /map, /initialpose and /goal_pose, after `navigate`.
+        hosted: The MetricsNode in this process; None without one.
     """
 
     def __init__(
         self,
         run: Run,
         number: int,
-        outputs: Outputs,
-        options: RosOptions,
-        orders: RoverOrders,
-        context: Context,
+        on_command: Callable[[Twist], None],
         at_end: ExitStack,
-        clock: Channel | None,
+        *,
+        cmd_vel: str = "twist",
+        context: Context | None = None,
+        clock: Channel | None = None,
     ) -> None:
-        self.run, self.number, self.outputs = run, number, outputs
+        self.run, self.number = run, number
         self.setup = setup = run.rovers[number]
-        self.orders, self._context, self._at_end = orders, context, at_end
-        draw = at_end.enter_context(painter(run, number)).image
+        self._context, self._at_end = context, at_end
         self.bridge = Bridge(
             find_rover(setup.robot),
             LidarSpec(beams=setup.lidar_beams),
             context=context,
-            on_command=orders.command,
-            cmd_vel=options.cmd_vel,
+            on_command=on_command,
+            cmd_vel=cmd_vel,
             rows=sensor_rows(setup),
-            draw=draw,
+            draw=at_end.enter_context(painter(run, number)).image,
             actors=actor_names(run.world),
             namespace=setup.name,
             clock=clock,
@@ -65,47 +88,64 @@ class RoverNodes:
         self.faults = injector(run, number)
         self.hosted: HostedMetrics | None = None
 
-    def join(self, executor: Executor) -> None:
-        """Has the bridge spun."""
-        executor.add_node(self.bridge)
-        self.navigation = Navigation(self.bridge, self.run, self.number, self.orders)
+    def navigate(self, orders: RoverOrders) -> None:
+        """Serves what a navigation stack asks for, and hands its orders on."""
+        self.navigation = Navigation(self.bridge, self.run, self.number, orders)
 
-    def host_metrics(self, executor: Executor) -> None:
-        """Starts its MetricsNode."""
-        node = metrics_node(
-            self._context, self.outputs.log_dir, self.setup.name, settings=self.outputs.settings
-        )
+    def host_metrics(self, executor: Executor, outputs: Outputs) -> None:
+        """Starts a MetricsNode and waits until DDS has connected it.
+
+        Args:
+            executor: Spins it and the bridge.
+            outputs: Where its log goes, and its settings.
+
+        Raises:
+            UsageError: DDS does not connect it, or its log cannot be created.
+        """
+        node = metrics_node(self._context, outputs.log_dir, self.setup.name, settings=outputs.settings)
         self._at_end.callback(node.destroy_node)
         executor.add_node(node)
         self.hosted = HostedMetrics(self.bridge, node)
         self.hosted.await_match()
 
     def begin(self, description: Description | None) -> None:
-        """Refuses other publishers of its topics, and publishes what its transforms are of, if known."""
+        """Refuses other publishers of the rover's topics and publishes its fixed frames.
+
+        Args:
+            description: The frames; None of a run without transforms.
+
+        Raises:
+            UsageError: A topic has a second publisher.
+        """
         self.bridge.refuse_other_publishers(self.hosted.topics if self.hosted else ())
         if description is not None:
             self.bridge.describe(description)
 
+    def look_around(self) -> None:
+        """Hears publishers and serves listeners that have turned up since the last look."""
+        self.bridge.commands.look_around()
+        self.navigation.look_around()
+
     @property
     def metrics(self) -> MetricsPublisher | None:
-        """What the hosted metrics_node publishes with."""
+        """What the hosted MetricsNode publishes with; None without one."""
         return None if self.hosted is None else self.hosted.node.publisher
 
     @property
-    def listeners(self) -> tuple[Listener, ...]:
-        """The hosted metrics_node, if there is one."""
+    def listeners(self) -> tuple[HostedMetrics, ...]:
+        """The hosted MetricsNode, if there is one."""
         return () if self.hosted is None else (self.hosted,)
 
     def topics(self) -> dict[str, TopicCount]:
-        """Returns how many messages have been published."""
+        """Returns how many messages of each topic have been published."""
         return {topic: TopicCount(count) for topic, count in self.bridge.published().items()}
 
     def rows(self) -> int:
-        """Returns how many rows are in its log."""
+        """Returns how many rows the log of the hosted MetricsNode has."""
         return 0 if self.hosted is None else self.hosted.node.rows
 
     def logged(self, result: RunResult) -> RunResult:
-        """Returns a result with what its metrics_node has to say."""
+        """Returns a result with what the hosted MetricsNode adds: rows, thresholds, reception."""
         if self.hosted is None:
             return result
         node, failure = self.hosted.node, result.failure

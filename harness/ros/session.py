@@ -76,23 +76,24 @@ class _Session:
         source: EpisodeProcess,
         at_end: ExitStack,
     ) -> None:
-        self._run, self._options, self._source = run, options, source
+        self._run, self._outputs, self._options, self._source = run, outputs, options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
             clock = self.rovers[0].bridge.clock_channel if self.rovers else None
-            nodes = RoverNodes(run, number, outputs[number], options, orders, context, at_end, clock)
-            self.rovers.append(nodes)
+            cmd_vel, command = options.cmd_vel, orders.command
+            self.rovers.append(
+                RoverNodes(run, number, command, at_end, cmd_vel=cmd_vel, context=context, clock=clock)
+            )
         jumps = any(rover.faults.disturbs_time for rover in self.rovers)
         self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
-        for rover in self.rovers:
-            rover.join(self._executor)
-        first, *others = self.rovers
-        self._controls = Controls(
-            first.bridge, first.orders.reset, [(rover.bridge, rover.orders.reset) for rover in others]
-        )
-        for rover in self.rovers if options.host_metrics else ():
-            rover.host_metrics(self._executor)
+        for rover, orders in zip(self.rovers, source.rovers, strict=True):
+            self._executor.add_node(rover.bridge)
+            rover.navigate(orders)
+        resets = [(r.bridge, orders.reset) for r, orders in zip(self.rovers, source.rovers, strict=True)]
+        self._controls = Controls(resets)
+        for rover, output in zip(self.rovers, outputs, strict=True) if options.host_metrics else ():
+            rover.host_metrics(self._executor, output)
         self._remotes = self._found(time_jumps=jumps)
         heard = [rover.bridge.commands.heard for rover in self.rovers]
         for rover in self.rovers:
@@ -136,8 +137,7 @@ class _Session:
                     pacer.wait_until(tick.stamp_ns)
                     if tick.stamp_ns % LOOK_PERIOD_NS == 0:
                         for rover in self.rovers:
-                            rover.bridge.commands.look_around()
-                            rover.navigation.look_around()
+                            rover.look_around()
             interrupted = stop.name
         except RunFailed as error:
             failure = str(error)
@@ -180,8 +180,8 @@ class _Session:
                 first.tell(self._told, listeners=everybody, others=others)
 
         return [
-            Route(rover.faults, partial(send, rover), (*rover.outputs.observers, account))
-            for rover, account in zip(self.rovers, accounts, strict=True)
+            Route(rover.faults, partial(send, rover), (*output.observers, account))
+            for rover, output, account in zip(self.rovers, self._outputs, accounts, strict=True)
         ]
 
     def _mode(self) -> str:

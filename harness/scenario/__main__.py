@@ -22,7 +22,7 @@ from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.scenario.baseline import write_baselines
-from harness.scenario.selection import Selected, find_files, plan
+from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of

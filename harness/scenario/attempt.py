@@ -10,7 +10,6 @@ from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
-from harness.scenario.evidence import keep_evidence
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES
 from harness.scenario.watch import Findings, Measured, Watch
@@ -85,7 +84,7 @@ def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
     outputs = Outputs(log_dir=own, observers=(watch,), settings=watch.settings)
     (result,) = run_direct(case.run, (outputs,), RosOptions(log_dir=own), StopRequest())
     found = watch.judged(result, {})
-    kept = keep_evidence(result, watch.page, folder, found.breaches[0]) if found.breaches else ()
+    kept = watch.keep(result, folder, found.breaches[0]) if found.breaches else ()
     return _attempted(case, found, kept)
 
 

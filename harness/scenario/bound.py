@@ -3,25 +3,16 @@
 import re
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    FiniteFloat,
-    StringConstraints,
-    model_validator,
-)
+from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from harness.scenario.topic import FULL_NAME
+from harness.spec.value import Finite, Seconds, Value
 
 Over = Literal["always", "end", "mean", "p95", "share"]
-Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Tolerance = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Share = Annotated[float, Field(gt=0.0, le=1.0)]
+Share = Annotated[float, Field(gt=0.0, le=1.0)]  # of runs or values that must be as expected
 Text = Annotated[str, StringConstraints(min_length=1, strip_whitespace=True)]
-Point = tuple[FiniteFloat, FiniteFloat]
+Point = tuple[Finite, Finite]
 
 
 def _full(name: str) -> str:
@@ -35,17 +26,12 @@ FullName = Annotated[str, AfterValidator(_full), Field(json_schema_extra={"patte
 OF_ONE_VALUE = ("end", "mean", "p95")  # what a baseline can hold
 
 
-class Part(BaseModel):
-    """A part of a scenario; it cannot be changed, and a key that it does not know is refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Bound(Part):
+class Bound(Value):
     """What a quantity must keep.
 
     Attributes:
-        min: Smallest allowed value; no limit if left out. Likewise `max`.
+        min: Smallest allowed value; no limit if left out.
+        max: Largest allowed value; no limit if left out.
         over: What is compared: every value, the last one, the mean, the 95th percentile, or the share
             of values between min and max.
         share: With `over: share`, the smallest allowed share of values.
@@ -55,8 +41,8 @@ class Bound(Part):
         of: The topic of the input, of the latency of a topic.
     """
 
-    min: float | None = Field(default=None, allow_inf_nan=False)
-    max: float | None = Field(default=None, allow_inf_nan=False)
+    min: Finite | None = None
+    max: Finite | None = None
     over: Over = "always"
     share: Share | None = None
     window: tuple[Seconds, Seconds] | None = None

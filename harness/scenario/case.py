@@ -1,7 +1,7 @@
-"""A scenario's runs: every combination of its matrix with every seed."""
+"""Files and folders of scenarios to runs: every combination of a matrix with every seed."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -11,14 +11,16 @@ from harness.base.errors import UsageError
 from harness.drivers import takes_goals
 from harness.episode.assembly import check
 from harness.robots import ROVERS
-from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
+from harness.scenario.reading import SUFFIX, read_scenario
 from harness.scenario.spec import ExpectedFailure, Scenario
+from harness.scenario.steps import CommandEvent, FaultEvent, ResetEvent
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.parameter_file import read_values
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
+Selected = tuple[tuple[str, str], ...]  # names and values of the matrix, as text
 
 
 @dataclass(frozen=True)
@@ -147,3 +149,42 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
         goals=((0.0, *goal.at, goal.yaw),) if goal is not None and is_sent else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
     )
+
+
+def find_files(paths: Iterable[Path]) -> list[Path]:
+    """Returns the scenario files that are named, and those below folders that are, in order.
+
+    Raises:
+        UsageError: There is no such file, or a folder without one.
+    """
+    found: dict[Path, None] = {}
+    for path in paths:
+        if path.is_dir():
+            below = sorted(path.rglob(f"*{SUFFIX}"))
+            if not below:
+                raise UsageError(f"there is no *{SUFFIX} below {path}")
+            found |= dict.fromkeys(below)
+        elif path.is_file():
+            found[path] = None
+        else:
+            raise UsageError(f"there is no scenario {path}; name a *{SUFFIX}, or a folder of them")
+    return list(found)
+
+
+def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Selected = ()) -> list[Case]:
+    """Returns all runs of some files, checked.
+
+    Args:
+        files: The scenarios.
+        seeds: Instead of theirs.
+        only: Values of the matrix; other runs are left out.
+
+    Raises:
+        UsageError: A file is not valid, or nothing is left.
+    """
+    cases = [case for path in files for case in cases_of(path, read_scenario(path), seeds)]
+    wanted = set(only)
+    left = [case for case in cases if wanted <= {(name, str(value)) for name, value in case.cell}]
+    if not left:
+        raise UsageError(f"no run has {', '.join('='.join(pair) for pair in only)}")
+    return left

@@ -39,7 +39,7 @@ class ScenarioFile(pytest.File):
     def collect(self) -> "Iterator[ScenarioRun]":
         """Yields a test a run; one for all where a share of them may fail."""
         from harness.base.errors import UsageError  # noqa: PLC0415 - see above
-        from harness.scenario.selection import plan  # noqa: PLC0415
+        from harness.scenario.case import plan  # noqa: PLC0415
 
         count, here = self.config.getoption("rover_seeds"), self.config.invocation_params.dir
         path = self.path.relative_to(here) if self.path.is_relative_to(here) else self.path

@@ -11,10 +11,10 @@ from pydantic_core import ErrorDetails
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from harness.base.errors import UsageError, unknown
-from harness.scenario import bound, events, spec
-from harness.scenario.launch import Launch
+from harness.base.errors import UsageError
+from harness.scenario import bound, spec, steps
 from harness.scenario.spec import Scenario
+from harness.spec.value import foremost, not_valid, unknown_key
 
 SUFFIX = ".scenario.yaml"
 
@@ -25,8 +25,8 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "matrix": spec.Matrix,
     "goal": spec.Goal,
     "expect": bound.Bound,
-    **events.EVENTS,
-    "launch": Launch,
+    **steps.EVENTS,
+    "launch": steps.Launch,
     "expected_to_fail": spec.ExpectedFailure,
     "pass_rate": spec.PassRate,
 }
@@ -43,21 +43,13 @@ def read_scenario(path: Path) -> Scenario:
         raise UsageError(f"{path}: it must hold keys with values, beginning with 'about:'")
     try:
         # JSON's rules know no types of Python: a list is a tuple, but "3" and true are no numbers.
-        return Scenario.model_validate_json(json.dumps(content, default=str), strict=True)
+        given = {key: value for key, value in content.items() if value is not None}
+        return Scenario.model_validate_json(json.dumps(given, default=str), strict=True)
     except ValidationError as error:
-        first = _first(error.errors(include_url=False))
+        first = foremost(error)
         location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
         keys, place = _found(content, location)
         raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
-
-
-def _first(errors: list[ErrorDetails]) -> ErrorDetails:
-    """The first mistake; a key that is missing beside one that nobody knows has been mistyped."""
-    first = errors[0]
-    if first["type"] != "missing":
-        return first
-    beside = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == first["loc"][:-1])
-    return next(beside, first)
 
 
 def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
@@ -93,27 +85,15 @@ def _found(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401
 
 def _mistake(error: ErrorDetails, keys: str) -> str:
     location = error["loc"]
+    part = _KEYS[next((str(step) for step in reversed(location[:-1]) if step in _KEYS), "")]
     match error["type"]:
         case "extra_forbidden":
-            part = next((str(s) for s in reversed(location[:-1]) if s in _KEYS), "")
-            fields = _KEYS[part].model_fields.items()
-            return unknown("key", str(location[-1]), [field.alias or name for name, field in fields])
+            return unknown_key(str(location[-1]), part)
         case "missing":
             key = location[-1]
-            return (
-                f"the key '{key}' is missing" if isinstance(key, str) else f"{keys} has too few values"
-            )
+            return not_valid(error, key) if isinstance(key, str) else f"{keys} has too few values"
         case "union_tag_not_found":
-            return f"{keys}: an event needs one of the keys {', '.join(events.EVENTS)}"
+            return f"{keys}: an event needs one of the keys {', '.join(steps.EVENTS)}"
         case "value_error" | "beside":
             return f"{keys}: {error['ctx'].get('message') or error['ctx']['error']}"
-        case "too_short":
-            return f"{keys} is empty; give one or more"
-        case _:
-            message = error["msg"][0].lower() + error["msg"][1:]
-            return f"{keys} = {_short(error['input'])} is not valid: {message}"
-
-
-def _short(value: object) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return not_valid(error, keys, part.model_fields.get(str(location[-1])))

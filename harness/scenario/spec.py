@@ -7,20 +7,18 @@ from pydantic import (
     AfterValidator,
     Discriminator,
     Field,
-    FiniteFloat,
     Tag,
     create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
-from harness.scenario.bound import Bound, Length, Part, Point, Share, Text
-from harness.scenario.events import CommandEvent, Event, PauseEvent
-from harness.scenario.launch import Launch, Launched, launch_of
+from harness.scenario.bound import Bound, Point, Share, Text
 from harness.scenario.quantities import GOAL, check_name, names
+from harness.scenario.steps import CommandEvent, Event, Launch, Launched, PauseEvent, launch_of
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
 from harness.spec.run import OWNERS, keys_of
-from harness.spec.value import Seed
+from harness.spec.value import Finite, Length, Seed, Value
 
 SCHEMA: dict[str, Any] = {
     "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
@@ -51,7 +49,7 @@ def _known(expect: dict[str, Any]) -> dict[str, Any]:
     return expect
 
 
-class Goal(Part):
+class Goal(Value):
     """Where the rover is to arrive.
 
     Attributes:
@@ -61,11 +59,11 @@ class Goal(Part):
     """
 
     at: Point
-    yaw: FiniteFloat = 0.0
+    yaw: Finite = 0.0
     radius: Length = 0.5
 
 
-class ExpectedFailure(Part):
+class ExpectedFailure(Value):
     """Why some runs are known to fail; whoever mends that is told by the run that passes.
 
     Attributes:
@@ -78,13 +76,13 @@ class ExpectedFailure(Part):
     terrain: str | None = None
 
 
-class PassRate(Part):
+class PassRate(Value):
     """How many of the runs must pass; all if it is left out."""
 
     min: Share
 
 
-class Matrix(Part):
+class Matrix(Value):
     """Lists of values instead of single ones: every combination is run with every seed."""
 
     robot: tuple[str, ...] = ()
@@ -97,10 +95,10 @@ class Matrix(Part):
 
 NOT_KEYS = ("name", "faults", "commands", "goals", "resets", "seed", "duration")  # have other forms
 if TYPE_CHECKING:
-    RunKeys = Part
+    RunKeys = Value
 else:
     RunKeys = create_model(
-        "RunKeys", __base__=Part, **keys_of(*(name for name in OWNERS if name not in NOT_KEYS))
+        "RunKeys", __base__=Value, **keys_of(*(name for name in OWNERS if name not in NOT_KEYS))
     )
 
 

@@ -7,19 +7,20 @@
 Scenarios that start nodes or expect something of topics are driven in just this way by their command.
 """
 
+import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
 from tempfile import TemporaryDirectory
-from typing import Self
+from typing import Any, Self
 
 import rclpy
 from rclpy.logging import LoggingSeverity
 
-from harness.base.errors import HarnessError, RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
@@ -28,31 +29,33 @@ from harness.ros.context import spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
 from harness.scenario.arrivals import topic_series
-from harness.scenario.case import Case
-from harness.scenario.events import PauseEvent
-from harness.scenario.evidence import keep_evidence
-from harness.scenario.hearing import Hearing
-from harness.scenario.selection import plan
+from harness.scenario.case import Case, plan
 from harness.scenario.series import Series
+from harness.scenario.steps import PauseEvent
+from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.topic import TopicQuantity, topic_quantity
 from harness.scenario.watch import Findings, Watch
-from harness.testing.evidence import Recording
+from harness.testing.evidence import Recording, kept_lines
 from harness.testing.nodes import START_PATIENCE
+from harness.testing.process import Programs
 from harness.testing.subject import Subject
-from harness.testing.trial import Start, Trial
+from harness.testing.trial import Start, Trial, TrialListener
 from rover_metrics.errors import LogError
 
 KEPT = 10.0  # [s] of the recording
 RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
+SCRATCH = "rover-scenario-"
 QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
 # Nodes that are no part of what a command is started for: of ros2's own tools.
 TOOLS = ("_", "launch_ros_")
 
 
-class ScenarioTrial(Trial):
-    """A trial of one run of a scenario.
+class ScenarioTrial(TrialListener):
+    """A run of a scenario: a Trial whose drive is logged, watched and judged.
+
+    What a Trial can do, it can: host, collect, drive, step, until, pause, time, truth, ...
 
     Args:
         case: The run.
@@ -65,8 +68,6 @@ class ScenarioTrial(Trial):
         UsageError: There is no baseline of it.
     """
 
-    CMD_VEL = "auto_twist"  # hosted nodes send Twist, as to every trial; others what they like
-
     def __init__(
         self,
         case: Case,
@@ -75,13 +76,15 @@ class ScenarioTrial(Trial):
         folder: Path | None = None,
         compare: bool = True,
     ) -> None:
-        super().__init__(case.run, artifacts)
-        self.case, self._given = case, folder
+        self.case, self.artifacts, self._given = case, artifacts, folder
+        self._recording = Recording(RECORDING, KEPT)
+        # Hosted nodes send Twist, as to every trial; others what they like.
+        self._trial = Trial(case.run, listener=self, recording=self._recording, cmd_vel="auto_twist")
         self._watch = Watch(case, compare=compare)
         self._pauses = [event for event in case.scenario.events if isinstance(event, PauseEvent)]
         self._pauses.sort(key=lambda event: event.at)
+        self._at_end = ExitStack()
         self._is_on = False
-        self._failure: str | None = None
         self._findings: Findings | None = None
 
     @classmethod
@@ -107,6 +110,37 @@ class ScenarioTrial(Trial):
             raise UsageError(f"{path} has {len(first)} runs of a seed; choose one, e.g. {names}")
         return cls(first[0], artifacts)
 
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - whatever a Trial has
+        return getattr(self.__dict__["_trial"], name)
+
+    def __enter__(self) -> Self:
+        with ExitStack() as at_end:
+            scratch = self._given or at_end.enter_context(TemporaryDirectory(prefix=SCRATCH))
+            self._folder = Path(scratch)
+            self._files = self._folder / FILES
+            self._files.mkdir()
+            trial = at_end.enter_context(self._trial)
+            trial.bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
+            inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
+            hear, wanted = self._recording.hear, self._wanted()
+            self._topics = Subscriptions(trial.bridge, wanted, inputs, now=self._now, record=hear)
+            self._await_nodes()
+            if (
+                not trial.nodes.subjects
+            ):  # what is published is heard when somebody has answered after it
+                trial.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
+            mode = f"ROS 2, lock-step with {', '.join(node.name for node in trial.nodes.subjects)}"
+            begun = RunResult(run=self.case.run, mode=mode, info=trial.info)
+            log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
+            self._logged, self._is_on = at_end.enter_context(log), True
+            self._at_end = at_end.pop_all()
+        return self
+
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
+        with self._at_end:
+            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
+                print(lines, file=sys.stderr)
+
     @property
     def findings(self) -> Findings:
         """What the run came to, after `finish`."""
@@ -119,9 +153,13 @@ class ScenarioTrial(Trial):
         Raises:
             HarnessError: It could not be run: a node does not answer, a program has ended.
         """
-        while self._advance():
-            pass
-        self._findings = self._watch.judged(self._ended(self._nodes.subjects), self._heard())
+        try:
+            while self._trial.advance():
+                pass
+        except RunFailed:
+            if self._trial.failure is None:
+                raise  # else the drive itself has ended early, which is judged
+        self._findings = self._watch.judged(self._ended(self._trial.nodes.subjects), self._heard())
         return self._findings.breaches
 
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
@@ -135,69 +173,84 @@ class ScenarioTrial(Trial):
             What it has put there, the page first.
         """
         result = self._ended() if self._findings is None else self._findings.result
-        recording = self._recording.end()
-        more = [] if recording is None else [recording]
-        more += sorted(self._folder.glob(f"*{OUTPUT}"))
-        kept = keep_evidence(result, self._watch.page, folder, reason, more)
+        more = [self._recording.end(), *sorted(self._folder.glob(f"*{OUTPUT}"))]
+        kept = self._watch.keep(result, folder, reason, more)
         if any(self._files.iterdir()):
             kept = (*kept, copytree(self._files, folder / FILES))
         return kept
 
     def keep_evidence(self, reason: str) -> str:
-        """See Trial."""
+        """Keeps in `artifacts` what `keep` does, once.
+
+        Args:
+            reason: Why the trial has failed; its first line stands on the page.
+
+        Returns:
+            Where it is, in a line each; nothing if it was kept already, or has not begun.
+        """
         folder, self.artifacts = self.artifacts, None
         if folder is None or not self._is_on:
             return ""
-        try:
-            kept = self.keep(folder, next(iter(reason.splitlines()), "an exception"))
-        except (HarnessError, OSError) as error:
-            return f"nothing could be kept of this trial: {error}"
-        return "\n".join(f"kept: {path}" for path in kept)
+        return kept_lines(lambda why: self.keep(folder, why), reason)
 
     def reset(self, *, seed: int | None = None, start: Start | None = None) -> None:
-        """Puts the rover back to its start; see Trial. A run of a scenario is one episode.
+        """Puts the rover back to its start; a run of a scenario is one episode.
+
+        Args:
+            seed: None.
+            start: None.
 
         Raises:
             UsageError: Another seed or start is asked for.
         """
         if seed is not None or start is not None:
             raise UsageError("a scenario's run is one episode; load another for another seed or start")
-        super().reset()
+        self._trial.reset()
 
-    def take(self, batch: Batch) -> None:
-        """See Trial."""
-        self._watch.take(batch)
-        self._logged.take(batch)
-
-    def _begin_processes(self) -> None:
-        given, at_end = self._given, self._at_end
-        scratch = given or at_end.enter_context(TemporaryDirectory(prefix="rover-scenario-"))
-        self._folder, self._files = Path(scratch), Path(scratch) / FILES
-        self._files.mkdir()
+    def begin_programs(self, programs: Programs) -> None:
+        """Starts the commands of the scenario."""
         for number, launch in enumerate(self.case.scenario.launches, 1):
-            self._begin(
+            programs.begin(
                 launch.words(str(self._files)),
                 self.case.path.parent,
                 self._folder / f"launch_{number}{OUTPUT}",
                 may_end=launch.nodes == (),
             )
 
-    def _record(self, at_end: ExitStack) -> None:
-        self._recording = at_end.enter_context(Recording(self._bridge, RECORDING, KEPT))
+    def joined(self, node: object) -> None:
+        """Hears what a node publishes from its first message on."""
+        trial, bridge = self._trial, self._trial.bridge
+        if node is None:  # no answer of another process tells that all of its publishers are known here
+            spin_until_quiet(trial.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
+        commands = bridge.commands
+        before = commands.heard
+        spin_until(trial.executor, commands.look_around, DISCOVERY_PATIENCE)
+        if self._topics.look_around() or commands.heard != before:
+            trial.nodes.renew()
 
-    def _start(self, at_end: ExitStack) -> None:
-        super()._start(at_end)
-        self._bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-        inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
-        hear, wanted = self._recording.hear, self._wanted()
-        self._hearing = Hearing(self._bridge, wanted, inputs, now=self._now, record=hear)
-        self._await_nodes()
-        if not self._nodes.subjects:  # what is published is heard when somebody has answered after it
-            self.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
-        mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._nodes.subjects)}"
-        begun = RunResult(run=self.run, mode=mode, info=self._episode.info)
-        log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
-        self._logged, self._is_on = at_end.enter_context(log), True
+    def before_tick(self) -> None:
+        """Pauses where the scenario does."""
+        while self._pauses and self._trial.now_ns >= round(self._pauses[0].at * NANOSECONDS):
+            self._trial.pause(self._pauses.pop(0).pause)
+
+    def tick(self, tick: Tick, sent: Tick) -> None:
+        """Logs a tick."""
+        try:
+            self._logged.advance(tick, sent)
+        except LogError as error:
+            raise RunFailed(str(error)) from error
+
+    def after_tick(self) -> None:
+        """Hears topics that have turned up."""
+        if self._trial.now_ns % LOOK_NS == 0:
+            self._trial.bridge.commands.look_around()
+            if self._topics.look_around():
+                self._trial.nodes.renew()
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        self._watch.take(batch)
+        self._logged.take(batch)
 
     def _await_nodes(self) -> None:
         """Waits for the nodes that are named, and for one of each command that names none."""
@@ -206,35 +259,24 @@ class ScenarioTrial(Trial):
         others = launches.count(None)
 
         def unnamed() -> list[str]:
-            found = sorted(self._nodes.names().difference(named))
+            found = sorted(self._trial.nodes.names().difference(named))
             return [name for name in found if not name.rpartition("/")[2].startswith(TOOLS)]
 
         def missing() -> list[str]:
-            absent = [name for name in named if name not in self._nodes.names()]
+            absent = [name for name in named if name not in self._trial.nodes.names()]
             return absent + ["a node"] * (others - len(unnamed()))
 
-        self._nodes.wait_until(lambda: not missing())
+        self._trial.nodes.wait_until(lambda: not missing())
         if missing():
-            running = ", ".join(sorted(self._nodes.names())) or "none"
+            running = ", ".join(sorted(self._trial.nodes.names())) or "none"
             patience = f"{missing()[0]} has not turned up within {START_PATIENCE:g} s"
             raise UsageError(f"launch: {patience}; running: {running}")
         for name in (*named, *unnamed()[:others]):
-            self._keep_in_step(name)
-
-    def _keep_in_step(self, name: str, node: object = None) -> None:
-        """Hears what a node publishes from its first message on; see Trial."""
-        super()._keep_in_step(name, node)
-        if node is None:  # no answer of another process tells that all of its publishers are known here
-            spin_until_quiet(self._executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
-        commands = self._bridge.commands
-        before = commands.heard
-        spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
-        if self._hearing.look_around() or commands.heard != before:
-            self._nodes.renew()
+            self._trial.join(name)
 
     def _publishers(self) -> list[tuple[str, int]]:
         """How many publishers each topic is known to have."""
-        bridge = self._bridge
+        bridge = self._trial.bridge
         return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
 
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
@@ -247,53 +289,28 @@ class ScenarioTrial(Trial):
         return wanted
 
     def _now(self) -> tuple[int, int]:
-        return self._now_ns, self._pending[1].stamp_ns
-
-    def _advance(self) -> bool:
-        while self._pauses and self._now_ns >= round(self._pauses[0].at * NANOSECONDS):
-            self.pause(self._pauses.pop(0).pause)
-        if not super()._advance():
-            return False
-        if self._now_ns % LOOK_NS == 0:
-            self._bridge.commands.look_around()
-            if self._hearing.look_around():
-                self._nodes.renew()
-        return True
-
-    def _take(self, tick: Tick, sent: Tick) -> None:
-        super()._take(tick, sent)
-        try:
-            self._logged.advance(tick, sent)
-        except LogError as error:
-            raise RunFailed(str(error)) from error
-
-    def _batches(self) -> Iterator[tuple[Batch]]:
-        """What the episode itself fails of ends the run, which is judged; see Trial."""
-        try:
-            yield from super()._batches()
-        except RunFailed as error:
-            self._failure = str(error)
+        return self._trial.now_ns, self._trial.told_ns
 
     def _ended(self, nodes: Sequence[Subject] = ()) -> RunResult:
         """What the run has come to, with what the nodes say that they have received."""
-        result = self._logged.ended(self._failure)
+        result = self._logged.ended(self._trial.failure)
         published = {
             topic: replace(result.topics.get(topic, TopicCount(0)), published=count)
-            for topic, count in self._bridge.published().items()
+            for topic, count in self._trial.bridge.published().items()
         }
         return replace(
             result,
             topics=counted_by(nodes, published),
-            commands=self._bridge.commands.count,
-            waited_s={subject.name: subject.waited_s for subject in self._nodes.subjects},
+            commands=self._trial.bridge.commands.count,
+            waited_s={subject.name: subject.waited_s for subject in self._trial.nodes.subjects},
         )
 
     def _heard(self) -> dict[str, Series]:
         """The quantities of topics over time."""
-        hearing, known = self._hearing, self._hearing.known
+        topics, known = self._topics, self._topics.known
         pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.bounds]
         return {
-            bound.label(name): topic_series(quantity, bound.of, hearing.heard, known, self._now_ns)
+            bound.label(name): topic_series(quantity, bound.of, topics.heard, known, self._trial.now_ns)
             for name, quantity, bound in pairs
             if quantity is not None
         }

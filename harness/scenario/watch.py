@@ -1,7 +1,9 @@
 """What is watched of a run of a scenario, and what comes of it: what was not as expected."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from shutil import rmtree
 
 import numpy as np
 
@@ -9,6 +11,7 @@ from harness.episode.assembly import gravity
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import RunResult
+from harness.report.evidence import keep_evidence
 from harness.report.log import read_log
 from harness.report.recorder import RunRecorder
 from harness.robots import find_rover
@@ -27,6 +30,8 @@ from harness.scenario.quantities import LOG, QUANTITIES, RUN
 from harness.scenario.series import Series, TruthSeries
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.settings import Settings
+
+PAGE = "run.html"
 
 
 @dataclass(frozen=True)
@@ -119,6 +124,21 @@ class Watch:
         )
         breaches = tuple(self._breaches(result, series, recorded))
         return Findings(result, breaches, tuple(measured), recorded)
+
+    def keep(
+        self, result: RunResult, folder: Path, reason: str, more: Iterable[Path | None] = ()
+    ) -> tuple[Path, ...]:
+        """Puts log, manifest and page of the run into a folder of its own; returns their places.
+
+        Args:
+            result: What the run came to.
+            folder: Is made; what an earlier run has left in it goes.
+            reason: Why the run did not pass.
+            more: Other files to copy there.
+        """
+        if (folder / PAGE).exists():
+            rmtree(folder)
+        return keep_evidence(result, self.page, folder / PAGE, reason, more)
 
     def _breaches(
         self, result: RunResult, series: Mapping[str, Series], recorded: Recorded | None

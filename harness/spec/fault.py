@@ -54,22 +54,23 @@ def parse_fault(text: str) -> FaultSpec:
     match = _SPEC.fullmatch(text)
     if match is None:
         raise UsageError(f"fault '{text}' is not of the form {FORM}, e.g. imu:nan@10+2")
-    value = _number(match["value"])
+    try:
+        value = None if match["value"] is None else float(match["value"])
+    except ValueError as error:
+        raise UsageError(
+            f"fault '{text}': value '{match['value']}' is not valid; give a number"
+        ) from error
     start, length = (_seconds(text, match[name], name.upper()) for name in ("start", "length"))
     if length == 0.0:
         raise UsageError(f"fault '{text}': LENGTH is 0 s; give more, or leave it out")
     return FaultSpec(text, match["sensor"], match["kind"], value, start, length)
 
 
-def _number(text: str | None) -> float | None:
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return math.nan
-
-
 def _seconds(text: str, word: str | None, name: str) -> float | None:
-    seconds = _number(word)
+    try:
+        seconds = None if word is None else float(word)
+    except ValueError:
+        seconds = math.nan
     if seconds is not None and not 0.0 <= seconds <= LONGEST:
         raise UsageError(f"fault '{text}': {name} '{word}' is not valid; give seconds from 0 up")
     return seconds

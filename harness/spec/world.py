@@ -5,14 +5,21 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from harness.spec.actor import ActorText
-from harness.spec.value import Finite, Option, Share, Value, as_tuple, listed, numbers
+from harness.spec.value import Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
+# Mars Desert Research Station, Utah, where rovers of universities compete.
 DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
+Latitude = Annotated[float, Field(ge=-89.9, le=89.9)]
+Longitude = Annotated[float, Field(ge=-180.0, le=180.0)]
+Altitude = Annotated[float, Field(ge=-500.0, le=9000.0)]  # [m]: of what rovers drive on
 
-MapLength = Annotated[float, Field(ge=10.0, le=50_000.0)]  # [m]
-Relief = Annotated[float, Field(ge=0.0, le=10_000.0)]  # [m]
+SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
+LARGEST_RELIEF = 10_000.0  # [m]
+
+MapLength = Annotated[float, Field(ge=SMALLEST_MAP, le=LARGEST_MAP)]  # [m]
+Relief = Annotated[float, Field(ge=0.0, le=LARGEST_RELIEF)]  # [m]
 Cell = Annotated[float, Field(ge=0.02, le=10.0)]  # [m]
 Texts = Annotated[tuple[str, ...], listed()]
 
@@ -77,7 +84,7 @@ class WorldSpec(Value):
         "speed, route, delay, radius, height, within, push (docs/worlds.md); default: nobody",
     )
     datum: Annotated[
-        tuple[Finite, Finite, Finite],
+        tuple[Latitude, Longitude, Altitude],
         numbers("LAT,LON or LAT,LON,ALT in degrees and metres", 3, rest=0.0),
         Option("LAT,LON[,ALT]"),
     ] = Field(
@@ -87,7 +94,15 @@ class WorldSpec(Value):
     )
 
 
-FILE_FIELDS = (  # for terrains from files alone
-    *("terrain_size", "terrain_height", "terrain_cell", "resource_path", "mesh_unit", "mesh_up"),
-    *("rock_height", "rock", "hazard"),
-)
+HEIGHTMAPS, SOLIDS = "heightmaps", "SDF worlds and meshes"
+FILE_FIELDS = {  # for terrains from files alone, and for which kind of file
+    "terrain_size": HEIGHTMAPS,
+    "terrain_height": HEIGHTMAPS,
+    "terrain_cell": SOLIDS,
+    "resource_path": SOLIDS,
+    "mesh_unit": SOLIDS,
+    "mesh_up": SOLIDS,
+    "rock_height": SOLIDS,
+    "rock": SOLIDS,
+    "hazard": SOLIDS,
+}

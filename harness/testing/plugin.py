@@ -14,7 +14,7 @@ import pytest
 from harness.spec.run import Run
 from harness.testing.trial import Trial
 
-TRIALS = pytest.StashKey[list[Trial]]()
+TRIALS = pytest.StashKey[list[Any]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -30,16 +30,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture
 def start_trial(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Callable[[Run | Trial], Trial]]:
-    """Starts a trial, given or of a run, that ends with the test; one at a time."""
+) -> Iterator[Callable[[Any], Any]]:
+    """Starts a trial, a given one or that of a given Run, which ends with the test; one at a time."""
     folder = request.config.getoption("--rover-artifacts") or tmp_path_factory.getbasetemp() / "rover"
     name = re.sub(r"[^\w.-]+", "_", request.node.nodeid).strip("_")
     trials = request.node.stash.setdefault(TRIALS, [])
     with ExitStack() as at_end:
 
-        def start(given: Run | Trial) -> Trial:
+        def start(given: Any) -> Any:  # noqa: ANN401 - a Run or a trial -> the trial
             number = f"-{len(trials) + 1}" if trials else ""
-            trial = given if isinstance(given, Trial) else Trial(given)
+            trial = Trial(given) if isinstance(given, Run) else given
             trial.artifacts = trial.artifacts or folder.absolute() / f"{name}{number}"
             trials.append(trial)
             return at_end.enter_context(trial)

@@ -109,8 +109,8 @@ class Process:
             os.killpg(self._process.pid, number)
 
 
-class Programs:
-    """The programs that run in a ROS domain.
+class Programs(ExitStack):
+    """The programs that run in a ROS domain; a context that ends them.
 
     Args:
         domain: Its number.
@@ -118,6 +118,7 @@ class Programs:
     """
 
     def __init__(self, domain: int, when: Callable[[], str]) -> None:
+        super().__init__()
         self._environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
         self._when, self._running = when, list[Process]()
 
@@ -131,6 +132,7 @@ class Programs:
     ) -> Process:
         """Starts one; see Process."""
         process = Process(command, self._environment, folder=folder, output=output, may_end=may_end)
+        self.callback(process.stop)
         self._running.append(process)
         return process
 

@@ -12,23 +12,20 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
-from harness.base.errors import UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.episode.assembly import actor_names, check, injector, sensor_rows
+from harness.episode.assembly import check
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.loop import drive as drive_loop
-from harness.robots import find_rover
-from harness.ros.bridge import Bridge
-from harness.ros.camera import painter
 from harness.ros.context import make_executor
 from harness.ros.network import reserved_domain, stay_local
+from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Twist
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.testing.evidence import Evidence
+from harness.testing.evidence import Evidence, Recording, kept_lines
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
 from harness.testing.subject import Heard, Message
@@ -45,6 +42,28 @@ Node = TypeVar("Node")
 Start = tuple[float, float, float]
 
 
+class TrialListener:
+    """Goes along with a trial and is told of what happens in it; a subclass says what it heeds."""
+
+    def begin_programs(self, programs: Programs) -> None:
+        """Starts what takes its time while the world is built."""
+
+    def joined(self, node: object) -> None:
+        """A node is kept in step from now on; None stands for one in another process."""
+
+    def before_tick(self) -> None:
+        """The next tick is not made yet."""
+
+    def tick(self, tick: Tick, sent: Tick) -> None:
+        """A tick is made, and what faults leave of it; neither has been published."""
+
+    def after_tick(self) -> None:
+        """All nodes have handled the tick."""
+
+    def take(self, batch: Batch) -> None:
+        """The ticks of a batch have been handled."""
+
+
 class Trial:
     """Publishes a rover's topics in a ROS domain of its own; a context manager, one at a time.
 
@@ -53,6 +72,9 @@ class Trial:
             /cmd_vel, whichever spoke last.
         artifacts: Folder for a recording and a page, if an exception ends the trial; None for none.
         frames: Which transforms are published; None for those of a run.
+        listener: Is told of what happens; None for nobody.
+        recording: Records the topics; None if that is done for `artifacts` only.
+        cmd_vel: How commands come: "twist", "stamped", "auto" or "auto_twist".
 
     Attributes:
         run: As it was given, or as `reset` has changed it.
@@ -60,29 +82,36 @@ class Trial:
         domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
+        failure: Why the drive itself ended early; None if it did not.
+        now_ns: Simulation time since the start [ns]; `told_ns` is that of the listeners' clock.
+        bridge: Publishes the topics, spun by `executor`; `nodes` are those that it waits for.
 
     Raises:
         UsageError: The run is not valid.
     """
-
-    CMD_VEL = "twist"  # how commands come
 
     def __init__(
         self,
         run: Run,
         artifacts: Path | None = None,
         frames: FrameOptions | None = None,
+        *,
+        listener: TrialListener | None = None,
+        recording: Recording | None = None,
+        cmd_vel: str = "twist",
     ) -> None:
         check(run)
-        self.run, self._frames = run, frames or FrameOptions()
+        self.run, self._frames, self._cmd_vel = run, frames or FrameOptions(), cmd_vel
         self.artifacts = artifacts
+        self._listener, self._recording = listener or TrialListener(), recording
         self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
         self._at_end = ExitStack()
         self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
-        self._now_ns = 0
+        self.now_ns = self.told_ns = 0
         self.speed = 0.0
+        self.failure: str | None = None
 
     def __enter__(self) -> Self:
         if rclpy.ok():
@@ -95,67 +124,54 @@ class Trial:
 
     def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
         with self._at_end:
-            if error is not None and (told := self.keep_evidence(f"{type(error).__name__}: {error}")):
-                print(told, file=sys.stderr)
+            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
+                print(lines, file=sys.stderr)
 
     def keep_evidence(self, reason: str) -> str:
         """Ends the recording and writes recording and page to `artifacts`.
 
         Args:
-            reason: Why the trial has failed; its first line is told on the page.
+            reason: Why the trial has failed; its first line stands on the page.
 
         Returns:
             Where they are, in a line each; nothing if nothing is recorded, or it was kept already.
         """
         evidence, self._evidence = self._evidence, None
-        if evidence is None or self.artifacts is None:
+        folder, recording = self.artifacts, self._recording
+        if evidence is None or folder is None or recording is None:
             return ""
-        return evidence.keep(self.artifacts, next(iter(reason.splitlines()), "an exception"))
+        return kept_lines(lambda why: evidence.keep(folder, why, recording), reason)
 
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
-        self._programs = Programs(self.domain, self._when)
-        self._begin_processes()
+        self._programs = at_end.enter_context(Programs(self.domain, self._when))
+        self._listener.begin_programs(self._programs)
         self._episode = Episode(self.run, frame_options=self._frames)
-        setup, faults = self.run.rover, injector(self.run)
-        self._ticks = drive_loop(self._batches(), (Route(faults, self._take, (self,)),))
+        self.info = self._episode.info
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
-        self._bridge = Bridge(
-            find_rover(setup.robot),
-            LidarSpec(beams=setup.lidar_beams),
-            on_command=self._command,
-            cmd_vel=self.CMD_VEL,
-            rows=sensor_rows(setup),
-            draw=at_end.enter_context(painter(self.run)).image,
-            actors=actor_names(self.run.world),
-        )
-        at_end.callback(self._bridge.destroy_node)
-        self._record(at_end)
-        if self._episode.description is not None:
-            self._bridge.describe(self._episode.description)
-        self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
-        context = rclpy.get_default_context()
-        executor = make_executor(context, time_jumps=faults.disturbs_time)
-        self._executor = at_end.enter_context(executor)
-        self._executor.add_node(self._bridge)
-        jumps = faults.disturbs_time
-        self._nodes = Nodes(self._bridge, self._executor, self._programs, time_jumps=jumps)
-
-    def _begin_processes(self) -> None:
-        """Starts what may start while the world is built; here nothing."""
-
-    def _record(self, at_end: ExitStack) -> None:
+        rover = RoverNodes(self.run, 0, self._command, at_end, cmd_vel=self._cmd_vel)
+        self.bridge, jumps = rover.bridge, rover.faults.disturbs_time
+        self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))
         if self.artifacts is not None:
-            self._evidence = at_end.enter_context(Evidence(self._bridge))
-            self._evidence.begin(self.run, self._episode.info)
+            self._recording = self._recording or Recording()
+            self._evidence = Evidence(self.bridge, self.run, self.info)
+        if self._recording is not None:
+            at_end.enter_context(self._recording).tap(self.bridge)
+        if self._episode.description is not None:
+            self.bridge.describe(self._episode.description)
+        self.bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
+        executor = make_executor(rclpy.get_default_context(), time_jumps=jumps)
+        self.executor = at_end.enter_context(executor)
+        self.executor.add_node(self.bridge)
+        self.nodes = Nodes(self.bridge, self.executor, self._programs, time_jumps=jumps)
 
     @property
     def time(self) -> float:
         """Simulated seconds since the start, whatever faults do to /clock."""
-        return self._now_ns / NANOSECONDS
+        return self.now_ns / NANOSECONDS
 
     def host(self, make_node: Callable[[], Node]) -> Node:
         """Makes a node and spins it in this process, on simulated time.
@@ -165,8 +181,8 @@ class Trial:
         """
         node: Any = make_node()
         self._at_end.callback(node.destroy_node)
-        self._executor.add_node(node)
-        self._keep_in_step(node.get_fully_qualified_name(), node)
+        self.executor.add_node(node)
+        self.join(node.get_fully_qualified_name(), node)
         return node  # type: ignore[no-any-return]  # rclpy has no types for mypy
 
     def launch(self, command: Sequence[str], node: str) -> None:
@@ -180,27 +196,29 @@ class Trial:
             RunFailed: The program ended at once.
             UsageError: There is no such program, the node is not found, or runs on wall time.
         """
-        self._begin(command)
-        self._nodes.wait_until(lambda: node in self._nodes.names())
-        self._keep_in_step(node)
+        self._programs.begin(command)
+        self.nodes.wait_until(lambda: node in self.nodes.names())
+        self.join(node)
 
-    def _begin(
-        self,
-        command: Sequence[str],
-        folder: Path | None = None,
-        output: Path | None = None,
-        *,
-        may_end: bool = False,
-    ) -> None:
-        """Starts a program in this trial's domain; see Process."""
-        process = self._programs.begin(command, folder, output, may_end=may_end)
-        self._at_end.callback(process.stop)
+    def join(self, name: str, node: object = None) -> None:
+        """Keeps a node that runs already in step from now on.
+
+        Args:
+            name: Its fully qualified name.
+            node: The rclpy node if it is hosted here.
+
+        Raises:
+            RunFailed: A program has ended and may not.
+            UsageError: There is no such node, or it runs on wall time.
+        """
+        self.nodes.add(name, node)
+        self._listener.joined(node)
 
     def _when(self) -> str:
-        return f" at {self.time:g} s" if self._now_ns else " at its start"
+        return f" at {self.time:g} s" if self.now_ns else " at its start"
 
     def collect(
-        self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING, most: int = MOST
+        self, message_type: type[Message], topic: str, qos: QoSProfile | int = ANYTHING, most: int = MOST
     ) -> Heard[Message]:
         """Listens to a topic from now on.
 
@@ -210,13 +228,13 @@ class Trial:
             qos: Of the subscription.
             most: How many messages are kept, the latest ones; all are counted.
         """
-        heard: Heard[Message] = Heard(self._bridge.resolve_topic_name(topic), most)
+        heard: Heard[Message] = Heard(self.bridge.resolve_topic_name(topic), most)
 
         def take(message: Message) -> None:
             heard.take(message, self.time)
 
-        self._bridge.create_subscription(message_type, topic, take, qos)
-        self._nodes.renew()
+        self.bridge.create_subscription(message_type, topic, take, qos)
+        self.nodes.renew()
         return heard
 
     def drive(self, linear: float, angular: float = 0.0) -> None:
@@ -271,7 +289,7 @@ class Trial:
         tick, sent = self._pending
         still = replace(tick, samples=()), replace(sent, samples=())
         for _ in range(round(seconds * NANOSECONDS) // TICK_NS):
-            self._bridge.advance(*still, listeners=self._nodes.subjects)
+            self.bridge.advance(*still, listeners=self.nodes.subjects)
 
     def until(self, condition: Callable[[], bool], *, within: float) -> float:
         """Steps until a condition holds; gives the simulated seconds that this took.
@@ -279,35 +297,43 @@ class Trial:
         Raises:
             AssertionError: It does not hold after `within` simulated seconds.
         """
-        began_ns = self._now_ns
+        began_ns = self.now_ns
         while not condition():
-            if (self._now_ns - began_ns) / NANOSECONDS >= within:
+            if (self.now_ns - began_ns) / NANOSECONDS >= within:
                 raise AssertionError(f"the condition did not hold within {within:g} simulated seconds")
             self._go_on()
-        return (self._now_ns - began_ns) / NANOSECONDS
+        return (self.now_ns - began_ns) / NANOSECONDS
 
     def _go_on(self) -> None:
-        if not self._advance():
+        if not self.advance():
             raise UsageError(f"the episode is over after {self.time:g} s; give a longer duration")
 
-    def _advance(self) -> bool:
-        """Publishes the next tick; returns whether there was one."""
+    def advance(self) -> bool:
+        """Publishes the next tick of 10 ms; returns whether there was one.
+
+        Raises:
+            RunFailed: A node stopped answering, or the drive itself has failed: see `failure`.
+        """
+        self._listener.before_tick()
         if next(self._ticks, None) is None:
             return False
         self._programs.check()
         # Not in the loop, which what a node raises here would end for good.
-        self._bridge.advance(*self._pending, listeners=self._nodes.subjects)
+        self.bridge.advance(*self._pending, listeners=self.nodes.subjects)
+        self._listener.after_tick()
         return True
 
-    def _take(self, tick: Tick, sent: Tick) -> None:
+    def _take_tick(self, tick: Tick, sent: Tick) -> None:
         self._pending = tick, sent
-        self._now_ns = tick.stamp_ns
+        self.now_ns, self.told_ns = tick.stamp_ns, sent.stamp_ns
         for sample in tick.samples:
             if isinstance(sample, GroundTruth):
                 self.speed = sample.linear_velocity[0]
+        self._listener.tick(tick, sent)
 
     def take(self, batch: Batch) -> None:
         """Takes account of a batch whose ticks have been published; what `drive_loop` calls."""
+        self._listener.take(batch)
         if self._evidence is not None:
             self._evidence.take(batch)
 
@@ -318,14 +344,18 @@ class Trial:
         """The batches of one episode after the other, on one time."""
         episode, began_ns = self._episode, 0
         batches = episode.batches()
-        while (batch := next(batches, None)) is not None:
+        while (batch := self._next(batches)) is not None:
             self.truth = batch.truth
             yield (later(batch, began_ns),)
             if episode is not self._episode:
-                episode, began_ns = self._episode, self._now_ns
-                batches = episode.batches()
+                episode, began_ns = self._episode, self.now_ns
+                batches, self.info = episode.batches(), episode.info
                 if self._evidence is not None:
-                    self._evidence.begin(self.run, episode.info)
+                    self._evidence = Evidence(self.bridge, self.run, self.info)
 
-    def _keep_in_step(self, name: str, node: object = None) -> None:
-        self._nodes.add(name, node)
+    def _next(self, batches: Iterator[Batch]) -> Batch | None:
+        try:
+            return next(batches, None)
+        except RunFailed as error:
+            self.failure = str(error)
+            raise

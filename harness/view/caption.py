@@ -19,7 +19,7 @@ def captioned(pixels: Pixels, time: float, speed: float, rate: int = 1) -> Pixel
         pixels: The frame, RGB, shape (height, width, 3).
         time: Of the simulation [s].
         speed: Of the rover [m/s].
-        rate: How many times as fast as the simulation the video plays; 1 is not told.
+        rate: How many times as fast as the simulation the video plays; 1 is not shown.
     """
     image, font = Image.fromarray(pixels), ImageFont.load_default(FONT_SIZE)
     draw = ImageDraw.Draw(image, "RGBA")

@@ -89,7 +89,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         """Draws in a process of its own; returns the files written.
 
         Args:
-            show: Told how many frames are drawn, and of how many; of a picture there is one.
+            show: Called with the number of frames drawn and of all frames; of a picture there is one.
 
         Raises:
             DrawingFailed: They could not be drawn.
@@ -121,8 +121,8 @@ def _call(
     ):
         try:
             for line in process.stdout or ():
-                if told := FRAMES.fullmatch(line):
-                    show(int(told[1]), int(told[2]))
+                if match := FRAMES.fullmatch(line):
+                    show(int(match[1]), int(match[2]))
         except BaseException:
             process.kill()
             raise

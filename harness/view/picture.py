@@ -130,7 +130,7 @@ class Studio(AbstractContextManager["Studio"]):
 
 
 def _tell(done: int, total: int) -> None:
-    """Tells harness.view.drawing how many frames are drawn, and of how many."""
+    """Prints for harness.view.drawing how many frames are drawn, and of how many."""
     print(f"{done}/{total}", flush=True)
 
 

@@ -1,18 +1,69 @@
-"""The door to worlds from files: heightmaps, SDF worlds, meshes."""
+"""Worlds from files: which names are files, which options a kind of file takes, and the world of one."""
 
-from harness.world.heightmap.dem import heightmap_world
-from harness.world.terrain_file import TerrainFile
-from harness.world.world import World
+import os
+from pathlib import Path
+
+from harness.base.errors import UsageError, find_named
+from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, SOLIDS, WorldSpec
+from harness.world.solids.mesh_file import SUFFIXES as MESHES
+from harness.world.solids.mesh_file import UNITS, UP
+from harness.world.terrains import TERRAINS
+from harness.world.world import RoverNeeds, World
+
+RASTERS = (".tif", ".tiff", ".png", ".npy")
+WORLDS = (".world", ".sdf")
 
 
-def file_world(file: TerrainFile, seed: int) -> World:
-    """Makes a world from a file of any kind.
+def is_terrain_file(name: str) -> bool:
+    """Returns whether the name of a terrain means a file rather than one of the named terrains."""
+    if name in TERRAINS:
+        return False
+    return os.sep in name or name.lower().endswith((*RASTERS, *WORLDS, *MESHES)) or Path(name).exists()
+
+
+def is_heightmap(file: str) -> bool:
+    """Returns whether a file is neither an SDF world nor a mesh."""
+    return Path(file).suffix.lower() not in (*WORLDS, *MESHES)
+
+
+def check_terrain(spec: WorldSpec) -> None:
+    """Checks that a terrain exists or is a file, and that all options are for its kind.
 
     Raises:
-        UsageError: It is not readable, incomplete, or nowhere fit to stand on.
+        UsageError: There is no such terrain, or an option is for another kind of terrain.
     """
-    if file.is_heightmap:
-        return heightmap_world(file, seed)
-    from harness.world.sdf.world_file import solid_world  # noqa: PLC0415 - other worlds save its libraries
+    if is_terrain_file(spec.terrain):
+        kind = HEIGHTMAPS if is_heightmap(spec.terrain) else SOLIDS
+        if spec.difficulty != DEFAULT_DIFFICULTY:
+            raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
+    else:
+        kind = find_named("terrain", spec.terrain, TERRAINS).name
+    for name, valid in FILE_FIELDS.items():
+        if kind != valid and getattr(spec, name) not in (None, (), ""):
+            flag, terrain = name.replace("_", "-"), Path(spec.terrain).name
+            raise UsageError(f"--{flag} applies to {valid} only; leave it out with {terrain}")
+    if spec.mesh_unit:
+        find_named("mesh unit", spec.mesh_unit, UNITS)
+    if spec.mesh_up:
+        find_named("mesh axis", spec.mesh_up, UP)
 
-    return solid_world(file, seed)
+
+def file_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
+    """Makes the world of a file of any kind.
+
+    Args:
+        spec: Names the file and says what it leaves open.
+        rover: What the rover needs of it.
+        seed: Of the world, which has no randomness of its own.
+
+    Raises:
+        UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
+    """
+    # Imported here, since named terrains save the libraries of either.
+    if is_heightmap(spec.terrain):
+        from harness.world.heightmap.dem import heightmap_world  # noqa: PLC0415
+
+        return heightmap_world(spec, seed, needs_start=rover.needs_start)
+    from harness.world.solids.assembly import solid_world  # noqa: PLC0415
+
+    return solid_world(spec, rover, seed)

@@ -1,6 +1,6 @@
 """Heights in metres over a rectangular grid: the surface of a terrain, and what terrains are built from.
 
-The grid is centred on the world's origin, or on a point that it tells. Row index runs with +y and column
+The grid is centred on the world's origin, or on its `middle`. Row index runs with +y and column
 index with +x, the vertices stand at the ends, and each square cell is two triangles split along
 (row, col)-(row+1, col+1): exactly MuJoCo's heightfield.
 """
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Field = NDArray[np.float64]  # a value, mostly a height, for every vertex
 
+EDGE_MARGIN = 0.5  # [m] of map that must remain around a rover's origin, and around people
 FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 
@@ -115,7 +116,7 @@ def smoothstep(value: Field, start: float, end: float) -> Field:
     Args:
         value: Any numbers.
         start: Below `end`, in the unit of `value`.
-        end: See `start`.
+        end: Above `start`, in the unit of `value`.
     """
     t = np.clip((value - start) / (end - start), 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))

@@ -38,10 +38,10 @@ class Obstacle:
     Attributes:
         half_size: Box: half lengths [m]; ellipsoid: semi-axes [m]; cylinder: radius, half height [m];
             convex, surface: half lengths of the box around it.
-        position: Centre x, y, z [m]; of the box around it likewise.
+        position: Centre x, y, z [m], of the box around it if it is convex or a surface.
         quaternion: Orientation w, x, y, z.
-        corners: Of a convex one, from its centre, x, y, z [m]: it is their hull; likewise of a
-            surface, which is only seen.
+        corners: From the centre, x, y, z [m], of a convex one, which is their hull, and of a surface,
+            which is only seen.
         faces: The triangles of a surface, by the numbers of its corners.
         color: How a file says that it looks.
     """
@@ -101,8 +101,8 @@ def place(form: Form, ground: Heightfield, x: float, y: float) -> Obstacle:
     Args:
         form: What is to stand there.
         ground: On which it stands.
-        x: In the world [m]; likewise `y`.
-        y: See `x`.
+        x: In the world [m].
+        y: In the world [m].
     """
     position = (x, y, ground.height_at(x, y) + form.half_size[-1] - form.sink)
     quaternion = orientation(form.yaw, form.tilt)

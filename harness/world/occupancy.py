@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, bottom, outline, top
 from harness.world.statistics import WINDOW, box_means, reach
-from harness.world.world import EDGE_MARGIN, World
+from harness.world.world import World
 
 HEADROOM = 1.0  # [m] between ground and what a rover with its lidar passes under
 RESOLUTION = 0.05  # [m], Nav2's default of its costmaps
@@ -45,8 +45,8 @@ class OccupancyMap:
         """Returns whether no cell is occupied whose middle lies in a disc, nor the one at its middle.
 
         Args:
-            x: Middle of the disc [m]; a point off the map is not free. Likewise `y`.
-            y: See `x`.
+            x: Of the disc's middle [m]; a point off the map is not free.
+            y: Of the disc's middle [m].
             radius: Of the disc [m].
         """
         half_x, half_y = self.half_size

@@ -65,7 +65,7 @@ class Terrain(ABC):
 
         Args:
             x: Of the vertices in the world, shape (n, n) [m].
-            y: Likewise.
+            y: Of the vertices in the world, shape (n, n) [m].
             rng: Source of all randomness of the ground.
         """
 

@@ -1,25 +1,40 @@
 """Name + seed + difficulty -> a world: the ground and what stands on it, as plain values."""
 
 import hashlib
-import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, replace
 from itertools import chain
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.world.heightfield import Heightfield
+from harness.spec.world import DEFAULT_DIFFICULTY
+from harness.world.actors.actor import Actor, actor_of
+from harness.world.actors.free_space import FreeSpace
+from harness.world.actors.people import Pedestrian
+from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.terrains import TERRAINS
 
-if TYPE_CHECKING:
-    from harness.world.actors.actor import Actor
-
-DEFAULT_DIFFICULTY = 0.5
-EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
-
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] of the rover's model frame in the world
+
+ORIGIN: Start = (0.0, 0.0, 0.0)
+STEEPEST_START = 15.0  # [deg] around the start of a world from a file
+
+
+@dataclass(frozen=True)
+class RoverNeeds:
+    """What a world from a file has to know of the rover that drives in it.
+
+    Attributes:
+        clearance: Height of obstacles that the rover drives over [m].
+        step_limit: Highest step that the rover climbs [m].
+        needs_start: Whether a place to start from is to be looked for.
+    """
+
+    clearance: float = 0.1
+    step_limit: float = 0.07
+    needs_start: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +42,13 @@ class World:
     """A ground with its obstacles.
 
     Attributes:
-        difficulty: None of a file, which has none.
-        notes: What a file holds, and what was done to it to make this of it.
+        difficulty: From 0 to 1; None if the world comes from a file.
+        notes: What a file holds, and what was done to make a world of it.
         start: Where the rover starts.
         room: Where a driver may wander: x from, x to, y from, y to [m]; None is the whole map.
         gravity: Downwards [m/s^2]; None is that of the rover's model.
         friction: Of the ground where it is less than the wheels' own; None is theirs.
-        files: Those that it was read from, each with its SHA-256.
+        files: Those that the world was read from, each with its SHA-256.
         people: Who walks about.
     """
 
@@ -43,8 +58,8 @@ class World:
     seed: int
     difficulty: float | None
     notes: tuple[str, ...] = ()
-    start: Start = (0.0, 0.0, 0.0)
-    people: tuple["Actor", ...] = ()
+    start: Start = ORIGIN
+    people: tuple[Actor, ...] = ()
     room: tuple[float, float, float, float] | None = None
     gravity: float | None = None
     friction: float | None = None
@@ -76,19 +91,6 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
     return World(name, ground, obstacles, seed, difficulty)
 
 
-def check_start(start: Start) -> None:
-    """Checks the numbers of a start by themselves.
-
-    Raises:
-        UsageError: They are none; or a heading of more than a turn, which was meant in degrees.
-    """
-    if len(start) != 3 or not all(map(math.isfinite, start)) or abs(start[2]) > math.tau:
-        text = ",".join(f"{value:g}" for value in start)
-        raise UsageError(
-            f"start {text} is not valid; give x and y in metres, and yaw in radians from -6.28 to 6.28"
-        )
-
-
 def starting_at(world: World, start: Start) -> World:
     """Returns the same world with another start.
 
@@ -102,6 +104,19 @@ def starting_at(world: World, start: Start) -> World:
             f"{x_to:g} m, y between {y:g} and {y_to:g} m"
         )
     return replace(world, start=start)
+
+
+def with_actors(world: World, people: Sequence[Pedestrian]) -> World:
+    """Returns the same world with people in it.
+
+    Raises:
+        UsageError: A route leads off the map or through a hazard, or there is no place for a walker to
+            begin at; the message tells where.
+    """
+    space = FreeSpace(world.ground, world.obstacles)
+    return replace(
+        world, people=tuple(actor_of(one, space, world.start[:2], world.seed) for one in people)
+    )
 
 
 def terrain_hash(world: World) -> str:
@@ -118,6 +133,7 @@ def terrain_hash(world: World) -> str:
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
     for person in world.people:
-        digest.update(repr((person.spec.name, person.spec.walker, person.spec.options)).encode())
-        digest.update(repr(person.spec.told).encode())
+        spec, way = person.spec, person.spec.trajectory
+        values = (spec.name, spec.walker, tuple(spec.options), way and astuple(way))
+        digest.update(repr(values).encode())
     return digest.hexdigest()

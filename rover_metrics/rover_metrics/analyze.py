@@ -69,7 +69,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
-    """Reads every log that can be read, and tells which cannot."""
+    """Reads every log that can be read, and reports those that cannot."""
     groups = tuple(options.group_names) if options.versus else ("all logs",)
     paths = [different(named, _named_again) for named in (options.logs, options.versus)]
     metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
@@ -99,7 +99,7 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
 
 
 def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
-    """Yields the column names of the logs that have them; what is odd about others is told later."""
+    """Yields the column names of the logs that have them; others are reported when they are read."""
     for path in paths:
         with contextlib.suppress(UnreadableLog):
             yield read_header(path)

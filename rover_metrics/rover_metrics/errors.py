@@ -1,7 +1,7 @@
 """What can go wrong, as types, and how commands tell it: in one line, with an exit code.
 
 The edge of every program is here: `begin_program` before it loads its libraries, `run_program` around
-its work. Needs Python alone, since what is missing is told from here.
+its work. Needs Python alone, since what is missing is reported from here.
 """
 
 import argparse
@@ -87,7 +87,7 @@ def run_program(name: str, work: Callable[[], int]) -> int:
     try:
         return work()
     except (KnownError, ImportError, OSError) as error:
-        line = _told(error)
+        line = _known_line(error)
         if line is None:
             raise
         print(f"{name}: {printable(line)}", file=sys.stderr)
@@ -97,7 +97,7 @@ def run_program(name: str, work: Callable[[], int]) -> int:
 def _end_with_a_line(
     name: str, kind: type[BaseException], error: BaseException, trace: TracebackType | None
 ) -> None:
-    line = _told(error)
+    line = _known_line(error)
     if line is None:
         sys.__excepthook__(kind, error, trace)
         return
@@ -105,7 +105,7 @@ def _end_with_a_line(
     raise SystemExit(getattr(error, "exit_code", KnownError.exit_code))
 
 
-def _told(error: BaseException) -> str | None:
+def _known_line(error: BaseException) -> str | None:
     """What there is to say of an error that is no bug of this project; None of one that is."""
     if isinstance(error, KnownError):
         return str(error)
@@ -131,7 +131,7 @@ def is_worth_a_line(before: int, now: int) -> bool:
 _NUMBERS = {"int": "a whole number", "float": "a number"}
 NEARLY = 0.75  # of 1: so alike, one option is taken for a slip of the other
 _MISTYPED = re.compile(r"invalid (int|float) value: (.*)")  # what argparse says
-_UNKNOWN = re.compile(r"unrecognized arguments: (--[^\s=]+)")  # likewise
+_UNKNOWN = re.compile(r"unrecognized arguments: (--[^\s=]+)")  # what argparse says too
 
 
 class HelpWithDefaults(argparse.HelpFormatter):

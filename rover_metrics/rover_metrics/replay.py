@@ -35,7 +35,7 @@ INTERRUPTED = 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     try:
         return run_program("replay", lambda: _replay(options))
     except KeyboardInterrupt:
@@ -118,7 +118,8 @@ def _problems(playback: Playback, bag: Bag) -> list[str]:
     ]
 
 
-def _parser() -> argparse.ArgumentParser:
+def parser() -> argparse.ArgumentParser:
+    """Returns the parser of the command line."""
     parser = OneLineParser(
         prog="python -m rover_metrics.replay",
         description="Computes the traversal metrics of a recorded drive, as metrics_node would have.",

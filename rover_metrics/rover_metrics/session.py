@@ -40,8 +40,8 @@ class MetricsSession:
     Each take method returns what is odd about its sample, None if nothing is.
 
     Args:
-        thresholds: Of the metrics; `metrics.thresholds` replaces them.
-        settings: Of the extended columns; None leaves these out.
+        thresholds: What counts as an event; `metrics.thresholds` replaces them.
+        settings: Settings of the extended columns; None leaves these out.
 
     Attributes:
         metrics: The twelve columns.
@@ -70,9 +70,9 @@ class MetricsSession:
         """Takes a lidar scan; one without a finite range is open space, not a fault.
 
         Args:
-            stamp_ns: Of the header.
+            stamp_ns: Stamp of the header [ns].
             ranges: Distances [m], coded as REP-117 says.
-            angles: Of the first beam, and from beam to beam, in the lidar's frame [rad].
+            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
             limits: Between which the lidar can measure [m].
         """
         metrics = self.metrics
@@ -95,10 +95,10 @@ class MetricsSession:
         """Takes an IMU sample.
 
         Args:
-            stamp_ns: Of the header.
+            stamp_ns: Stamp of the header [ns].
             acceleration: In the IMU's frame, gravity included [m/s^2].
             angular_velocity: In the same frame [rad/s].
-            orientation: Of the IMU as (x, y, z, w); None if the sensor does not give it.
+            orientation: Attitude of the IMU as (x, y, z, w); None if the sensor does not give it.
         """
         used = self.metrics.add_imu(acceleration, angular_velocity)
         if self.extended is not None:
@@ -137,7 +137,7 @@ class MetricsSession:
     def take_traversal(
         self, values: Sequence[float], names: Sequence[str] | None = None
     ) -> Remark | None:
-        """Takes the other values of the truth, with the names of these if they are told."""
+        """Takes the other values of the truth, with their names if the message has any."""
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:

@@ -51,22 +51,22 @@ def _run(options: argparse.Namespace) -> int:
         name: make_group(name, members, options.window, options.risk_distance)
         for name, members in _grouped(logs, options.groups).items()
     }
-    found = differences(groups, options.confidence_level)
-    sheets = list(social_sheets(groups, found, options.window, options.risk_distance))
+    compared = differences(groups, options.confidence_level)
+    sheets = list(social_sheets(groups, compared, options.window, options.risk_distance))
     if options.page is not None:
         from rover_metrics.analysis.social.page import render  # noqa: PLC0415 - matplotlib takes a second
 
         with whole_file(options.page) as part:
             part.write_text(render(groups, sheets), encoding="utf-8")
     if options.json:
-        print(json.dumps(json_safe(_values(groups, found)), indent=2))
+        print(json.dumps(json_safe(_values(groups, compared)), indent=2))
     else:
         show(sheets, "" if options.page is None else f"page: {options.page}")
     return UnreadableLog.exit_code if skipped else 0
 
 
-def _values(groups: dict[str, Runs], found: Sequence[Any]) -> dict[str, Any]:
-    """Everything that was found out, as JSON has it."""
+def _values(groups: dict[str, Runs], compared: Sequence[Any]) -> dict[str, Any]:
+    """Returns all results as JSON values."""
     return {
         "groups": {
             name: {
@@ -84,7 +84,7 @@ def _values(groups: dict[str, Runs], found: Sequence[Any]) -> dict[str, Any]:
             }
             for name, group in groups.items()
         },
-        "differences": [asdict(each) for each in found],
+        "differences": [asdict(each) for each in compared],
     }
 
 

@@ -16,10 +16,9 @@ from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.robots.urdf.folder import write_folder
-from harness.world.actors.actor import with_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
-from harness.world.world import World
+from harness.world.world import World, with_actors
 from tests.support.foreign_rovers import FOREIGN
 from tests.support.words import parse_actors
 

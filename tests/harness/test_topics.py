@@ -5,7 +5,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -16,8 +15,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from harness.base.interrupt import StopRequest
-from harness.topics import _watch, main
+from harness.topics import main
 from tests.support.complaint import complaint
 
 TIMEOUT = 30.0  # [s]; reached only when a test fails
@@ -106,16 +104,18 @@ class Scene:
             at_end.callback(node.destroy_node)
             self.executor.add_node(node)
 
-    def publisher(self, kind: type, topic: str, qos: object = 10) -> Untyped:
-        """A publisher that the monitor hears."""
+    def publisher(self, kind: type, topic: str, qos: object = 10, *, settled: bool = True) -> Untyped:
+        """A publisher that the monitor hears, and counts at once if it is settled."""
         publisher = self.talker.create_publisher(kind, topic, qos)
 
-        def heard() -> bool:
-            self.monitor.look_around()
+        def listens() -> bool:
+            if publisher.topic_name not in self.monitor.types:
+                self.monitor.look_around()
             return bool(publisher.get_subscription_count())
 
-        self.spin_until(heard)
-        self.monitor.look_around()  # nothing new: what comes now counts
+        self.spin_until(listens)
+        if settled:
+            self.monitor.look_around()  # nothing new: what comes now counts
         return publisher
 
     def spin_until(self, condition: Callable[[], bool]) -> None:
@@ -177,125 +177,73 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
     assert scene.monitor.table().title == "1 topics"
 
 
-def test_a_rate_begins_after_the_heap_that_finding_topics_leaves_and_is_sure_in_three_seconds(
-    scene: Scene,
+@pytest.mark.parametrize("latched", [False, True])
+def test_a_rate_begins_after_the_heap_of_finding_topics_and_is_sure_in_three_seconds(
+    scene: Scene, latched: bool
 ) -> None:
-    from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: PLC0415
+    from sensor_msgs.msg import Imu  # noqa: PLC0415
 
-    received: dict[str, Callable[[object], None]] = {}
-    quality = QoSProfile(depth=1)
-    publishers = [SimpleNamespace(qos_profile=quality)]
-    scene.monitor._node = SimpleNamespace(
-        create_subscription=lambda _, topic, callback, *__, **___: received.update({topic: callback}),
-        get_topic_names_and_types=lambda: [("/imu/data", ["sensor_msgs/msg/Imu"])],
-        get_publishers_info_by_topic=lambda _: publishers,
-    )
-    scene.monitor.look_around()
+    from rover_metrics.ros.subscriptions import keep_last  # noqa: PLC0415
+
+    imu = scene.publisher(Imu, "imu/data", keep_last(10, latched=latched), settled=False)
     pace = scene.monitor.paces["/imu/data"]
     for _ in range(10):  # half a second's, at once
-        received["/imu/data"](b"")
-    scene.now += 0.5
+        scene.publish(imu, Imu(), at=0.0)
+    scene.monitor.look_around()
     for number in range(61):  # at 20 Hz
-        if number % 10 == 0:
-            scene.monitor.look_around()
-        received["/imu/data"](b"")
+        scene.publish(imu, Imu(), at=0.5 + number * 0.05)
         assert pace.rate(scene.now) == (pytest.approx(20.0) if number >= 10 else None)
-        assert scene.monitor.too_short() == ["/imu/data"] * (number < 60)
-        scene.now = 0.5 + (number + 1) * 0.05
+        unsure = [] if latched or number == 60 else ["/imu/data"]  # what is latched is sent once
+        assert scene.monitor.too_short() == unsure
     scene.now += 9.0
-    assert scene.monitor.too_short() == ["/imu/data"]
-    quality.durability = DurabilityPolicy.TRANSIENT_LOCAL
-    assert scene.monitor.too_short() == [], "what is latched is sent once"
-    publishers.clear()
-    assert scene.monitor.too_short() == [], "nobody publishes any more"
+    assert scene.monitor.too_short() == ([] if latched else ["/imu/data"])
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_a_short_look_at_nothing_says_that_it_was_short(capfd: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    assert main(["--seconds", "0.01"]) == 0
+    assert "no topics in so short a look; --seconds 8 is enough" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize(
-    ("seconds", "unsure", "told"),
-    [
-        (0.01, ["/a", "/b"], "too short a look to tell the rates of /a, /b: --seconds 8 is enough\n"),
-        (0.01, [], ""),
-        (9.0, ["/a"], ""),
-        (0.01, None, "no topics in so short a look; --seconds 8 is enough\n"),
-        (9.0, None, "no topics: does anything run with this ROS_DOMAIN_ID and discovery range?\n"),
-    ],
+    ("namespace", "shown"),
+    [("", ["/clock", "/rover1/imu", "/rover11/imu"]), ("rover1", ["/clock", "/rover1/imu"])],
 )
-def test_a_look_says_that_it_was_too_short(
-    seconds: float,
-    unsure: list[str] | None,
-    told: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+def test_topics_are_listed_by_name_and_a_namespace_leaves_out_all_others_but_the_clock(
+    ros_domain: int,  # noqa: ARG001 - sets the environment
+    namespace: str,
+    shown: list[str],
 ) -> None:
-    now = iter(range(1_000_000))
-    monkeypatch.setattr(time, "monotonic", lambda: next(now) * 0.01)
-    monitor: Any = SimpleNamespace(
-        types=() if unsure is None else ("/a", "/b"),
-        look_around=lambda: None,
-        table=lambda: "",
-        too_short=lambda: unsure,
-    )
-    executor: Any = SimpleNamespace(spin_once=lambda timeout_sec: None)  # noqa: ARG005
-    with StopRequest() as stop:
-        _watch(monitor, executor, seconds, stop, Console(width=200))
-    assert capsys.readouterr().out.lstrip("\n") == told
-
-
-def test_all_topics_but_plumbing_are_heard_whatever_their_quality_and_listed_by_name(
-    scene: Scene,
-) -> None:
-    from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: PLC0415
-    from sensor_msgs.msg import Imu  # noqa: PLC0415
-
-    best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-    names = ["/zeta", "/eta", "/alpha"]
-    for name in names:
-        scene.publish(scene.publisher(Imu, name, best_effort), Imu(), at=0.0)
-    assert sorted(scene.monitor.types) == sorted(names)
-    console = Console(width=200)
-    with console.capture() as captured:
-        console.print(scene.monitor.table())
-    assert re.findall(r"^│ (/\w+)", captured.get(), re.MULTILINE) == sorted(names)
-
-
-def test_a_namespace_leaves_out_the_others_but_not_the_clock(ros_domain: int) -> None:  # noqa: ARG001
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     from rosgraph_msgs.msg import Clock  # noqa: PLC0415
     from sensor_msgs.msg import Imu  # noqa: PLC0415
 
+    from rover_metrics.ros.parameters import BEST_EFFORT  # noqa: PLC0415
+    from rover_metrics.ros.subscriptions import keep_last  # noqa: PLC0415
+
     with ExitStack() as at_end:
-        scene = Scene(at_end, namespace="rover1")
-        others = [
-            scene.talker.create_publisher(Imu, f"{name}/imu", 10) for name in ("rover11", "rover2")
-        ]
+        scene = Scene(at_end, namespace)
+        kinds = {"/rover11/imu": Imu, "/clock": Clock, "/rover1/imu": Imu}
+        made = {name: scene.talker.create_publisher(kinds[name], name, 10) for name in kinds}
+        for name in set(shown) - {"/clock"}:
+            scene.publish(scene.publisher(Imu, name, keep_last(1, BEST_EFFORT)), Imu(), at=0.0)
         scene.publisher(Clock, "/clock")
-        scene.publisher(Imu, "/rover1/imu")
-        assert set(scene.monitor.types) == {"/clock", "/rover1/imu"}
-        assert [other.get_subscription_count() for other in others] == [0, 0]
-
-
-def test_ctrl_c_ends_a_look_that_hangs_too(capsys: pytest.CaptureFixture[str]) -> None:
-    class Hanging:
-        types = ("/imu/data",)
-        too_short = list
-
-        def look_around(self) -> None:
-            signal.raise_signal(signal.SIGINT)
-            threading.Event().wait(TIMEOUT)
-
-        def table(self) -> str:
-            return "the last table"
-
-    with StopRequest() as stop:
-        _watch(Hanging(), None, TIMEOUT, stop, Console())  # type: ignore[arg-type]
-    assert "the last table" in capsys.readouterr().out
+        console = Console(width=200)
+        with console.capture() as captured:
+            console.print(scene.monitor.table())
+        assert re.findall(r"^│ (/\w+\S*)", captured.get(), re.MULTILINE) == shown
+        listened = [name for name, publisher in made.items() if publisher.get_subscription_count()]
+        assert sorted(listened) == shown
 
 
 def test_ctrl_c_ends_the_command_with_its_table(scene: Scene) -> None:
     from sensor_msgs.msg import Imu  # noqa: PLC0415
 
-    imu = scene.talker.create_publisher(Imu, "imu/data", 10)
-    with subprocess.Popen(COMMAND, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
+    imu = scene.talker.create_publisher(Imu, "a/imu", 10)
+    other = scene.talker.create_publisher(Imu, "b/imu", 10)
+    words = [*COMMAND, "--namespace", "a"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
         try:
             scene.spin_until(lambda: imu.get_subscription_count() == 1)
             command.send_signal(signal.SIGINT)
@@ -303,4 +251,5 @@ def test_ctrl_c_ends_the_command_with_its_table(scene: Scene) -> None:
         finally:
             command.kill()
     assert (command.returncode, err) == (0, "")
-    assert "/imu/data" in out
+    assert "/a/imu" in out
+    assert ("/b/imu" in out, other.get_subscription_count()) == (False, 0)

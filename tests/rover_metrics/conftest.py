@@ -18,6 +18,27 @@ if TYPE_CHECKING:
 TIMEOUT = 20.0  # seconds; reached only when a test fails
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
 
+TRIANGLE = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]
+VALUES: dict[str, Any] = {  # none of them the default
+    "debug_mode": True,
+    "debug_interval": 7,
+    "fsync": True,
+    "stale_after": 1.5,
+    "publish_metrics": False,
+    "collision_threshold": 0.75,
+    "smoothness_threshold": 7.5,
+    "min_safe_clearance": 0.25,
+    "distance_threshold": 1.25,
+    "rough_terrain_threshold": 11.0,
+    "footprint": TRIANGLE,
+    "lidar_pose": [0.1, 0.2, 0.3],
+    "near_returns_as_contact": True,
+    "footprint_threshold": 0.25,
+    "gravity": 9.8,
+    "wheels": "left,right",
+    "extended_columns": True,
+}
+
 Message = Any  # neither messages nor publishers of rclpy have types
 FullDisk = Callable[[int], AbstractContextManager[None]]
 Vector3 = tuple[float, float, float]
@@ -35,7 +56,10 @@ class Rig:
         self.nodes: list[Any] = []
 
     def start(
-        self, *ros_args: str, settings: "Settings | None" = None, **parameters: object
+        self,
+        *ros_args: str,
+        settings: "Settings | None" = None,
+        **parameters: Any,  # noqa: ANN401
     ) -> "MetricsNode":
         import rclpy  # noqa: PLC0415
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415

@@ -8,11 +8,9 @@ import gc
 import math
 import random
 import sys
-from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
@@ -22,7 +20,6 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, LaserScan
 
 from rover_metrics.core.metrics import WINDOW
-from rover_metrics.health import rejections as faults
 from rover_metrics.health.watches import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
 from rover_metrics.topics import SENSORS
 
@@ -46,31 +43,6 @@ def remarks(node: "MetricsNode", topic: str) -> dict[str, int]:
 # Scans
 
 
-def test_each_kind_of_scan_is_survived_and_accounted_for(rig: "Rig") -> None:
-    node, told, nearest = rig.start(), Counter[str](), []
-    for ranges, remark, clearance in (
-        ((), faults.NO_RANGES, None),
-        ((2.5,), None, 2.5),
-        ((NAN,) * 640, faults.ALL_NAN, None),
-        ((INF,) * 640, None, None),
-        ((-INF,) * 640, faults.ALL_TOO_NEAR, None),
-        ((0.0,) * 640, faults.ZERO_OR_LESS, 0.0),
-        ((-3.0, 5.0), faults.ZERO_OR_LESS, -3.0),
-        ((0.125, 5.0), faults.BELOW_LIMIT, 0.125),
-        ((5.0, 11.0), faults.ABOVE_LIMIT, 5.0),
-        ((NAN, INF, -INF, 5.0), None, 5.0),
-        ((7.0,) * 99_999 + (3.5,), None, 3.5),
-    ):
-        node.take(SCAN, rig.scan(*ranges, limits=LIMITS))
-        told += Counter([remark] if remark else [])
-        nearest += [] if clearance is None else [clearance]
-        assert remarks(node, "/scan") == told
-        row = node.metrics.row(0)
-        assert row.obstacle_clearance == (np.mean(nearest) if nearest else INF)
-        assert row.total_collisions == sum(each < 0.2 for each in nearest)
-    assert node.received["/scan"] == 11
-
-
 def test_a_scan_of_a_hundred_thousand_beams_comes_through_dds(rig: "Rig") -> None:
     node = rig.start()
     rig.publisher(LaserScan, "scan").publish(rig.scan(*(7.0,) * 99_999, 3.5, limits=LIMITS))
@@ -79,56 +51,6 @@ def test_a_scan_of_a_hundred_thousand_beams_comes_through_dds(rig: "Rig") -> Non
 
 
 # IMU, pose, odometry
-
-
-def test_a_poisonous_imu_sample_is_left_out_and_named_and_the_sum_goes_on(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
-) -> None:
-    node, still = rig.start(), (0.0, 0.0, 0.0)
-    poisonous = (
-        ((NAN, 0.0, 9.8), still, faults.NOT_FINITE),
-        ((0.0, 0.0, 9.8), (0.0, -INF, 0.0), faults.NOT_FINITE),
-        ((1e300, 0.0, 9.8), still, faults.HUGE_ACCELERATION),
-        ((0.0, 0.0, 9.8), (0.0, 0.0, 1e300), faults.HUGE_ANGULAR_RATE),
-    )
-    for acceleration, rate, _ in poisonous:
-        node.take(IMU, rig.imu((0.0, 0.0, 9.8)))
-        node.take(IMU, rig.imu(acceleration, rate))
-    node.take(IMU, rig.imu((0.0, 0.0, 9.8)))
-    assert node.metrics.smoothness_metric == pytest.approx(5 * 9.8)
-    assert node.reception.rejected["/imu/data"] == 4
-    assert remarks(node, "/imu/data") == Counter(reason for _, _, reason in poisonous)
-    told = capfd.readouterr().err
-    assert all(f"/imu/data: {reason}, left out (1 so far)" in told for _, _, reason in poisonous)
-
-
-def test_an_empty_a_nan_and_a_teleported_pose_are_no_travel(rig: "Rig") -> None:
-    node = rig.start()
-    for message in (
-        rig.pose(0.0, 0.0, 0.0),
-        PoseArray(),
-        rig.pose(0.0, NAN, 0.0),
-        rig.pose(0.25, 0.0, 0.0),
-        rig.pose(500.25, 0.0, 0.0),
-        rig.pose(500.5, 0.0, 0.0),
-        rig.pose(1.7e308, 1.7e308, 1.7e308),
-    ):
-        node.take(POSE, message)
-    assert node.metrics.total_distance == 0.5
-    assert node.reception.rejected["/rover/pose_array"] == 3
-    assert remarks(node, "/rover/pose_array") == {
-        faults.NO_POSE: 1,
-        faults.NOT_FINITE: 2,
-        faults.JUMPED: 1,
-    }
-
-
-def test_a_nan_or_huge_twist_is_no_velocity(rig: "Rig") -> None:
-    node = rig.start()
-    for speed in (0.5, NAN, 1e300):
-        node.take(ODOMETRY, rig.odometry(speed, 0.0, 0.0))
-    assert node.metrics.row(0).current_velocity == 0.5
-    assert remarks(node, "/odometry/wheels") == {faults.NOT_FINITE: 1, faults.HUGE_SPEED: 1}
 
 
 # Stamps

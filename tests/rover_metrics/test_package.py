@@ -43,6 +43,11 @@ def test_both_packages_carry_one_version(monkeypatch: pytest.MonkeyPatch) -> Non
     assert given["package_data"] == {"rover_metrics": ["py.typed"]}
 
 
+def test_the_package_knows_nothing_of_the_harness_or_mujoco() -> None:
+    for module in (PACKAGE / "rover_metrics").rglob("*.py"):
+        assert not re.search(r"^\s*(import|from) (harness|mujoco)\b", module.read_text(), re.MULTILINE)
+
+
 def test_what_is_imported_is_declared_and_what_is_declared_is_imported() -> None:
     used = dependencies.imported() | {s.message_type.partition("/")[0] for s in (*SENSORS, *TRUTH)}
     assert used == dependencies.depended_on() | dependencies.told_to_install()

@@ -13,12 +13,13 @@ from rover_metrics.session import MetricsSession, Remark
 
 INF, NAN = math.inf, math.nan
 STILL = (0.0, 0.0, 0.0)
+NO_INTERVALS = ((0.0, 0.0), (5.0, 5.0), (10.0, 0.15), (NAN, NAN))
 
 Give = Callable[[MetricsSession], Remark | None]
 
 
-def scan(*ranges: float) -> Give:
-    return lambda session: session.take_scan(1, ranges, angles=(0.5, 0.25), limits=(0.15, 10.0))
+def scan(*ranges: float, limits: tuple[float, float] = (0.15, 10.0)) -> Give:
+    return lambda session: session.take_scan(1, ranges, angles=(0.5, 0.25), limits=limits)
 
 
 def imu(acceleration: Vector3, rate: Vector3 = STILL) -> Give:
@@ -39,6 +40,9 @@ def odometry(velocity: Vector3) -> Give:
     [
         (scan(2.5, 1.0), True, False, None),
         (scan(0.125, 11.0), True, False, faults.BELOW_LIMIT),
+        (scan(0.125, 5.0, limits=(0.125, 5.0)), True, False, None),  # a limit itself can be measured
+        *((scan(0.1, 99.0, limits=none), True, False, None) for none in NO_INTERVALS),
+        (scan(-1.0, 9.9, limits=(0.0, 0.0)), True, False, faults.ZERO_OR_LESS),
         (scan(5.0, 11.0), True, False, faults.ABOVE_LIMIT),
         (scan(0.0, 5.0), True, False, faults.ZERO_OR_LESS),
         (scan(INF, INF), False, False, None),  # open space: neither used nor a fault
@@ -48,13 +52,14 @@ def odometry(velocity: Vector3) -> Give:
         (scan(), False, False, faults.NO_RANGES),
         (imu((0.0, 0.0, 9.8)), True, False, None),
         (imu((NAN, 0.0, 9.8)), False, True, faults.NOT_FINITE),
-        (imu((0.0, 1e6, 0.0)), False, True, faults.HUGE_ACCELERATION),
+        (imu((1e300, 0.0, 0.0), (0.0, NAN, 0.0)), False, True, faults.NOT_FINITE),
+        (imu((-6e4, -6e4, -6e4), (0.0, 0.0, 1e5)), False, True, faults.HUGE_ACCELERATION),
         (imu(STILL, (0.0, 0.0, 1e6)), False, True, faults.HUGE_ANGULAR_RATE),
         (pose((1.0, 2.0, 3.0)), True, False, None),
         (pose((0.0, NAN, 0.0)), False, True, faults.NOT_FINITE),
         (pose(None), False, True, faults.NO_POSE),
         (odometry((0.5, 0.0, 0.0)), True, False, None),
-        (odometry((0.0, 1e6, 0.0)), False, True, faults.HUGE_SPEED),
+        *((odometry(huge), False, True, faults.HUGE_SPEED) for huge in ((-6e3,) * 3, (1e308,) * 3)),
         (odometry((0.0, 0.0, NAN)), False, True, faults.NOT_FINITE),
     ],
 )

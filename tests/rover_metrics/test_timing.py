@@ -59,24 +59,6 @@ def test_rows_and_segments_are_those_of_the_rule(events: list[Event]) -> None:
     assert times.segments == 1 + events.count(BACK)
 
 
-@pytest.mark.parametrize(
-    ("events", "expected"),
-    [
-        ([1.0, 1.0, 1.01, 2.0, 2.0], [1.0, 2.0]),  # fires twice
-        ([1.0, 2.9, 3.0, 4.0], [1.0, 2.9, 3.0, 4.0]),  # fires late
-        ([1.0, 1.499999999, 1.5], [1.0, 1.5]),  # half a period is far enough
-        ([1.6, 1.0, 1.2], [1.6, 1.0]),  # back by more than half
-        ([1.0, BACK, 1.01, 1.02], [1.0, 1.01]),  # a simulator that starts again
-        ([10.0, BACK, AHEAD, 10.1, BACK, AHEAD, 10.2], [10.0]),  # two clocks that fight
-    ],
-)
-def test_a_row_is_due_once_a_period_whatever_timer_and_clock_do(
-    events: list[float | str], expected: list[float]
-) -> None:
-    fired = [event if isinstance(event, str) else round(event * SECOND) for event in events]
-    assert rows(RowTimes(SECOND), fired) == [round(second * SECOND) for second in expected]
-
-
 def firings_of_the_rule(start: int, clock: Sequence[int]) -> list[int]:
     """The timer by its words, a step of the clock's smallest unit at a time."""
     called = start

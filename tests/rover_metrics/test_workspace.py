@@ -98,14 +98,6 @@ def test_the_sourced_workspace_brings_the_package_whole(workspace: Path) -> None
     assert installed == {path.relative_to(source) for path in source.rglob("*.py")}
 
 
-def test_the_build_has_what_ros2_run_and_ament_look_for(workspace: Path) -> None:
-    installed = workspace / "install/rover_metrics"
-    index = installed / "share/ament_index/resource_index/packages"
-    assert (installed / "lib/rover_metrics/metrics_node").stat().st_mode & 0o111
-    assert (index / "rover_metrics").is_file()
-    assert (installed / "share/rover_metrics/package.xml").is_file()
-
-
 def test_the_installed_commands_need_nothing_that_is_not_declared(
     workspace: Path, tmp_path: Path, declared_only: dict[str, str]
 ) -> None:

@@ -14,9 +14,8 @@ from harness.gym import policy_node
 from harness.scenario import __main__ as scenario
 from harness.tune import __main__ as tune
 from harness.validate import __main__ as validate
-from rover_metrics import dictionary, social
+from rover_metrics import dictionary, replay, social
 from rover_metrics.analysis import options as analyze
-from rover_metrics.bag import options as replay
 from tests.support.documents import ROOT
 
 PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {

@@ -33,7 +33,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
         return f"# {notebook.stem}\n"
 
     with pytest.MonkeyPatch.context() as patch:  # tests/test_examples.py runs the notebooks
-        patch.setattr("tools.site.__main__.told", told)
+        patch.setattr("tools.site.__main__.as_markdown", told)
         patch.chdir(folder.parent)
         build(Path(folder.name))
     return folder

@@ -15,7 +15,7 @@ from pathlib import Path
 from tools.site.documents import MEASURED, UnknownPart, outdated
 from tools.site.generated import generated
 from tools.site.links import REPOSITORY, BrokenLinks, Links
-from tools.site.notebooks import told
+from tools.site.notebooks import as_markdown
 from tools.site.pages import ROOT, navigation, sources
 
 ASSETS = Path(__file__).with_name("assets")
@@ -84,7 +84,7 @@ def build(folder: Path) -> None:
 def _text(document: Path, logs: Path) -> str:
     """A document as Markdown; a notebook writes its logs there."""
     if document.suffix == ".ipynb":
-        return told(document, {"LOGS": logs / document.stem}, {})
+        return as_markdown(document, {"LOGS": logs / document.stem}, {})
     return document.read_text(encoding="utf-8")
 
 

@@ -47,12 +47,12 @@ def _help(script: str, entry_point: str) -> tuple[str, str]:
     """The module of an installed command, and its help."""
     place, _, name = entry_point.partition(":")
     (module,) = getattr(importlib.import_module(place), name).args
-    told = io.StringIO()
+    printed = io.StringIO()
     environment = mock.patch.dict(os.environ, COLUMNS=WIDTH)
     called = mock.patch.object(sys, "argv", [script])
-    with environment, called, redirect_stdout(told), suppress(SystemExit):
+    with environment, called, redirect_stdout(printed), suppress(SystemExit):
         importlib.import_module(module).main(["--help"])
-    return module.removesuffix(".__main__"), told.getvalue()
+    return module.removesuffix(".__main__"), printed.getvalue()
 
 
 def scenario_file() -> str:

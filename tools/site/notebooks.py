@@ -1,4 +1,4 @@
-"""Notebooks: run as Jupyter runs them, and told as Markdown with what their cells print and draw."""
+"""Notebooks: run as Jupyter runs them, and written as Markdown with what their cells print and draw."""
 
 import ast
 import base64
@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 PARAMETERS = "parameters"
 
 
-def told(notebook: Path, given: Mapping[str, object], names: dict[str, Any]) -> str:
+def as_markdown(notebook: Path, given: Mapping[str, object], names: dict[str, Any]) -> str:
     """Returns a notebook as Markdown, each code cell with its output; runs it in its folder.
 
     Args:
@@ -56,8 +56,8 @@ def _run(source: str, names: dict[str, Any]) -> object:
     if not isinstance(last, ast.Expr):
         exec(compile(source, "<cell>", "exec"), names)  # noqa: S102 - our own notebook
         return None
-    exec(compile(ast.Module(lines, []), "<cell>", "exec"), names)  # noqa: S102 - likewise
-    return eval(compile(ast.Expression(last.value), "<cell>", "eval"), names)  # noqa: S307 - likewise
+    exec(compile(ast.Module(lines, []), "<cell>", "exec"), names)  # noqa: S102 - our own notebook
+    return eval(compile(ast.Expression(last.value), "<cell>", "eval"), names)  # noqa: S307 - our own notebook
 
 
 def _figures() -> Iterator[str]:

@@ -39,9 +39,9 @@ SECTIONS: dict[str, tuple[str, ...]] = {
 
 def sources() -> dict[str, Path]:
     """Returns the document of each page that is one, below the repository's root."""
-    found = {page: Path(source) for page, source in ELSEWHERE.items()}
-    found |= {f"notebooks/{name}.md": Path(f"examples/{name}.ipynb") for name in NOTEBOOKS}
-    return found | {path.name: path.relative_to(ROOT) for path in sorted((ROOT / "docs").glob("*.md"))}
+    pages = {page: Path(source) for page, source in ELSEWHERE.items()}
+    pages |= {f"notebooks/{name}.md": Path(f"examples/{name}.ipynb") for name in NOTEBOOKS}
+    return pages | {path.name: path.relative_to(ROOT) for path in sorted((ROOT / "docs").glob("*.md"))}
 
 
 def navigation(pages: dict[str, Path]) -> list[dict[str, Any]]:

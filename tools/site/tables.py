@@ -29,11 +29,11 @@ def topics() -> str:
         for topic in row.topics:
             cells = (f"`/{topic.name}`", topic.message_type.replace("/msg/", "/"), _qos(topic), rates)
             rows.append((*cells, frames, row.fault or ""))
-    told = markdown(Sheet(("topic", "type", "QoS", "rate", "frame", "`--fault`"), tuple(rows)))
+    text = markdown(Sheet(("topic", "type", "QoS", "rate", "frame", "`--fault`"), tuple(rows)))
     heard, truth = (
         ", ".join(f"`/{source.name.lstrip('/')}`" for source in kind) for kind in (HEARD, TRUTH)
     )
-    return f"{told}\n`metrics_node` reads {heard}; with extended columns also {truth}.\n"
+    return f"{text}\n`metrics_node` reads {heard}; with extended columns also {truth}.\n"
 
 
 def _by_robot(values: dict[str, str]) -> str:

@@ -42,8 +42,8 @@ def plots_of(name: str, compared: Comparisons) -> Iterator[Plot]:
     )
     for index, quantity in enumerate(compared.quantities):
         rows = ((row.cell.name, row.summary.mean) for row in quantity.rows)
-        told = "; ".join(f"{cell}: {DASH if mean is None else f'{mean:.4g}'}" for cell, mean in rows)
-        summary = f"{quantity.heading}, mean of each cell: {told}"
+        means = "; ".join(f"{cell}: {DASH if mean is None else f'{mean:.4g}'}" for cell, mean in rows)
+        summary = f"{quantity.heading}, mean of each cell: {means}"
         yield Plot(f"{name}-{index}", summary, _strips(quantity), quantity.heading)
 
 

@@ -51,9 +51,9 @@ def render(several: Sequence[Comparisons], page: Path) -> str:
 def _headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
     count = len(verdicts)
     failed, errors = (sum(v.outcome is o for v in verdicts) for o in (Outcome.FAILED, Outcome.ERROR))
-    told = [f"{n} {words}" for n, words in ((failed, "failed"), (errors, "could not run")) if n]
+    counts = [f"{n} {words}" for n, words in ((failed, "failed"), (errors, "could not run")) if n]
     scenarios = f"{count} scenario{'' if count == 1 else 's'}"
-    headline = f"{scenarios}: {', '.join(told) if told else 'passed'}"
+    headline = f"{scenarios}: {', '.join(counts) if counts else 'passed'}"
     worst = Outcome.ERROR if errors and not failed else Outcome.FAILED if failed else Outcome.PASSED
     return {"headline": headline, "state": CLASSES[worst]}
 

@@ -5,10 +5,9 @@ from operator import attrgetter
 
 from harness.base.errors import Diverged, RunFailed
 from harness.episode import loop
-from harness.episode.assembly import world_of
+from harness.episode.assembly import injector, world_of
 from harness.episode.episode import Episode, together
 from harness.episode.loop import Route
-from harness.faults.injector import FaultInjector
 from harness.robots import find_rover
 from harness.spec.run import Run
 from harness.tune.episodes.contacts import event_rows
@@ -28,7 +27,7 @@ def drive(run: Run) -> EpisodeRecord:
     """
     rover = find_rover(run.rover.robot)
     collected = Collected(rover)
-    ending = _ending(Episode(run), collected)
+    ending = _ending(run, collected)
     scans = collected.scan_rows()
     return EpisodeRecord(
         scans=scans,
@@ -43,12 +42,11 @@ def drive(run: Run) -> EpisodeRecord:
     )
 
 
-def _ending(episode: Episode, collected: Collected) -> Ending:
+def _ending(run: Run, collected: Collected) -> Ending:
     """Drives, with nobody but `collected` to look."""
-    no_faults = FaultInjector((), episode.run.seed)
-    route = Route(no_faults, lambda *_: None, (collected,))
+    route = Route(injector(run), lambda *_: None, (collected,))
     try:
-        for _ in loop.drive(together([episode]), [route]):
+        for _ in loop.drive(together([Episode(run)]), [route]):
             if collected.tipped_over:
                 return Ending.TIPPED_OVER
     except Diverged:
@@ -72,7 +70,7 @@ def sweep(
         planned: The episodes.
         store: Where each goes as soon as it is done.
         workers: Who drives.
-        show: Told how many are done.
+        show: Is called with how many are done.
 
     Raises:
         RunFailed: Workers died again and again, or an episode cannot be written.

@@ -1,4 +1,4 @@
-"""A rover's outline: what it looks like, and where on it a touch can be told from a range."""
+"""A rover's outline: what it looks like, and where on it a touch shows in a range."""
 
 from collections.abc import Iterator
 
@@ -20,7 +20,7 @@ BALL = np.stack([np.sin(TILT) * np.cos(TURN), np.sin(TILT) * np.sin(TURN), np.co
 ROD = np.stack([np.cos(TURN), np.sin(TURN), np.sign(np.cos(TILT))], -1)
 
 Points = NDArray[np.float64]  # shape (n, 2) [m]
-Told = tuple[float, float]  # range_min and a collision threshold [m]: touches between them are told
+Span = tuple[float, float]  # range_min and a threshold [m]: a touch between them raises an alarm
 
 
 def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
@@ -50,26 +50,26 @@ def _surface(kind: int, size: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(ROD * (size[0], size[0], size[1]))
 
 
-def shares(rover: RoverSpec, told: Told) -> tuple[float, float, float]:
-    """Returns the shares of the outline where a touch is nearer than range_min, told, and farther."""
+def shares(rover: RoverSpec, span: Span) -> tuple[float, float, float]:
+    """Returns the shares of the outline where a touch is too near, raises an alarm, and is too far."""
     distance = np.concatenate([distance for _, distance, _ in _sides(rover)])
-    far = float(np.mean(distance >= told[1]))
-    between = float(np.mean((distance >= told[0]) & (distance < told[1])))
+    far = float(np.mean(distance >= span[1]))
+    between = float(np.mean((distance >= span[0]) & (distance < span[1])))
     return 1.0 - between - far, between, far
 
 
-def untold_strips(rover: RoverSpec, told: Told, start: float, width: float) -> Iterator[Points]:
-    """Yields corners, shape (4, 2) [m], of strips beside the outline where a touch is not told.
+def silent_strips(rover: RoverSpec, span: Span, start: float, width: float) -> Iterator[Points]:
+    """Yields corners, shape (4, 2) [m], of strips beside the outline where a touch raises no alarm.
 
     Args:
         rover: Whose outline.
-        told: Distances of what is told.
+        span: Distances of touches that raise an alarm.
         start: From the outline to the strip [m].
         width: Of the strip [m].
     """
     for points, distance, outward in _sides(rover):
-        untold = (distance < told[0]) | (distance >= told[1])
-        edges = np.flatnonzero(np.diff(untold, prepend=False, append=False)).reshape(-1, 2)
+        silent = (distance < span[0]) | (distance >= span[1])
+        edges = np.flatnonzero(np.diff(silent, prepend=False, append=False)).reshape(-1, 2)
         for ends in points[edges - (0, 1)]:
             inner = ends + outward * start
             yield np.concatenate([inner, inner[::-1] + outward * width])

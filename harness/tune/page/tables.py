@@ -34,7 +34,7 @@ def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str,
     if candidate is None:
         return DASH, DASH, DASH
     train, test = (_text(candidate.scores[part][verdict.measure], verdict.digits) for part in Part)
-    return spelled(verdict.told(candidate)), train, test
+    return spelled(verdict.written(candidate)), train, test
 
 
 def _standing(verdict: Verdict) -> str:
@@ -70,14 +70,14 @@ def detectors(study: CollisionStudy) -> Sheet:
     head = ("Detector", "below", *measures, "false alarms per km", "median lead", "F1 of single scans")
     rows = (
         (
-            prefix + told.name,
-            unbroken(f"{told.events.value:g} m"),
-            *(_text(told.events.scores[Part.TEST][name]) for name in measures),
-            _text(told.events.scores[Part.TEST]["false alarms per km"], 1),
-            DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
-            _text(told.scans["F1"]),
+            prefix + scored.name,
+            unbroken(f"{scored.events.value:g} m"),
+            *(_text(scored.events.scores[Part.TEST][name]) for name in measures),
+            _text(scored.events.scores[Part.TEST]["false alarms per km"], 1),
+            DASH if scored.lead_s is None else f"{scored.lead_s:.2f} s",
+            _text(scored.scans["F1"]),
         )
-        for prefix, told in (("default: ", study.default), *(("", one) for one in study.detectors))
+        for prefix, scored in (("default: ", study.default), *(("", one) for one in study.detectors))
     )
     return Sheet(head, tuple(rows))
 
@@ -85,7 +85,7 @@ def detectors(study: CollisionStudy) -> Sheet:
 def zones(study: CollisionStudy) -> Sheet:
     """Returns how many contacts of each side are detected; rows of their own for the others."""
     values = {"default": study.default.events.value}
-    values |= {told.name: told.events.value for told in study.detectors}
+    values |= {one.name: one.events.value for one in study.detectors}
     names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
     seen = (
         (

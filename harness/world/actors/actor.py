@@ -1,18 +1,16 @@
-"""The people of a world: specs -> bodies with a way that is checked against ground and hazards."""
+"""The people of a world: bodies whose walks are checked against ground and hazards."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from harness.base.errors import UsageError
 from harness.base.streams import PEOPLE, generator
+from harness.world.actors.free_space import FreeSpace, along
 from harness.world.actors.people import Pedestrian
-from harness.world.actors.room import Room, along
+from harness.world.actors.random_walk import RandomWalk, RandomWalker
 from harness.world.actors.route import Route, timed
-from harness.world.actors.stroll import Stroll, StrollRoute
-from harness.world.actors.walker import SocialWalker
-from harness.world.world import World
+from harness.world.actors.social_force import SocialForceWalker
 
-Way = Route | StrollRoute | SocialWalker
+Walk = Route | RandomWalker | SocialForceWalker
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,76 +18,74 @@ class Actor:
     """One person: an upright capsule that stands on the ground.
 
     Attributes:
-        spec: Name, size and way.
-        world: Where; without people.
-        room: That it leaves to people.
+        spec: Name, size and trajectory.
+        space: That the world leaves to people.
+        centre: Around which walkers walk, the start of the rover [m].
+        seed: Of the world.
         begin: Where the walk begins [m].
     """
 
     spec: Pedestrian
-    world: World
-    room: Room
-    begin: tuple[float, float]
+    space: FreeSpace
+    centre: tuple[float, float]
+    seed: int
+    begin: tuple[float, float] = (0.0, 0.0)
 
     @property
     def name(self) -> str:
         """Name of the body, and of the topic before /pose."""
         return self.spec.full_name
 
-    def way(self) -> Way:
-        """Returns the way from its begin on, the same each time."""
-        return _way(self.spec, self.world, self.room)
+    def walk(self) -> Walk:
+        """Returns the walk from its begin on, the same each time.
+
+        Raises:
+            UsageError: Its times do not ascend, or there is no place for a walker to begin at.
+        """
+        options, trajectory = self.spec.options, self.spec.trajectory
+        if trajectory is None:
+            way_points = self._random_walk()
+            if self.spec.walker == "social":
+                return SocialForceWalker(way_points, self.space, options)
+            return RandomWalker(way_points, options.speed, options.delay)
+        if trajectory.times:
+            return timed(
+                trajectory.times,
+                trajectory.points,
+                loops=trajectory.loops,
+                delay=trajectory.delay + options.delay,
+                who=f"actor '{self.spec.name}'",
+            )
+        closed = options.route == "closed"
+        return Route.at_speed(trajectory.points, options.speed, closed=closed, delay=options.delay)
+
+    def _random_walk(self) -> RandomWalk:
+        # By the name, so that nobody's walk depends on who else walks.
+        rng = generator(self.seed, PEOPLE, self.spec.name)
+        return RandomWalk(self.spec.name, self.space, self.centre, self.spec.options, rng)
 
 
-def with_actors(world: World, specs: Sequence[Pedestrian]) -> World:
-    """Returns the same world with people in it.
+def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], seed: int) -> Actor:
+    """Returns a person in a world.
+
+    Args:
+        spec: Who it is.
+        space: That the world leaves to people.
+        centre: Around which walkers walk [m].
+        seed: Of the world.
 
     Raises:
-        UsageError: A way leads off the map or through a hazard, or there is no place for a walker to
+        UsageError: A route leads off the map or through a hazard, or there is no place for a walker to
             begin at; the message tells where.
     """
-    room = Room(world)
-    return replace(world, people=tuple(_actor(spec, world, room) for spec in specs))
-
-
-def _actor(spec: Pedestrian, world: World, room: Room) -> Actor:
-    way = _way(spec, world, room)
-    if isinstance(way, Route) and (trouble := room.trouble(along(way.points), spec.options.radius)):
-        what, (x, y) = trouble
-        (x_min, y_min), (x_max, y_max) = room.low.tolist(), room.high.tolist()
+    walk = Actor(spec, space, centre, seed).walk()
+    if isinstance(walk, Route) and (hit := space.blocked(along(walk.points), spec.options.radius)):
+        where, (x, y) = hit
+        (x_min, y_min), (x_max, y_max) = space.low.tolist(), space.high.tolist()
         raise UsageError(
-            f"actor '{spec.name}' walks {what} at {x:.2f},{y:.2f}; lead it around, or take another "
+            f"actor '{spec.name}' walks {where} at {x:.2f},{y:.2f}; lead it around, or take another "
             f"terrain; on this one people walk at x from {x_min:g} to {x_max:g} m and y from "
             f"{y_min:g} to {y_max:g} m"
         )
-    begin = way.walk(0.0, 0.0, ()) if isinstance(way, SocialWalker) else way.place(0.0)
-    return Actor(spec, world, room, (begin.x, begin.y))
-
-
-def _way(spec: Pedestrian, world: World, room: Room) -> Way:
-    options = spec.options
-    if spec.told is None:
-        stroll = _stroll(spec, world, room)
-        if spec.walker == "social":
-            return SocialWalker(
-                stroll, room, speed=options.speed, delay=options.delay, radius=options.radius
-            )
-        return StrollRoute(stroll, options.speed, options.delay)
-    told = spec.told
-    if told.times:
-        delay = told.delay + options.delay
-        return timed(told.times, told.points, loops=told.loops, delay=delay, who=f"actor '{spec.name}'")
-    closed = options.route == "closed"
-    return Route.at_speed(told.points, options.speed, closed=closed, delay=options.delay)
-
-
-def _stroll(spec: Pedestrian, world: World, room: Room) -> Stroll:
-    options = spec.options
-    return Stroll(
-        spec.name,
-        room,
-        world.start[:2],
-        within=options.within,
-        radius=options.radius,
-        rng=generator(world.seed, PEOPLE, spec.name),  # whoever else walks
-    )
+    begin = walk.walk(0.0, 0.0, ()) if isinstance(walk, SocialForceWalker) else walk.place(0.0)
+    return Actor(spec, space, centre, seed, (begin.x, begin.y))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.base.errors import UsageError
-from harness.spec.actor import NAME, ActorOptions, ActorSpec
-from harness.world.actors.trajectory import SUFFIXES, Told, actors_of, read_told
+from harness.spec.actor import NAME, SUFFIXES, ActorOptions, ActorSpec
+from harness.world.actors.trajectory import Trajectory, actors_of, read_trajectories
 
 MOST_ACTORS = 100
 
@@ -21,14 +21,14 @@ class Pedestrian:
         text: What asks for the person, for messages.
         name: Of the topic: /NAME_actor/pose.
         options: Speed, size and the like.
-        told: The way, of way points; None of a walker.
-        walker: "random" or "social"; "" of way points.
+        trajectory: The way points of the walk; None if a walker chooses its own.
+        walker: "random" or "social"; "" if there is a trajectory.
     """
 
     text: str
     name: str
     options: ActorOptions
-    told: Told | None = None
+    trajectory: Trajectory | None = None
     walker: str = ""
 
     @property
@@ -83,16 +83,15 @@ def _people_of(spec: ActorSpec, folders: tuple[str, ...]) -> tuple[Pedestrian, .
     if spec.walker:
         return (Pedestrian(text, _checked(text, name), options, walker=spec.walker),)
     if spec.points:
-        return (Pedestrian(text, _checked(text, name), options, Told(name, spec.points)),)
-    people = read_told(Path(spec.file), folders)
-    if name and len(people) > 1:
+        return (Pedestrian(text, _checked(text, name), options, Trajectory(name, spec.points)),)
+    trajectories = read_trajectories(Path(spec.file), folders)
+    if name and len(trajectories) > 1:
         raise UsageError(
-            f"actor '{text}': {spec.file} has {len(people)} actors with names; leave out '{name}='"
+            f"actor '{text}': {spec.file} has {len(trajectories)} actors with names; leave out '{name}='"
         )
-    called = [name or re.sub(r"\W", "_", told.name) for told in people]
     return tuple(
-        Pedestrian(text, _checked(text, one), options, told)
-        for one, told in zip(called, people, strict=True)
+        Pedestrian(text, _checked(text, name or re.sub(r"\W", "_", one.name)), options, one)
+        for one in trajectories
     )
 
 

@@ -1,4 +1,4 @@
-"""A way that is known beforehand: straight legs, each walked at a constant speed, over and over.
+"""A route that is known beforehand: straight legs, each walked at a constant speed, over and over.
 
 Where somebody is at a time is a closed form of the time alone. Heads turn as RoboTerrain's people do:
 into the next leg within TURN_S, here behind the corner.
@@ -41,7 +41,7 @@ class Route:
     def at_speed(
         cls, points: Sequence[Point], speed: float, *, closed: bool = False, delay: float = 0.0
     ) -> Self:
-        """Returns the way along points at one speed, back the same way or straight from end to start.
+        """Returns the route along points at one speed, back the same way or straight from end to start.
 
         Args:
             points: Two coordinates each, or three; then height counts for the speed.
@@ -53,11 +53,11 @@ class Route:
         for point in points[1:]:
             if math.dist(point, distinct[-1]) > SAME:
                 distinct.append(point)
-        way = [*distinct, distinct[0]] if closed else [*distinct, *distinct[-2::-1]]
+        path = [*distinct, distinct[0]] if closed else [*distinct, *distinct[-2::-1]]
         times = [0.0]
-        for before, after in pairwise(way):
+        for before, after in pairwise(path):
             times.append(times[-1] + math.dist(before, after) / speed)
-        return cls(tuple(times), tuple((point[0], point[1]) for point in way), True, delay)
+        return cls(tuple(times), tuple((point[0], point[1]) for point in path), True, delay)
 
     def place(self, time_s: float) -> Place:
         """Returns where one is and looks at a time [s]."""
@@ -97,7 +97,7 @@ class Route:
 def timed(
     times: Sequence[float], points: Sequence[Point], *, loops: bool, delay: float, who: str
 ) -> Route:
-    """Returns the way through points at times, as an SDF script tells it; the first one is the begin.
+    """Returns the route through points at times, as an SDF script has it; the first one is the begin.
 
     Args:
         times: Of the points [s].

@@ -16,14 +16,13 @@ from harness.world.sdf.poses import read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
 from harness.world.sdf.resources import Resources
 
-SUFFIXES = (".sdf", ".world", ".xml")
 # RoboTerrain names its files for the world too: inspect_diag.sdf is of /diag_actor/pose.
 AROUND = re.compile(r"^(?:inspect|construct|island|moon|flat)_|_traject(?:ory)?(?=_|$)")
 
 
 @dataclass(frozen=True)
-class Told:
-    """One person as a file tells.
+class Trajectory:
+    """The way points of one person, as a file has them.
 
     Attributes:
         points: x, y, z of the way points in the world [m].
@@ -39,7 +38,7 @@ class Told:
     delay: float = 0.0
 
 
-def read_told(path: Path, folders: tuple[str, ...] = ()) -> tuple[Told, ...]:
+def read_trajectories(path: Path, folders: tuple[str, ...] = ()) -> tuple[Trajectory, ...]:
     """Returns the people of a file: the one whose trajectory it is, or its actors.
 
     Args:
@@ -66,15 +65,15 @@ def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
 
 
 @lru_cache(maxsize=32)  # asked several times a run, as is the other
-def _read(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Told, ...]:
+def _read(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Trajectory, ...]:
     root = read_xml(path)
     if root.tag == "trajectory":
         points, _ = _way_points(root, path)
-        return (Told(AROUND.sub("", path.stem), points),)
+        return (Trajectory(AROUND.sub("", path.stem), points),)
     if root.tag == "actor":
         pose, _ = read_pose(root, name := root.get("name", "actor"))
-        return (_walk(Person(name, root, pose, path)),)
-    people = tuple(map(_walk, actors_of(path, folders)))
+        return (_scripted(Person(name, root, pose, path)),)
+    people = tuple(map(_scripted, actors_of(path, folders)))
     if not people:
         raise UsageError(f"{path} has neither a <trajectory> nor an <actor>; name a file with one")
     return people
@@ -85,22 +84,22 @@ def _actors(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Perso
     return tuple(read_document(path, Resources([*map(Path, folders)])).actors)
 
 
-def _walk(person: Person) -> Told:
+def _scripted(person: Person) -> Trajectory:
     path, script = person.file, person.element.find("script")
     if script is None:
-        return Told(person.name, (tuple(person.pose[:3, 3].tolist()),), (0.0,))
+        return Trajectory(person.name, (tuple(person.pose[:3, 3].tolist()),), (0.0,))
     points, times = _way_points(script, path)
     placed = np.array(points) @ person.pose[:3, :3].T + person.pose[:3, 3]
     loops = is_true(text_of(script, "loop", "true"))
-    what = f"{path}: delay_start of {person.name}"
-    (delay,) = numbers(text_of(script, "delay_start", "0"), 1, what)
-    return Told(person.name, tuple(map(tuple, placed.tolist())), times, loops, delay)
+    where = f"{path}: delay_start of {person.name}"
+    (delay,) = numbers(text_of(script, "delay_start", "0"), 1, where)
+    return Trajectory(person.name, tuple(map(tuple, placed.tolist())), times, loops, delay)
 
 
 def _way_points(parent: Element, path: Path) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    found = list(parent.iter("waypoint"))
-    if not 1 <= len(found) <= LONGEST_ROUTE:
-        raise UsageError(f"{path} has {len(found)} way points; give 1 to {LONGEST_ROUTE:,}")
-    poses = [numbers(text_of(point, "pose"), 6, f"{path}: way point") for point in found]
-    stamps = (numbers(text_of(point, "time", "0"), 1, f"{path}: time") for point in found)
+    points = list(parent.iter("waypoint"))
+    if not 1 <= len(points) <= LONGEST_ROUTE:
+        raise UsageError(f"{path} has {len(points)} way points; give 1 to {LONGEST_ROUTE:,}")
+    poses = [numbers(text_of(point, "pose"), 6, f"{path}: way point") for point in points]
+    stamps = (numbers(text_of(point, "time", "0"), 1, f"{path}: time") for point in points)
     return tuple(pose[:3] for pose in poses), tuple(time for (time,) in stamps)

@@ -1,56 +1,56 @@
 """A world from a heightmap file: the whole of it, without gaps, with a start on which a rover can stand.
 
 The data are not altered where they need not be: square pixels between 5 cm and the map's limit become
-vertices as they are. Whatever is done (filled, resampled, scaled) and what came of it is told in a note.
+vertices as they are. Whatever is done (filled, resampled, scaled) and what came of it stands in a note.
 """
 
 import math
+from pathlib import Path
 
 import numpy as np
 
 from harness.base.errors import UsageError
+from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, SMALLEST_MAP, WorldSpec
 from harness.world.heightfield import Field, Heightfield, filled, resampled
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
-from harness.world.terrain_file import (
-    LARGEST_MAP,
-    LARGEST_RELIEF,
-    MIDDLE,
-    SMALLEST_MAP,
-    STEEPEST_START,
-    TerrainFile,
-)
-from harness.world.world import Start, World
+from harness.world.world import ORIGIN, STEEPEST_START, Start, World
 
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
 MOST_VERTICES = 1500 * 1500
 MOST_MISSING = 0.5  # share of heights that may be filled in
-SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is told
+SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is noted
 START_REACH = 0.4  # [m] around the start that must not be steeper
 START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
-def heightmap_world(file: TerrainFile, seed: int) -> World:
+def heightmap_world(spec: WorldSpec, seed: int, *, needs_start: bool) -> World:
     """Makes a world without obstacles from a heightmap.
+
+    Args:
+        spec: Names the file and gives size and relief where the file does not.
+        seed: Of the world, which has no randomness of its own.
+        needs_start: Whether a place to start from is to be looked for.
 
     Raises:
         UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
     """
-    raster = read_raster(file.path)
+    path = Path(spec.terrain)
+    raster = read_raster(path)
     try:
         notes = list(raster.notes)
-        ground = _ground(raster, file, notes)
-        start = _start(ground, notes) if file.needs_start else MIDDLE
+        ground = _ground(raster, spec, notes)
+        start = _start(ground, notes) if needs_start else ORIGIN
     except UsageError as error:
-        raise UsageError(f"terrain {file.path}: {error}") from error
-    return World(file.path.name, ground, (), seed, None, tuple(notes), start)
+        raise UsageError(f"terrain {path}: {error}") from error
+    return World(path.name, ground, (), seed, None, tuple(notes), start)
 
 
-def _ground(raster: Raster, file: TerrainFile, notes: list[str]) -> Heightfield:
-    pixel = _pixel(raster, file)
+def _ground(raster: Raster, spec: WorldSpec, notes: list[str]) -> Heightfield:
+    pixel = _pixel(raster, spec.terrain_size)
     values = _complete(raster.values, notes)
-    heights = _in_metres(values, raster, file.relief, notes)
+    heights = _in_metres(values, raster, spec.terrain_height, notes)
     heights, cell = _on_cells(heights, pixel, notes)
     heights = np.round(heights - heights.min(), HEIGHT_DECIMALS) + 0.0
     ground = Heightfield(np.ascontiguousarray(heights[::-1]), cell)
@@ -63,10 +63,10 @@ def _ground(raster: Raster, file: TerrainFile, notes: list[str]) -> Heightfield:
     return ground
 
 
-def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
+def _pixel(raster: Raster, size: tuple[float, float] | None) -> tuple[float, float]:
     rows, columns = raster.values.shape
-    if file.size is not None:
-        return file.size[0] / (columns - 1), file.size[1] / (rows - 1)
+    if size is not None:
+        return size[0] / (columns - 1), size[1] / (rows - 1)
     if isinstance(raster.pixel, str):
         raise UsageError(f"{raster.pixel}; give --terrain-size in metres")
     width, depth = _extent(raster.values, raster.pixel)
@@ -151,7 +151,7 @@ def _start(ground: Heightfield, notes: list[str]) -> Start:
         )
     row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), fit.shape)
     if distance[row, column] < cell:  # as near as a vertex can be
-        return MIDDLE
+        return ORIGIN
     start = round(float(x[column]), 3), round(float(y[row]), 3), 0.0
     notes.append(f"starts at {start[0]:g},{start[1]:g}: in its middle, 0,0, the ground is too steep")
     return start

@@ -26,7 +26,7 @@ UNITS = {  # EPSG's numbers: name, length [m]
     9036: ("kilometre", 1000.0),
 }
 MOST_SKEW = math.radians(0.5)  # of rows and columns that count as at right angles
-SMALLEST_TURN = 0.05  # [deg] that is told
+SMALLEST_TURN = 0.05  # [deg] that is noted
 SIZE_UNKNOWN = "it does not say how large it is"
 Affine = NDArray[np.float64]  # (2, 3): columns, rows, 1 -> coordinates
 

@@ -54,7 +54,7 @@ def read_raster(path: Path) -> Raster:
     kind = _kind(path)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a file's flaws are told in one line, or not at all
+            warnings.simplefilter("ignore")  # a file's flaws are one line, or nothing
             raster = {"npy": _read_npy, "png": _read_png, "tiff": _read_tiff}[kind](path)
     except UsageError as error:
         raise UsageError(f"terrain {path}: {error}") from error
@@ -146,9 +146,9 @@ def _read_tiff(path: Path) -> Raster:
 
 
 def _gdal_number(page: tifffile.TiffPage, role: str) -> float | None:
-    """What an item of GDAL's metadata says; None without it."""
-    found = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
-    return None if found is None else float(found[1])
+    """The number in an item of GDAL's metadata; None if there is no such item."""
+    match = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
+    return None if match is None else float(match[1])
 
 
 def _tiff_values(page: tifffile.TiffPage) -> Field:

@@ -1,7 +1,7 @@
 """An SDF file -> its solids in the frame of the world, gravity, actors, and what cannot be had.
 
-Models stand where they are told to and stay there: collisions are solids whether their model is static
-or not, but a model with joints that move is left out. What cannot be had is named once.
+Models stay where their poses put them: collisions are solids whether their model is static or not, but
+a model with joints that move is left out. What cannot be had is named once.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file
-from harness.world.solids.solid import Color, Solid
+from harness.world.solid import Color, Solid
 
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000
@@ -26,7 +26,7 @@ class Person:
     """An <actor>, whose script harness.world.actors reads.
 
     Attributes:
-        pose: T_world_actor: in its frame the way points are told.
+        pose: T_world_actor: the way points are in its frame.
         file: That it stands in.
     """
 
@@ -65,7 +65,7 @@ class Document:
         still = (
             [f"not static, but nothing moves here: {', '.join(self.movable)}"] if self.movable else []
         )
-        return (*(f"left out: {what}" for what in self.missing), *plugins, *still)
+        return (*(f"left out: {name}" for name in self.missing), *plugins, *still)
 
 
 def read_document(path: Path, resources: Resources) -> Document:
@@ -96,7 +96,7 @@ class _Place:
 class _Call:
     """A model or an actor in a scope: its own element, and that of the include that it comes by.
 
-    A whole file can be included likewise: its <world>, or all of it where actors stand beside a model.
+    A whole file can be included too: its <world>, or all of it where actors stand beside a model.
     """
 
     model: Element
@@ -149,8 +149,8 @@ class _Reading:
         self._document.files.append(path)
         return root
 
-    def _left_out(self, what: str) -> None:
-        self._document.missing.setdefault(what)
+    def _left_out(self, name: str) -> None:
+        self._document.missing.setdefault(name)
 
     def _scope(self, scope: Element, frames: Frames, place: _Place) -> None:
         """Reads what stands in a world or in a model: first all frames, then what is in them."""
@@ -186,11 +186,11 @@ class _Reading:
                 self._left_out(f"model '{'::'.join(place.names)}': it has joints that move")
                 return
             self._document.movable.append("::".join(place.names))
-            is_static = True  # told of once, not of its parts
+            is_static = True  # noted once, not for its parts
         self._scope(call.model, frames, replace(place, is_static=is_static))
 
     def _included(self, scope: Element, place: _Place) -> list["_Call"]:
-        found: list[_Call] = []
+        calls: list[_Call] = []
         for include in scope.findall("include"):
             try:
                 path = model_file(self._resources.find(text_of(include, "uri"), place.chain[-1]))
@@ -205,8 +205,8 @@ class _Reading:
             if self._document.includes > MOST_INCLUDES:
                 raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
             root = self._root(path)
-            found += [_Call(item, include, chain) for item in _entities(root)]
-        return found
+            calls += [_Call(item, include, chain) for item in _entities(root)]
+        return calls
 
     def _link(self, link: Element, frames: Frames, place: _Place) -> None:
         name = link.get("name", "link")

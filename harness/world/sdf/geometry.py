@@ -9,19 +9,19 @@ from harness.base.errors import UsageError
 from harness.world.sdf.poses import IDENTITY, Transform, transform
 from harness.world.sdf.reader import is_true, numbers, text_of
 from harness.world.sdf.resources import Missing, Resources
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Shape
+from harness.world.solid import MeshFile, Plane, Primitive, Relief, Shape
 
 Placed = tuple[Shape, Transform]  # and where it is in the frame of its geometry
 
 LARGEST_SIZE = 1e5  # [m]
 
 
-def read_shapes(geometry: Element, what: str, file: Path, resources: Resources) -> list[Placed]:
-    """Returns what a <geometry> consists of.
+def read_shapes(geometry: Element, owner: str, file: Path, resources: Resources) -> list[Placed]:
+    """Returns owner a <geometry> consists of.
 
     Args:
         geometry: The element.
-        what: Whose it is, for messages.
+        owner: The collision that has it, for messages.
         file: The file that it stands in.
         resources: Where its own files are.
 
@@ -34,55 +34,55 @@ def read_shapes(geometry: Element, what: str, file: Path, resources: Resources) 
         return []
     if kind.tag not in READERS:
         raise Missing(f"shapes of the kind <{kind.tag}>")
-    shapes = READERS[kind.tag](kind, what, file, resources)
-    return [(shape, IDENTITY) for shape in shapes] if kind.tag != "capsule" else _capsule(kind, what)
+    shapes = READERS[kind.tag](kind, owner, file, resources)
+    return [(shape, IDENTITY) for shape in shapes] if kind.tag != "capsule" else _capsule(kind, owner)
 
 
-def _box(kind: Element, what: str, *_: object) -> list[Shape]:
-    size = _lengths(kind, "size", 3, what)
+def _box(kind: Element, owner: str, *_: object) -> list[Shape]:
+    size = _lengths(kind, "size", 3, owner)
     return [Primitive("box", tuple(0.5 * length for length in size))]
 
 
-def _sphere(kind: Element, what: str, *_: object) -> list[Shape]:
-    return [Primitive("ellipsoid", _lengths(kind, "radius", 1, what) * 3)]
+def _sphere(kind: Element, owner: str, *_: object) -> list[Shape]:
+    return [Primitive("ellipsoid", _lengths(kind, "radius", 1, owner) * 3)]
 
 
-def _ellipsoid(kind: Element, what: str, *_: object) -> list[Shape]:
-    return [Primitive("ellipsoid", _lengths(kind, "radii", 3, what))]
+def _ellipsoid(kind: Element, owner: str, *_: object) -> list[Shape]:
+    return [Primitive("ellipsoid", _lengths(kind, "radii", 3, owner))]
 
 
-def _cylinder(kind: Element, what: str, *_: object) -> list[Shape]:
-    (radius,), (length,) = (_lengths(kind, tag, 1, what) for tag in ("radius", "length"))
+def _cylinder(kind: Element, owner: str, *_: object) -> list[Shape]:
+    (radius,), (length,) = (_lengths(kind, tag, 1, owner) for tag in ("radius", "length"))
     return [Primitive("cylinder", (radius, 0.5 * length))]
 
 
-def _capsule(kind: Element, what: str) -> list[Placed]:
+def _capsule(kind: Element, owner: str) -> list[Placed]:
     """A cylinder with a ball at either end."""
-    (radius,), (length,) = (_lengths(kind, tag, 1, what) for tag in ("radius", "length"))
+    (radius,), (length,) = (_lengths(kind, tag, 1, owner) for tag in ("radius", "length"))
     ends = (transform((0.0, 0.0, end), IDENTITY[:3, :3]) for end in (0.5 * length, -0.5 * length))
     ball = Primitive("ellipsoid", (radius,) * 3)
     return [(Primitive("cylinder", (radius, 0.5 * length)), IDENTITY), *((ball, end) for end in ends)]
 
 
-def _plane(kind: Element, what: str, *_: object) -> list[Shape]:
-    x, y, z = numbers(text_of(kind, "normal", "0 0 1"), 3, f"normal of {what}")
+def _plane(kind: Element, owner: str, *_: object) -> list[Shape]:
+    x, y, z = numbers(text_of(kind, "normal", "0 0 1"), 3, f"normal of {owner}")
     if not math.hypot(x, y, z):
-        raise UsageError(f"normal of {what} is 0; give a direction, as 0 0 1")
-    width, depth = _lengths(kind, "size", 2, what, "1 1")
+        raise UsageError(f"normal of {owner} is 0; give a direction, as 0 0 1")
+    width, depth = _lengths(kind, "size", 2, owner, "1 1")
     return [Plane((x, y, z), (width, depth))]
 
 
-def _heightmap(kind: Element, what: str, file: Path, resources: Resources) -> list[Shape]:
+def _heightmap(kind: Element, owner: str, file: Path, resources: Resources) -> list[Shape]:
     path = resources.find(text_of(kind, "uri"), file)
-    width, depth, height = _lengths(kind, "size", 3, what, "1 1 1")
-    x, y, z = numbers(text_of(kind, "pos", "0 0 0"), 3, f"pos of {what}")
+    width, depth, height = _lengths(kind, "size", 3, owner, "1 1 1")
+    x, y, z = numbers(text_of(kind, "pos", "0 0 0"), 3, f"pos of {owner}")
     return [Relief(path, (width, depth, height), (x, y, z))]
 
 
-def _mesh(kind: Element, what: str, file: Path, resources: Resources) -> list[Shape]:
-    x, y, z = numbers(text_of(kind, "scale", "1 1 1"), 3, f"<scale> of {what}")
+def _mesh(kind: Element, owner: str, file: Path, resources: Resources) -> list[Shape]:
+    x, y, z = numbers(text_of(kind, "scale", "1 1 1"), 3, f"<scale> of {owner}")
     if not all((x, y, z)):
-        raise UsageError(f"<scale> of {what} is not valid; a factor is 0")
+        raise UsageError(f"<scale> of {owner} is not valid; a factor is 0")
     submesh = kind.find("submesh")
     name, centred = text_of(submesh, "name"), is_true(text_of(submesh, "center"))
     return [MeshFile(resources.find(text_of(kind, "uri"), file), (x, y, z), name, centred)]
@@ -100,9 +100,9 @@ READERS: dict[str, Callable[..., list[Shape]]] = {
 }
 
 
-def _lengths(element: Element, tag: str, count: int, what: str, default: str = "") -> tuple[float, ...]:
+def _lengths(element: Element, tag: str, count: int, owner: str, default: str = "") -> tuple[float, ...]:
     text = text_of(element, tag, default)
-    values = numbers(text, count, f"<{tag}> of {what}")
+    values = numbers(text, count, f"<{tag}> of {owner}")
     if not all(0.0 < value <= LARGEST_SIZE for value in values):
-        raise UsageError(f"<{tag}> of {what} '{text}' is not valid; give metres above 0, up to 100 km")
+        raise UsageError(f"<{tag}> of {owner} '{text}' is not valid; give metres above 0, up to 100 km")
     return values

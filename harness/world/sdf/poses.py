@@ -1,4 +1,4 @@
-"""SDF's poses, and the graph of frames that they are told in.
+"""SDF's poses, and the graph of frames that they refer to.
 
 A pose is that of a frame in another one, by default its parent's. Within a model (or a world) frames
 have names; `relative_to` and `attached_to` refer to them, `model::frame` to one of a nested model.
@@ -18,7 +18,7 @@ Transform = NDArray[np.float64]  # shape (4, 4): T_parent_child
 IDENTITY: Transform = np.eye(4)
 
 
-def read_pose(element: Element, what: str) -> tuple[Transform, str]:
+def read_pose(element: Element, owner: str) -> tuple[Transform, str]:
     """Returns the pose of an element as (T_reference_element, the reference's name or "").
 
     Raises:
@@ -30,9 +30,9 @@ def read_pose(element: Element, what: str) -> tuple[Transform, str]:
     reference = pose.get("relative_to", "")  # `frame`, before 1.7, meant nothing
     text = (pose.text or "").strip() or "0 0 0 0 0 0"
     if pose.get("rotation_format") == "quat_xyzw":
-        x, y, z, *quaternion = numbers(text, 7, f"pose of {what}")
-        return transform((x, y, z), _of_quaternion(np.array(quaternion), what)), reference
-    x, y, z, *angles = numbers(text, 6, f"pose of {what}")
+        x, y, z, *quaternion = numbers(text, 7, f"pose of {owner}")
+        return transform((x, y, z), _of_quaternion(np.array(quaternion), owner)), reference
+    x, y, z, *angles = numbers(text, 6, f"pose of {owner}")
     if is_true(pose.get("degrees", "")):
         angles = [math.radians(angle) for angle in angles]
     return transform((x, y, z), _of_angles(*angles)), reference
@@ -65,31 +65,31 @@ def _of_angles(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
     )
 
 
-def _of_quaternion(quaternion: NDArray[np.float64], what: str) -> NDArray[np.float64]:
+def _of_quaternion(quaternion: NDArray[np.float64], owner: str) -> NDArray[np.float64]:
     length = float(np.linalg.norm(quaternion))
     if length == 0.0:
-        raise UsageError(f"pose of {what} is not valid: its quaternion is 0")
+        raise UsageError(f"pose of {owner} is not valid: its quaternion is 0")
     x, y, z, w = quaternion / length
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + 2.0 * (w * cross + cross @ cross))
 
 
 class Frames:
-    """The frames of one model or world by name, each told in another one.
+    """The frames of one model or world by name, each given in another one.
 
     Args:
-        root: What it calls itself: `__model__` or `world`.
+        root: Its own name: `__model__` or `world`.
     """
 
     def __init__(self, root: str) -> None:
         self._known: dict[str, Transform] = {root: IDENTITY, "": IDENTITY}
-        self._told: dict[str, tuple[Transform, str]] = {}
+        self._given: dict[str, tuple[Transform, str]] = {}
         self._nested: dict[str, Frames] = {}
 
     def add(self, name: str, pose: Transform, reference: str = "") -> None:
         """Adds a frame that has that pose in a reference; "" is the root."""
         if name not in self._known:
-            self._told.setdefault(name, (pose, reference))
+            self._given.setdefault(name, (pose, reference))
 
     def nest(self, name: str, frames: "Frames") -> None:
         """Adds the frames of a nested model, which itself is added by `add`."""
@@ -99,7 +99,7 @@ class Frames:
         """Returns T_root_frame.
 
         Raises:
-            UsageError: There is no such frame, or frames are told in a circle.
+            UsageError: There is no such frame, or frames are given in a circle.
         """
         return self._find(name, ())
 
@@ -107,15 +107,15 @@ class Frames:
         if name in self._known:
             return self._known[name]
         if name in asked:
-            raise UsageError(f"frames are told in a circle: {' in '.join((*asked, name))}")
-        if name in self._told:
-            pose, reference = self._told[name]
-            found = self._find(reference, (*asked, name)) @ pose
+            raise UsageError(f"frames are given in a circle: {' in '.join((*asked, name))}")
+        if name in self._given:
+            pose, reference = self._given[name]
+            pose_in_root = self._find(reference, (*asked, name)) @ pose
         else:
             model, _, inner = name.partition("::")
             if not inner or model not in self._nested:
-                names = ", ".join([*self._told][:12]) or "none"
+                names = ", ".join([*self._given][:12]) or "none"
                 raise UsageError(f"frame '{name}' does not exist; available: {names}")
-            found = self._find(model, (*asked, name)) @ self._nested[model].find(inner)
-        self._known[name] = found
-        return found
+            pose_in_root = self._find(model, (*asked, name)) @ self._nested[model].find(inner)
+        self._known[name] = pose_in_root
+        return pose_in_root

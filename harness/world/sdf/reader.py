@@ -66,8 +66,8 @@ def parse_xml(data: bytes) -> Element:
 
 def text_of(element: Element | None, tag: str, default: str = "") -> str:
     """Returns the text of a child, stripped; the default without such a child or without text."""
-    found = None if element is None else element.find(tag)
-    return (found.text or "").strip() or default if found is not None else default
+    child = None if element is None else element.find(tag)
+    return default if child is None else (child.text or "").strip() or default
 
 
 def is_true(text: str) -> bool:
@@ -75,13 +75,13 @@ def is_true(text: str) -> bool:
     return text.strip().lower() in ("1", "true")
 
 
-def numbers(text: str, count: int, what: str) -> tuple[float, ...]:
+def numbers(text: str, count: int, name: str) -> tuple[float, ...]:
     """Returns the finite numbers of a text.
 
     Args:
         text: Separated by white space.
         count: How many there must be.
-        what: What they are, for the message.
+        name: What they are called in the message.
 
     Raises:
         UsageError: There are more or fewer, or one is none or not finite.
@@ -93,5 +93,5 @@ def numbers(text: str, count: int, what: str) -> tuple[float, ...]:
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):
         shown = " ".join(words)[:60]
-        raise UsageError(f"{what} '{shown}' is not valid; give {count} finite numbers")
+        raise UsageError(f"{name} '{shown}' is not valid; give {count} finite numbers")
     return values

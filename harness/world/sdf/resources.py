@@ -64,11 +64,11 @@ class Resources:
             raise Missing(f"'{uri}': names nothing")
         leads_out = False
         for root in self._roots(named_in):
-            found = Path(os.path.normpath(root / name))
-            if not any(found.is_relative_to(top) for top in self._roots(named_in)):
+            path = Path(os.path.normpath(root / name))
+            if not any(path.is_relative_to(top) for top in self._roots(named_in)):
                 leads_out = True
-            elif found.exists():
-                return found
+            elif path.exists():
+                return path
         if leads_out:
             raise Missing(f"{uri}: it leads out of the folders that are looked in")
         package = PurePosixPath(name).parts[0]
@@ -76,38 +76,38 @@ class Resources:
 
     def _roots(self, named_in: Path) -> Iterator[Path]:
         home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count
-        yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - likewise
+        yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - as below
         yield home
         yield from (folder for folder in [*home.parents][:2] if folder != folder.parent)  # not /
 
 
 def _split(uri: str) -> tuple[str, str]:
-    found = SCHEME.match(uri.strip())
-    if found is None:
+    match = SCHEME.match(uri.strip())
+    if match is None:
         return "", uri.strip()
-    return found[1].lower(), unquote(found[2])
+    return match[1].lower(), unquote(match[2])
 
 
-def model_file(found: Path) -> Path:
+def model_file(path: Path) -> Path:
     """Returns the SDF file of a model: itself, or what the model.config of its folder names.
 
     Raises:
         Missing: The folder has none.
         UsageError: Its model.config is not valid.
     """
-    if not found.is_dir():
-        return found
-    config = found / "model.config"
+    if not path.is_dir():
+        return path
+    config = path / "model.config"
     if not config.is_file():
-        plain = found / "model.sdf"
+        plain = path / "model.sdf"
         if plain.is_file():
             return plain
-        raise Missing(f"{found}: neither model.config nor model.sdf is in it")
+        raise Missing(f"{path}: neither model.config nor model.sdf is in it")
     named = [item for item in read_xml(config).findall("sdf") if (item.text or "").strip()]
     if not named:
         raise Missing(f"{config}: it names no <sdf>")
     newest = max(named, key=lambda item: [int(n) for n in re.findall(r"\d+", item.get("version", "0"))])
-    file = Path(os.path.normpath(found / (newest.text or "").strip()))
-    if not file.is_relative_to(found) or not file.is_file():
+    file = Path(os.path.normpath(path / (newest.text or "").strip()))
+    if not file.is_relative_to(path) or not file.is_file():
         raise Missing(f"{config}: there is no {(newest.text or '').strip()} beside it")
     return file

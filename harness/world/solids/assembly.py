@@ -1,24 +1,30 @@
-"""Solids -> a world: its ground, its obstacles as rocks and hazards, a place where a rover can stand."""
+"""An SDF file or a mesh -> a world: ground, obstacles as rocks and hazards, a place for a rover."""
 
+import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.spec.world import WorldSpec
+from harness.world.heightfield import EDGE_MARGIN
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.occupancy import FREE, occupancy
-from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
+from harness.world.sdf.document import read_document
+from harness.world.sdf.poses import IDENTITY
+from harness.world.sdf.resources import Resources
+from harness.world.solid import MeshFile, Solid
+from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.kinds import Kinds
-from harness.world.solids.mesh_file import Mesh, joined
+from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
 from harness.world.solids.pieces import obstacles_of
 from harness.world.solids.primitives import obstacle_of
-from harness.world.solids.solid import Solid
 from harness.world.solids.surface import Bounds, Surface, chosen_grid, surface_of
-from harness.world.terrain_file import MIDDLE, STEEPEST_START, TerrainFile
-from harness.world.world import EDGE_MARGIN, Start, World
+from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 START_ROOM = 0.7  # [m] around the start that is free
 START_RESOLUTION = 0.1  # [m], or that of the heights
@@ -30,27 +36,55 @@ BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the ro
 BLOCK = 1.0  # [m]: how finely the room is measured in which drivers wander
 
 
+def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
+    """Makes a world from an SDF file or a mesh.
+
+    Args:
+        spec: Names the file and says what it leaves open.
+        rover: What the rover needs of the world.
+        seed: Of the world, which has no randomness of its own.
+
+    Raises:
+        UsageError: It or a file that it names is not readable, or nothing of it can be driven.
+    """
+    path, resources = Path(spec.terrain), Resources([*map(Path, spec.resource_path)])
+    try:
+        if path.suffix.lower() in SUFFIXES:
+            return assembled([Solid(path.stem, MeshFile(path), IDENTITY)], spec, rover, seed, [])
+        document = read_document(path, resources)
+        notes = [*document.notes]
+        if document.actors:
+            notes.append(f"actors: {', '.join(person.name for person in document.actors)}")
+        world = assembled(document.solids, spec, rover, seed, notes)
+    except UsageError as error:
+        message = str(error)
+        for prefix in (f"{path}: ", f"mesh {path}: ", f"{path} "):
+            message = message.removeprefix(prefix)
+        raise UsageError(f"terrain {path}: {message}") from error
+    hashes = {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in document.files}
+    return replace(world, gravity=document.gravity, files=(*hashes.items(), *world.files))
+
+
 def assembled(
-    name: str, solids: Sequence[Solid], file: TerrainFile, seed: int, notes: list[str]
+    solids: Sequence[Solid], spec: WorldSpec, rover: RoverNeeds, seed: int, notes: list[str]
 ) -> World:
     """Returns the world of some solids.
 
     Args:
-        name: Of the world.
         solids: What can be collided with.
-        file: Where they come from, and how they are to be taken.
-        seed: Of the world, which has no chance in it.
-        notes: What is known of it so far.
+        spec: The terrain's name, and how the solids are to be taken.
+        rover: What the rover needs of the world.
+        seed: Of the world, which has no randomness of its own.
+        notes: What is known of it; takes what was done.
 
     Raises:
         UsageError: Nothing of it can be driven.
     """
-    notes = [*notes]
-    kinds = Kinds(file, [solid.name for solid in solids])
-    found = sorted_solids(solids, notes, file.mesh_unit, file.mesh_up)
-    grid = chosen_grid(map_bounds(found), file.cell)
-    whole = joined(found.ground)
-    surface = surface_of(whole, grid, found.plane, notes)
+    kinds = Kinds(spec, rover.clearance, [solid.name for solid in solids])
+    parts = partition(solids, notes, spec.mesh_unit, spec.mesh_up)
+    grid = chosen_grid(map_bounds(parts), spec.terrain_cell)
+    whole = joined(parts.ground)
+    surface = surface_of(whole, grid, parts.plane, notes)
     ground = surface.ground
     width, depth = (2 * half for half in ground.half_size)
     notes.append(
@@ -58,30 +92,30 @@ def assembled(
         f"{grid.cell:.4g} m apart, relief {np.ptp(ground.heights[surface.has_floor]):.4g} m, "
         f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
     )
-    obstacles = _obstacles(found, whole, surface, kinds, notes)
+    obstacles = _obstacles(parts, whole, surface, kinds, notes)
     world = World(
-        name,
+        Path(spec.terrain).name,
         ground,
         tuple(obstacles),
         seed,
         None,
         room=_room(surface),
         friction=min((s.friction for s in solids if s.friction is not None), default=None),
-        files=tuple((str(path), digest) for path, digest in sorted(found.hashes.items())),
+        files=tuple((str(path), digest) for path, digest in sorted(parts.hashes.items())),
     )
-    start = _start(world, surface, file, notes) if file.needs_start else MIDDLE
+    start = _start(world, surface, rover.step_limit, notes) if rover.needs_start else ORIGIN
     return replace(world, start=start, notes=tuple(notes))
 
 
 def _obstacles(
-    found: Sorted, whole: Mesh, surface: Surface, kinds: Kinds, notes: list[str]
+    parts: Partition, whole: Mesh, surface: Surface, kinds: Kinds, notes: list[str]
 ) -> list[Obstacle]:
     ground = surface.ground
-    placed = [obstacle_of(solid, ground, kinds.of(solid.name)) for solid in found.primitives]
+    placed = [obstacle_of(solid, ground, kinds.of(solid.name)) for solid in parts.primitives]
     obstacles = [obstacle for obstacle in placed if obstacle is not None]
     over = joined([whole.part(surface.left_over)])
     obstacles += obstacles_of(over, ground, kinds.by_height, kinds.clearance)
-    for solid, mesh in found.standing:
+    for solid, mesh in parts.standing:
         pieces = obstacles_of(joined([mesh]), ground, kinds.of(solid.name), kinds.clearance)
         obstacles += (replace(piece, color=solid.color) for piece in pieces)
     if buried := len(placed) - sum(obstacle is not None for obstacle in placed):
@@ -95,7 +129,7 @@ def _obstacles(
     return [replace(obstacle, color=obstacle.color or BUILT[obstacle.kind]) for obstacle in obstacles]
 
 
-def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) -> Start:
+def _start(world: World, surface: Surface, step_limit: float, notes: list[str]) -> Start:
     """The free place on gentle ground that is nearest to the origin, or to the middle of the map.
 
     Raises:
@@ -105,7 +139,7 @@ def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) 
 
     ground = world.ground
     resolution = max(START_RESOLUTION, ground.cell)  # finer than its heights, kilometres take gigabytes
-    cells = occupancy(world, math.radians(STEEPEST_START), file.step_limit, resolution)
+    cells = occupancy(world, math.radians(STEEPEST_START), step_limit, resolution)
     rows, columns = cells.cells.shape
     x_from, _, y_from, _ = ground.bounds()
     x, y = (

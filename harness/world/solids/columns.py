@@ -104,23 +104,23 @@ def _cross(one: Field, other: Field) -> Field:
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
-def floors(found: Crossings, grid: Grid, plane: float | None = None) -> Field:
+def floors(crossed: Crossings, grid: Grid, plane: float | None = None) -> Field:
     """Returns the height on which one stands at each vertex [m], NaN without, shape (rows, columns).
 
     Args:
-        found: Of the ground's triangles.
-        grid: With which they were found.
+        crossed: Of the ground's triangles.
+        grid: Whose lines cross them.
         plane: Height of a plane without end that is solid below [m]: what rises above it is solid too.
     """
     floor = np.full(grid.rows * grid.columns, np.nan if plane is None else plane)
     is_plane = np.full(floor.size, plane is not None)
     below_ceiling, is_settled = np.zeros_like(is_plane), np.zeros_like(is_plane)
-    starts = np.searchsorted(found.vertex, np.arange(floor.size))
-    counts = np.searchsorted(found.vertex, np.arange(floor.size), side="right") - starts
+    starts = np.searchsorted(crossed.vertex, np.arange(floor.size))
+    counts = np.searchsorted(crossed.vertex, np.arange(floor.size), side="right") - starts
     for level in range(int(counts.max(initial=0))):
         at = np.flatnonzero((counts > level) & ~is_settled)
         crossing = starts[at] + level
-        height, faces_up = found.height[crossing], found.faces_up[crossing]
+        height, faces_up = crossed.height[crossing], crossed.faces_up[crossing]
         gap = height - floor[at]
         is_above = ~(gap < 0.0)  # the first one too, whose gap is NaN
         has_room = (gap >= HEADROOM) & ~(is_plane[at] & faces_up) & ~below_ceiling[at]

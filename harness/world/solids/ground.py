@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.spec.world import SMALLEST_MAP
 from harness.world.heightfield import resampled
 from harness.world.heightmap.raster import read_raster
+from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
 from harness.world.solids.mesh_file import Mesh, areas_and_normals, read_mesh
 from harness.world.solids.pieces import bodies
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from harness.world.solids.surface import ROUNDING, SMALLEST_SIDE, Bounds
+from harness.world.solids.surface import ROUNDING, Bounds
 
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
@@ -35,8 +36,8 @@ BOX_FACES = np.array(
 
 
 @dataclass
-class Sorted:
-    """A world's solids, told apart.
+class Partition:
+    """A world's solids, divided into its ground and what stands on it.
 
     Attributes:
         ground: Meshes, in the world.
@@ -54,44 +55,44 @@ class Sorted:
     hashes: dict[Path, str] = field(default_factory=dict)
 
 
-def sorted_solids(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "") -> Sorted:
+def partition(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "") -> Partition:
     """Returns what is ground and what stands on it.
 
     Args:
         solids: Of a world.
         notes: Takes what was done.
-        unit: Of meshes that do not tell one; likewise `up`, their axis.
-        up: See `unit`.
+        unit: Of meshes; "" is as their files say.
+        up: The axis of meshes that is up; "" is as their files say.
 
     Raises:
         UsageError: A file is not usable, or nothing is ground.
     """
-    found, candidates = Sorted(), list[tuple[Solid, Mesh]]()
+    parts, candidates = Partition(), list[tuple[Solid, Mesh]]()
     for solid in solids:
         match solid.shape:
             case Plane():
-                _add_plane(found, solid, solid.shape)
+                _add_plane(parts, solid, solid.shape)
             case Relief():
-                found.ground.append(_of_relief(found, solid, solid.shape))
+                parts.ground.append(_of_relief(parts, solid, solid.shape))
             case MeshFile():
-                whole = _of_file(found, solid, solid.shape, unit, up)
+                whole = _of_file(parts, solid, solid.shape, unit, up)
                 candidates += ((solid, body) for body in bodies(whole))
             case Primitive(shape="box") if _is_wide(box_mesh(solid)):
                 candidates.append((solid, box_mesh(solid)))
             case _:
-                found.primitives.append(solid)
+                parts.primitives.append(solid)
     areas = [_area(mesh) if _is_wide(mesh) else 0.0 for _, mesh in candidates]
     least = SMALLEST_SHARE * max(areas, default=0.0)
     for (solid, mesh), area in zip(candidates, areas, strict=True):
         if area > 0.0 and area >= least:
-            found.ground.append(_upright(mesh, solid, notes))
+            parts.ground.append(_upright(mesh, solid, notes))
         elif isinstance(solid.shape, Primitive):
-            found.primitives.append(solid)
+            parts.primitives.append(solid)
         else:
-            found.standing.append((solid, mesh))
-    if not found.ground and found.plane is None:
+            parts.standing.append((solid, mesh))
+    if not parts.ground and parts.plane is None:
         raise UsageError(_groundless(solids, candidates))
-    return found
+    return parts
 
 
 def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -> str:
@@ -100,22 +101,22 @@ def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -
     widest = max(
         (tuple(np.ptp(m.vertices[:, :2], axis=0)) for _, m in candidates), default=None, key=min
     )
-    told = "" if widest is None else f" (the widest is {widest[0]:.3g} x {widest[1]:.3g} m)"
+    size = "" if widest is None else f" (the widest is {widest[0]:.3g} x {widest[1]:.3g} m)"
     return (
-        f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_SIDE:g} x "
-        f"{SMALLEST_SIDE:g} m or more{told}; add a ground plane, or tell the unit by --mesh-unit, "
+        f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_MAP:g} x "
+        f"{SMALLEST_MAP:g} m or more{size}; add a ground plane, or give the unit by --mesh-unit, "
         "the axis by --mesh-up"
     )
 
 
-def map_bounds(found: Sorted) -> Bounds:
+def map_bounds(parts: Partition) -> Bounds:
     """Returns how far the map reaches: the ground's meshes and, of a plane, what stands on it too."""
-    points = [mesh.vertices[:, :2] for mesh in found.ground]
-    if found.plane is not None:
-        standing = [mesh.vertices[:, :2] for _, mesh in found.standing]
-        standing += [_corners(solid)[:, :2] for solid in found.primitives]
+    points = [mesh.vertices[:, :2] for mesh in parts.ground]
+    if parts.plane is not None:
+        standing = [mesh.vertices[:, :2] for _, mesh in parts.standing]
+        standing += [_corners(solid)[:, :2] for solid in parts.primitives]
         points += [p + side for p in standing for side in (-MARGIN, MARGIN)]
-        points += [np.array([[x, y], [x_to, y_to]]) for x, x_to, y, y_to in found.mapped]
+        points += [np.array([[x, y], [x_to, y_to]]) for x, x_to, y, y_to in parts.mapped]
     every = np.concatenate(points)
     (x, y), (x_to, y_to) = every.min(axis=0), every.max(axis=0)
     return float(x), float(x_to), float(y), float(y_to)
@@ -129,7 +130,7 @@ def box_mesh(solid: Solid) -> Mesh:
 
 def _corners(solid: Solid) -> NDArray[np.float64]:
     """Corners of a box around a primitive, in the world."""
-    assert isinstance(solid.shape, Primitive)  # noqa: S101 - likewise
+    assert isinstance(solid.shape, Primitive)  # noqa: S101 - the caller has looked
     half = solid.shape.half_size
     half = (half[0], half[0], half[1]) if solid.shape.shape == "cylinder" else half
     return (BOX * half) @ solid.pose[:3, :3].T + solid.pose[:3, 3]
@@ -148,7 +149,7 @@ def _seen(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def _is_wide(mesh: Mesh) -> bool:
-    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE - ROUNDING).all())
+    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_MAP - ROUNDING).all())
 
 
 def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
@@ -160,35 +161,35 @@ def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
     return Mesh(mesh.vertices, mesh.faces[:, ::-1])
 
 
-def _add_plane(found: Sorted, solid: Solid, plane: Plane) -> None:
+def _add_plane(parts: Partition, solid: Solid, plane: Plane) -> None:
     from scipy.spatial.transform import Rotation  # noqa: PLC0415 - 0.1 s that named terrains save
 
     normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
     height = float(solid.pose[2, 3])
     if (solid.pose[:3, :3] @ normal)[2] >= LEVEL:
-        found.plane = height if found.plane is None else max(height, found.plane)
+        parts.plane = height if parts.plane is None else max(height, parts.plane)
         half = [0.5 * min(length, LARGEST_PLANE) for length in plane.size]
         x, y = solid.pose[:2, 3].tolist()
-        found.mapped.append((x - half[0], x + half[0], y - half[1], y + half[1]))
+        parts.mapped.append((x - half[0], x + half[0], y - half[1], y + half[1]))
         return
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5 * np.array(plane.size)
     turned, _ = Rotation.align_vectors(normal, (0.0, 0.0, 1.0))  # the shortest way, as Gazebo turns it
     corners = signs @ turned.as_matrix()[:, :2].T
-    found.ground.append(Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]])).moved(solid.pose))
+    parts.ground.append(Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]])).moved(solid.pose))
 
 
-def _of_file(found: Sorted, solid: Solid, file: MeshFile, unit: str, up: str) -> Mesh:
-    mesh, found.hashes[file.path] = read_mesh(file.path, file.submesh, unit, up)
+def _of_file(parts: Partition, solid: Solid, file: MeshFile, unit: str, up: str) -> Mesh:
+    mesh, parts.hashes[file.path] = read_mesh(file.path, file.submesh, unit, up)
     if file.centred:
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         mesh = Mesh(mesh.vertices - 0.5 * (low + high), mesh.faces)
     return mesh.moved(solid.pose, file.scale)
 
 
-def _of_relief(found: Sorted, solid: Solid, relief: Relief) -> Mesh:
+def _of_relief(parts: Partition, solid: Solid, relief: Relief) -> Mesh:
     """A heightmap as triangles, its first row in the north."""
     raster = read_raster(relief.path)
-    found.hashes[relief.path] = hashlib.sha256(relief.path.read_bytes()).hexdigest()
+    parts.hashes[relief.path] = hashlib.sha256(relief.path.read_bytes()).hexdigest()
     values = raster.values
     if np.isnan(values).any():
         raise UsageError(f"heightmap {relief.path}: values are missing; fill them")

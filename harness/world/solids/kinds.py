@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 
 from harness.base.errors import UsageError, unknown
+from harness.spec.world import WorldSpec
 from harness.world.obstacles import ObstacleKind
-from harness.world.terrain_file import TerrainFile
 
 Kind = Callable[[float], ObstacleKind]  # of what is that high above the ground [m]
 
@@ -14,23 +14,24 @@ class Kinds:
     """The rule of one world.
 
     Args:
-        file: With the rover's clearance and what overrides it.
+        spec: With the height and the names that override the rover's clearance.
+        clearance: Height of obstacles that the rover drives over [m].
         names: Of all solids: model::link::collision.
 
     Attributes:
         limit: Height above the ground up to which an obstacle is a rock [m].
-        clearance: What the rover clears [m].
+        clearance: As given.
 
     Raises:
         UsageError: A pattern fits no solid.
     """
 
-    def __init__(self, file: TerrainFile, names: Sequence[str]) -> None:
-        self.clearance = file.clearance
-        self.limit = file.clearance if file.rock_height is None else file.rock_height
-        self._named = {ObstacleKind.HAZARD: file.hazards, ObstacleKind.ROCK: file.rocks}
+    def __init__(self, spec: WorldSpec, clearance: float, names: Sequence[str]) -> None:
+        self.clearance = clearance
+        self.limit = clearance if spec.rock_height is None else spec.rock_height
+        self._named = {ObstacleKind.HAZARD: spec.hazard, ObstacleKind.ROCK: spec.rock}
         models = dict.fromkeys(name.split("::")[0] for name in names)
-        for flag, patterns in (("--hazard", file.hazards), ("--rock", file.rocks)):
+        for flag, patterns in (("--hazard", spec.hazard), ("--rock", spec.rock)):
             for pattern in patterns:
                 if not any(_fits(name, pattern) for name in names):
                     raise UsageError(f"{flag}: {unknown('solid', pattern, [*models][:12])}")

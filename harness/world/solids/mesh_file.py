@@ -106,7 +106,7 @@ def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tu
 def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tuple[Mesh, str]:
     try:
         data = _bytes(path)
-        scale, axis = _told(data) if path.suffix.lower() == ".dae" else (1.0, "z")
+        scale, axis = _unit_and_axis(data) if path.suffix.lower() == ".dae" else (1.0, "z")
         parts = _loaded(data, path.suffix.lower())
         mesh = joined([find_named("its part", submesh, parts)] if submesh else [*parts.values()])
         _check(mesh)
@@ -140,7 +140,7 @@ def _check_count(triangles: int) -> None:
         )
 
 
-def _told(data: bytes) -> tuple[float, str]:
+def _unit_and_axis(data: bytes) -> tuple[float, str]:
     """What the asset of a COLLADA file says: length of its unit [m], axis that is up."""
     asset = {
         element.tag.rpartition(":")[2]: element

@@ -74,17 +74,17 @@ def obstacles_of(mesh: Mesh, ground: Heightfield, kind: Kind, clearance: float) 
     Raises:
         UsageError: They are too many.
     """
-    found: list[Obstacle] = []
+    pieces: list[Obstacle] = []
     for body in bodies(mesh):
         rises = _rise(body.vertices, ground)
         if rises > FLUSH:
-            found += _pieces(body, kind(rises), clearance, ground)
-        if len(found) > MOST_PIECES:
+            pieces += _pieces(body, kind(rises), clearance, ground)
+        if len(pieces) > MOST_PIECES:
             raise UsageError(
                 f"what stands on its ground has more than {MOST_PIECES} facets; {SIMPLER}, or give "
                 "boxes for collisions"
             )
-    return found
+    return pieces
 
 
 def _rise(points: NDArray[np.float64], ground: Heightfield) -> float:
@@ -136,10 +136,10 @@ def _split(
     """Corners of convex pieces that together are some triangles of a body.
 
     Args:
-        body: With areas [m2] and unit normals of all its triangles.
+        body: What is split.
         chosen: Which triangles.
-        areas: See `body`.
-        normals: See `body`.
+        areas: Of all triangles of the body [m2], shape (f,).
+        normals: Unit normals of all triangles of the body, shape (f, 3).
         halves: How a part is halved.
     """
     part = body.part(chosen)

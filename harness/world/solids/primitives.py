@@ -6,9 +6,9 @@ import numpy as np
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, outline, top
+from harness.world.solid import Primitive, Solid
 from harness.world.solids.kinds import Kind
 from harness.world.solids.pieces import FLUSH
-from harness.world.solids.solid import Primitive, Solid
 from harness.world.solids.surface import on_map
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.spec.world import LARGEST_MAP, SMALLEST_MAP
 from harness.world.heightfield import Field, Heightfield, filled
 from harness.world.solids.columns import Crossings, Grid, crossings, floors
 from harness.world.solids.mesh_file import Mesh, areas_and_normals
@@ -18,7 +19,6 @@ from harness.world.terrain import HEIGHT_DECIMALS
 
 CELL = 0.1  # [m], as the named terrains have
 MOST_VERTICES = 1500 * 1500
-SMALLEST_SIDE, LARGEST_SIDE = 10.0, 50_000.0  # [m] of a map
 ROUNDING = 1e-6  # [m] by which a length may differ once it lies somewhere
 PIT = 2.0  # [m] below the lowest floor
 LARGEST_GAP = 0.25  # [m2] that is filled
@@ -59,11 +59,11 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
         UsageError: The bounds cannot be driven, or such cells are too many.
     """
     width, depth = bounds[1] - bounds[0], bounds[3] - bounds[2]
-    smallest, largest = SMALLEST_SIDE - ROUNDING, LARGEST_SIDE + ROUNDING
+    smallest, largest = SMALLEST_MAP - ROUNDING, LARGEST_MAP + ROUNDING
     if not smallest <= min(width, depth) <= max(width, depth) <= largest:
         raise UsageError(
-            f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_SIDE:g} and {LARGEST_SIDE:g} m can "
-            "be driven; --mesh-unit tells the unit of a mesh that does not"
+            f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_MAP:g} and {LARGEST_MAP:g} m can "
+            "be driven; --mesh-unit gives the unit of a mesh"
         )
     least = math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1)
     if cell is not None and cell < least:
@@ -92,17 +92,18 @@ def surface_of(mesh: Mesh, grid: Grid, plane: float | None, notes: list[str]) ->
     Raises:
         UsageError: Nothing of it faces up.
     """
-    found = crossings(mesh.corners, grid)
-    heights = floors(found, grid, plane)
+    crossed = crossings(mesh.corners, grid)
+    heights = floors(crossed, grid, plane)
     has_floor = ~np.isnan(heights)
     if not has_floor.any():
         raise UsageError("nothing of it faces up: there is no ground to drive on")
     heights = np.round(_closed(heights, grid, notes), HEIGHT_DECIMALS) + 0.0
-    left_over = _left_over(mesh, found, heights, grid)
+    left_over = _left_over(mesh, crossed, heights, grid)
     ground = Heightfield(heights, grid.cell, grid.middle)
     is_shown = ~left_over
-    is_shown[found.triangle[found.height < heights.ravel()[found.vertex] - TOLERANCE]] = False  # buried
-    _tell_error(mesh.corners[is_shown], ground, has_floor, notes)
+    is_buried = crossed.height < heights.ravel()[crossed.vertex] - TOLERANCE
+    is_shown[crossed.triangle[is_buried]] = False
+    _note_error(mesh.corners[is_shown], ground, has_floor, notes)
     return Surface(ground, left_over, has_floor)
 
 
@@ -138,12 +139,12 @@ def _closed(heights: Field, grid: Grid, notes: list[str]) -> Field:
     return closed
 
 
-def _left_over(mesh: Mesh, found: Crossings, heights: Field, grid: Grid) -> NDArray[np.bool_]:
+def _left_over(mesh: Mesh, crossed: Crossings, heights: Field, grid: Grid) -> NDArray[np.bool_]:
     """Triangles that reach above the heightfield: at vertices, or at samples above all that is near."""
     from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
 
     left_over = np.zeros(len(mesh.faces), np.bool_)
-    left_over[found.triangle[found.height > heights.ravel()[found.vertex] + TOLERANCE]] = True
+    left_over[crossed.triangle[crossed.height > heights.ravel()[crossed.vertex] + TOLERANCE]] = True
     points = SAMPLES @ mesh.corners  # (f, 7, 3)
     around = maximum_filter(heights, 3)
     column, row = (
@@ -154,7 +155,7 @@ def _left_over(mesh: Mesh, found: Crossings, heights: Field, grid: Grid) -> NDAr
     return left_over
 
 
-def _tell_error(
+def _note_error(
     corners: NDArray[np.float64], ground: Heightfield, has_floor: NDArray[np.bool_], notes: list[str]
 ) -> None:
     """Compares heights at the triangles' samples, but for cells next to an edge, which none can show."""

@@ -1,4 +1,4 @@
-"""The command line of rover_metrics.analyze; every mistake is told in one line."""
+"""The command line of rover_metrics.analyze; each mistake is one line."""
 
 import argparse
 from collections.abc import Sequence

@@ -65,12 +65,12 @@ def _correlations(study: Study, log: Log, metrics: Sequence[Metric]) -> tuple[Co
     """Correlates each pair of metrics, but not two views of one column."""
     step = max(1, len(log) // _MOST_CORRELATED)
     values = {metric.code: study.series(log, metric).values[::step].copy() for metric in metrics}
-    found = [
+    pairs = [
         correlate(a.code, b.code, values[a.code], values[b.code])
         for a, b in combinations(metrics, 2)
         if a.column != b.column
     ]
-    return with_holm([correlation for correlation in found if correlation is not None])
+    return with_holm([correlation for correlation in pairs if correlation is not None])
 
 
 def _combined(per_log: Sequence[Sequence[Correlation]]) -> tuple[Correlation, ...]:
@@ -86,8 +86,8 @@ def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str,
     of_group = [log.metrics for log in logs if log.group == group]
     across = {}
     for metric in study.options.metrics:
-        found = (summaries[metric.code].mean for summaries in of_group if metric.code in summaries)
-        means = np.array([mean for mean in found if mean is not None], np.float64)
+        known = (summaries[metric.code].mean for summaries in of_group if metric.code in summaries)
+        means = np.array([mean for mean in known if mean is not None], np.float64)
         across[metric.code] = summarise_independent(means, metric.kind, study.options.confidence)
     return across
 
@@ -95,7 +95,7 @@ def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str,
 def _comparisons(study: Study) -> tuple[Comparison, ...]:
     if len(study.groups) != 2:
         return ()
-    found = [
+    comparisons = [
         compare(
             metric.code,
             *study.compared(metric),
@@ -105,5 +105,5 @@ def _comparisons(study: Study) -> tuple[Comparison, ...]:
         for metric in study.options.metrics
     ]
     if study.options.ranked:
-        found.sort(key=lambda item: -item.effect)
-    return with_holm(found)
+        comparisons.sort(key=lambda item: -item.effect)
+    return with_holm(comparisons)

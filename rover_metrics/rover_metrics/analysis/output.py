@@ -54,7 +54,7 @@ def save_plots(study: Study, result: Result, folder: Path) -> list[Path]:
 
     Args:
         study: The logs.
-        result: What was found out about them.
+        result: The statistics of the logs.
         folder: Must exist.
 
     Returns:
@@ -103,7 +103,7 @@ def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -
     """Writes the numbers of a result, and returns the files.
 
     Args:
-        result: What was found out.
+        result: The statistics of the logs.
         folder: Must exist.
         as_csv: Whether to write every number to CSV files.
         as_latex: Whether to write each table for LaTeX.

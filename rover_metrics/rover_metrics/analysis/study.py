@@ -1,4 +1,4 @@
-"""The logs of an analysis, how they are named and grouped, and what is to be found out about them."""
+"""The logs of an analysis, how they are named and grouped, and what is computed of them."""
 
 import itertools
 import re
@@ -30,7 +30,7 @@ _TIME_STAMP = re.compile(_LOG_PREFIX + r"\d{8}_\d{6}\w*")  # as metrics_node cal
 def labels(logs: Sequence[Log]) -> list[str]:
     """Names different logs: by what a person called the file, else by what was driven, else by its time.
 
-    Names that are alike take what tells them apart: the time, then as many folders as it takes.
+    Names that are alike take what distinguishes them: the time, then as many folders as it takes.
 
     Returns one name a log, without control characters, at most 40 characters and a number.
     """
@@ -58,14 +58,14 @@ def labels(logs: Sequence[Log]) -> list[str]:
 
 def _name(log: Log) -> str:
     """Returns the file's stem, or robot, terrain, difficulty and seed where the stem is but a time."""
-    told = log.arguments
-    if not _TIME_STAMP.fullmatch(log.path.stem) or not {"robot", "terrain", "seed"} <= set(told):
+    arguments = log.arguments
+    if not _TIME_STAMP.fullmatch(log.path.stem) or not {"robot", "terrain", "seed"} <= set(arguments):
         return log.path.stem
-    terrain = Path(str(told["terrain"]))  # a name, or a heightmap, which has no difficulty
-    difficulty = told.get("difficulty")
+    terrain = Path(str(arguments["terrain"]))  # a name, or a heightmap, which has no difficulty
+    difficulty = arguments.get("difficulty")
     if terrain.suffix or not isinstance(difficulty, int | float):
-        return f"{told['robot']} {terrain.stem} seed {told['seed']}"
-    return f"{told['robot']} {terrain.stem} {difficulty:g} seed {told['seed']}"
+        return f"{arguments['robot']} {terrain.stem} seed {arguments['seed']}"
+    return f"{arguments['robot']} {terrain.stem} {difficulty:g} seed {arguments['seed']}"
 
 
 def _time_stamp(path: Path) -> str:

@@ -1,6 +1,6 @@
 """Reads rosbag2 recordings without ROS: a bag folder or a bare .mcap or .db3 file, whole or damaged.
 
-Messages come in the order in which they were recorded. What cannot be read is left out and told in
+Messages come in the order in which they were recorded. What cannot be read is left out and reported in
 `Bag.problems`; everything else is kept: the chunks before and after a damaged one, the rows of a
 database around a bad page, a recording that was killed before it could write its end or its folder's
 metadata.yaml. The readers of rosbags do none of that: they sort by time, which hides a recorder's clock
@@ -125,8 +125,8 @@ class Bag(ExitStack):
         there = sorted((p for p in self.path.iterdir() if p.name.endswith(SUFFIXES)), key=_natural)
         if not there:
             below = _bags_below(self.path)
-            told = f"; bags in it: {', '.join(below)}" if below else ""
-            raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file{told}")
+            hint = f"; bags in it: {', '.join(below)}" if below else ""
+            raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file{hint}")
         return self._listed_paths() or there
 
     def _listed_paths(self) -> list[Path]:
@@ -218,7 +218,7 @@ def _natural(path: Path) -> list[int | str]:
 def _has_messages(database: sqlite3.Connection, topic: int) -> bool:
     """Whether a topic has messages; where the database is damaged, they are only to be hoped for."""
     try:
-        found = database.execute("SELECT 1 FROM messages WHERE topic_id = ? LIMIT 1", (topic,))
-        return found.fetchone() is not None
+        first = database.execute("SELECT 1 FROM messages WHERE topic_id = ? LIMIT 1", (topic,))
+        return first.fetchone() is not None
     except sqlite3.DatabaseError:
         return True

@@ -13,7 +13,8 @@ class GoalAccount:
     """Counts goals; tell it each goal that is given, then where the rover is, again and again.
 
     Attributes:
-        reached: How many were; likewise those `failed`.
+        reached: Goals that were reached.
+        failed: Goals that were given up.
         goal: x and y of the present one [m]; None before the first and once it is settled.
     """
 
@@ -30,7 +31,7 @@ class GoalAccount:
         """Takes a pose of the rover.
 
         Args:
-            time_s: Of the pose [s].
+            time_s: Time of the pose [s].
             place: x and y in the goal's frame [m].
             orientation: x, y, z, w.
         """

@@ -21,7 +21,7 @@ class ParameterInfo:
     Attributes:
         default: As ROS has it; an empty tuple is a list of numbers that is not set.
         description: What it means.
-        unit: Of its numbers; empty if the description tells it.
+        unit: Unit of its numbers; empty if the description states it.
         minimum: The smallest valid number.
         maximum: The largest; infinite for what is no number.
         example: How a number is to be written, and how not.
@@ -58,7 +58,7 @@ def parameter(default: T, description: str, *, ros_default: object = None, **fac
     """Returns the definition of a dataclass field that is a parameter.
 
     Args:
-        default: Of the field.
+        default: Default of the field.
         description: What it means.
         ros_default: The default as ROS has it, where that differs.
         facts: The other attributes of its ParameterInfo.

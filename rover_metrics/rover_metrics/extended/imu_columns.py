@@ -49,9 +49,9 @@ class ImuColumns:
         """Take a sample that the metrics have used.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             acceleration: In the IMU's frame, gravity included [m/s^2].
-            orientation: Of the IMU as (x, y, z, w); None if it is not known.
+            orientation: Attitude of the IMU as (x, y, z, w); None if it is not known.
         """
         step = self._step(stamp_ns)
         if step is not None and self._last is not None:

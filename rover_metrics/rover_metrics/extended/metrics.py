@@ -41,7 +41,7 @@ class ExtendedMetrics:
 
     Attributes:
         truth: Takes what only a simulator knows.
-        header: Of the rows, the twelve included.
+        header: Names of a row's columns, the twelve included.
     """
 
     def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings) -> None:
@@ -65,9 +65,9 @@ class ExtendedMetrics:
         """Take a scan; one without a finite range is open space, not a fault.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             ranges: Distances [m], coded as REP-117 says.
-            angles: Of the first beam, and from beam to beam, in the lidar's frame [rad].
+            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
             used: Whether the metrics have used it.
         """
         self._traffic.add(SCAN, stamp_ns, used=True)
@@ -80,9 +80,9 @@ class ExtendedMetrics:
         """Take an IMU sample.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             acceleration: In the IMU's frame, gravity included [m/s^2].
-            orientation: Of the IMU as (x, y, z, w); None if the sensor does not give it.
+            orientation: Attitude of the IMU as (x, y, z, w); None if the sensor does not give it.
             used: Whether the metrics have used it.
         """
         self._traffic.add(IMU, stamp_ns, used=used)
@@ -95,7 +95,7 @@ class ExtendedMetrics:
         """Take a true position.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             position: In the world [m]; None for an array without one.
             used: Whether the metrics have used it.
         """
@@ -107,7 +107,7 @@ class ExtendedMetrics:
         """Take the velocity by the wheels.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             velocity: Linear, in the base frame [m/s].
             used: Whether the metrics have used it.
         """

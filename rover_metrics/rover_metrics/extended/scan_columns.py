@@ -74,9 +74,9 @@ class ScanColumns:
         """Take a scan.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             ranges: Distances [m], coded as REP-117 says.
-            angles: Of the first beam, and from beam to beam, in the lidar's frame [rad].
+            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
             collides: Whether the metrics have counted it as a collision.
         """
         values = np.asarray(ranges, dtype=np.float32)

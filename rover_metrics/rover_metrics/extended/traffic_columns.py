@@ -78,7 +78,7 @@ class TrafficColumns:
 
         Args:
             topic: Where it came from.
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             used: Whether the metrics have used it.
         """
         self._received[topic] += 1

@@ -72,7 +72,7 @@ class TravelColumns:
         """Take a position that the metrics have used.
 
         Args:
-            stamp_ns: Of its header.
+            stamp_ns: Stamp of its header [ns].
             position: In the world [m].
             jump: Length from which on a step is no travel [m].
         """

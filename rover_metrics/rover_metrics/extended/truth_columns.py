@@ -80,7 +80,7 @@ class TruthColumns:
     """The account of the truth topics.
 
     Args:
-        wheels: Of the rover, in the order of the columns.
+        wheels: Names of the rover's wheels, in the order of the columns.
     """
 
     def __init__(self, wheels: Sequence[str] = WHEELS) -> None:
@@ -103,7 +103,7 @@ class TruthColumns:
         self._pause = 0
 
     def add_velocity(self, velocity: Vector3) -> bool:
-        """Takes the true velocity [m/s]; tells whether it was usable."""
+        """Takes the true velocity [m/s]; returns whether it was usable."""
         speed = math.hypot(*velocity)
         if not math.isfinite(speed):
             return False
@@ -113,15 +113,15 @@ class TruthColumns:
         return True
 
     def add_traversal(self, values: Sequence[float], names: Sequence[str] | None = None) -> bool:
-        """Takes the values of a message and their names, if told; tells whether they were usable."""
+        """Takes a message's values, with their names if it has any; returns whether they were usable."""
         names = self._names if names is None else names
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
-        told = dict(zip(names, values, strict=True))
-        if not self._traversal.keys() <= told.keys():
+        named = dict(zip(names, values, strict=True))
+        if not self._traversal.keys() <= named.keys():
             return False
         for name, mean in self._traversal.items():
-            mean.add(told[name])
+            mean.add(named[name])
         return True
 
     def cells(self) -> tuple[Cell, ...]:

@@ -25,7 +25,7 @@ class Status:
 
     Attributes:
         level: How bad it is.
-        name: Of what it is the status, without the node's name.
+        name: Subject of the status, without the node's name.
         message: Why the level is what it is.
         values: Key and value, both text; numbers in plain decimal, so that they can be plotted.
     """
@@ -59,9 +59,9 @@ class LiveView:
             now_ns: ROS time of the row [ns].
         """
         traversal = self._traversal(row, thresholds)
-        told = [traversal, *(self._topic(state, now_ns) for state in topics)]
+        statuses = [traversal, *(self._topic(state, now_ns) for state in topics)]
         self._previous_ns = now_ns
-        return told
+        return statuses
 
     def _traversal(self, row: Row, thresholds: Thresholds) -> Status:
         cells = dict(zip(row.columns, row.as_fields(), strict=True))
@@ -103,9 +103,9 @@ class LiveView:
             "rejected": state.rejected,
             "publishers": state.publishers,
         }
-        told = tuple((key, plain(value)) for key, value in values.items() if value is not None)
+        known = tuple((key, plain(value)) for key, value in values.items() if value is not None)
         name = f"topic {state.topic.strip('/').replace('/', ' ')}"  # a slash would make it a branch
-        return Status(level, name, message, (("topic", state.topic), *told))
+        return Status(level, name, message, (("topic", state.topic), *known))
 
 
 def plain(value: Field) -> str:
@@ -119,9 +119,9 @@ def _judged(state: TopicState, before: TopicState) -> _Complaint:
     if state.is_silent:
         return (Level.STALE, f"silent, publishers: {state.publishers}")
     new = {"lost": state.lost - before.lost, "rejected": state.rejected - before.rejected}
-    told = [f"{count} {what}" for what, count in new.items() if count]
-    if told:
-        return (Level.WARN, f"{' and '.join(told)} since the row before")
+    losses = [f"{count} {what}" for what, count in new.items() if count]
+    if losses:
+        return (Level.WARN, f"{' and '.join(losses)} since the row before")
     if state.publishers > 1:
         return (Level.WARN, f"{state.publishers} publishers, whose messages mix")
     return (Level.OK, "heard")

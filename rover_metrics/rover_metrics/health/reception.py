@@ -16,7 +16,9 @@ class TopicState(NamedTuple):
 
     Attributes:
         topic: Its resolved name.
-        received: Messages so far; likewise `rejected`, and `lost` on the way, as far as that shows.
+        received: Messages so far.
+        rejected: Those of them that were left out.
+        lost: Messages lost on the way, as far as that shows.
         stamp_ns: The latest stamp [ns]; 0 without one.
         is_silent: Whether it has been silent for too long.
         publishers: How many there are.
@@ -34,7 +36,7 @@ class TopicState(NamedTuple):
 class Reception:
     """The account of a node's topics; `tell` is given each line for the user.
 
-    What repeats is told at the 1st, 2nd, 4th, 8th ... time; all of it is counted.
+    What repeats is reported at the 1st, 2nd, 4th, 8th ... time; all of it is counted.
 
     Attributes:
         received: Messages received, by topic.
@@ -77,7 +79,7 @@ class Reception:
             topic: Where it was met; of a topic or a service that others listen to, rclpy itself for
                 one, the account begins with that.
             reason: Its name, by which it is counted.
-            detail: Is told, not counted by.
+            detail: Text for the report; the count does not depend on it.
         """
         self.rejected[topic] = self.rejected.get(topic, 0) + 1
         self.remarks.setdefault(topic, Counter())
@@ -90,7 +92,7 @@ class Reception:
             topic: Where it was met.
             what: Its name, by which it is counted.
             times: How often.
-            detail: Is told, not counted by.
+            detail: Text for the report; the count does not depend on it.
         """
         remarks = self.remarks[topic]
         before = remarks[what]
@@ -117,7 +119,7 @@ class Reception:
             )
 
     def publishers(self, topic: str, number: int) -> None:
-        """Takes how many publishers a topic has; more than one is told, and when that is over."""
+        """Takes how many publishers a topic has; more than one is reported, and when that is over."""
         before = self._publishers.get(topic, 0)
         self._publishers[topic] = number
         if number == before or max(number, before) < 2:

@@ -59,7 +59,8 @@ def scan_oddity(nearest: float, farthest: float, range_min: float, range_max: fl
         nearest: Its nearest finite range [m].
         farthest: Its farthest finite range [m].
         range_min: Below it the sensor says that it cannot measure [m].
-        range_max: Likewise above; limits that are no interval are not judged by [m].
+        range_max: Above it the sensor says that it cannot measure [m]; limits that are no interval
+            are ignored.
     """
     if nearest <= 0.0:
         return ZERO_OR_LESS

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 LONGEST_LOOK = 2_000_000_000  # ns; a clock that jumps an hour makes no hour of silence
 JUMP = 10_000_000_000  # ns; a longer step is another time, not a row of lost messages
-LEARNING = 8  # intervals from which a period can be told
+LEARNING = 8  # intervals from which a period can be estimated
 RECENT = 64  # intervals
 GAP = 1.7  # periods; stamps jitter, and a missing message makes two
 
@@ -51,7 +51,7 @@ class SilenceWatch:
         Args:
             progress: The count as it is now.
             now_ns: The time [ns].
-            limit_ns: From which duration on a silence is told [ns]; 0 is never.
+            limit_ns: From which duration on a silence is reported [ns]; 0 is never.
 
         Returns:
             What has changed: a silence that is long enough now or that is over; else None.

@@ -20,7 +20,7 @@ COMPLETE: Outcome = {"status": "complete", "reason": None}
 
 
 class SessionRecord:
-    """The record of one running session; what cannot be written is told and costs nothing else.
+    """The record of one running session; what cannot be written is reported and costs nothing else.
 
     Args:
         node: The node's full name.
@@ -107,19 +107,19 @@ def session_end(log: str | Path) -> SessionEnd:
 
 def session_thresholds(log: str | Path) -> Thresholds | None:
     """Returns the thresholds at the end of a log's session; None if its record does not tell."""
-    told = _read(log).get("thresholds")
-    if not isinstance(told, dict):
+    kept = _read(log).get("thresholds")
+    if not isinstance(kept, dict):
         return None
     try:
-        return Thresholds(**{name: float(told[name]) for name in THRESHOLD_INFO if name in told})
+        return Thresholds(**{name: float(kept[name]) for name in THRESHOLD_INFO if name in kept})
     except (ParameterError, TypeError, ValueError):
         return None
 
 
 def session_arguments(log: str | Path) -> dict[str, Any]:
     """Returns the arguments of the harness's run that a log is of; none if its record does not tell."""
-    told = _read(log).get("arguments")
-    return told if isinstance(told, dict) else {}
+    arguments = _read(log).get("arguments")
+    return arguments if isinstance(arguments, dict) else {}
 
 
 def _read(log: str | Path) -> dict[str, Any]:

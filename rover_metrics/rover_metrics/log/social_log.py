@@ -16,8 +16,8 @@ class SocialRow:
     Attributes:
         step: From 1 on.
         time_s: Since the start [s].
-        position: Of the rover, x and y [m].
-        speed: Of the rover since the row before [m/s]; NaN of the first.
+        position: Where the rover is, x and y [m].
+        speed: Mean speed of the rover since the row before [m/s]; NaN in the first row.
         distances: To each person, in alphabetical order, seen from above [m].
         goals: Reached so far.
     """

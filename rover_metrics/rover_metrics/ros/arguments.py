@@ -1,4 +1,4 @@
-"""The options behind `--ros-args` on a command line, found and judged without rclpy."""
+"""The options behind `--ros-args` on a command line, separated and checked without rclpy."""
 
 import difflib
 from collections.abc import Iterable, Sequence
@@ -30,7 +30,7 @@ def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     """Returns what is wrong with the options behind `--ros-args`, with the nearest valid one.
 
     Args:
-        words: Of a command line.
+        words: Words of a command line.
         own: The options of the command itself, which stand elsewhere.
     """
     behind, awaits_value = False, False

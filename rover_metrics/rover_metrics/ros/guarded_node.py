@@ -39,7 +39,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     nothing of others.
 
     Args:
-        name: Of the node.
+        name: Name of the node.
         options: As for a Node.
 
     Attributes:
@@ -76,7 +76,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         *args: Any,  # noqa: ANN401
         **kwargs: Any,  # noqa: ANN401
     ) -> Service:
-        """Creates a service as a Node does, and guards it: who asks in vain is told the reason."""
+        """Creates a service as a Node does, and guards it: who asks in vain gets the reason."""
         guarded = partial(self._answer, srv_name, callback)
         return super().create_service(srv_type, srv_name, guarded, *args, **kwargs)
 

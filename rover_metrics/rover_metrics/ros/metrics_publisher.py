@@ -25,7 +25,7 @@ class MetricsPublisher:
 
     Attributes:
         enabled: Whether to publish; may be changed at any time.
-        publisher: Of the topic; None without diagnostic_msgs.
+        publisher: Publisher of the topic; None without diagnostic_msgs.
         record: Takes each message, also those for nobody; None while nobody records.
     """
 
@@ -47,7 +47,7 @@ class MetricsPublisher:
         return 0 if self.publisher is None else int(self.publisher.get_subscription_count())
 
     def publish(self, now_ns: int, statuses: Callable[[], Iterable[Status]]) -> None:
-        """Publishes statuses, computed only if somebody listens; what goes wrong is told, no more."""
+        """Publishes statuses, computed only if somebody listens; a failure is reported, no more."""
         publisher, record = self.publisher, self.record
         if not self.enabled or publisher is None:
             return

@@ -35,7 +35,7 @@ def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -
         args: Command line as for rclpy.init; sys.argv if None.
 
     Returns:
-        Exit code: 0 after a clean end, 2 after a known mistake, told in one line on stderr.
+        Exit code: 0 after a clean end, 2 after a known mistake, reported in one line on stderr.
     """
     try:
         _run(make_node, args)

@@ -24,7 +24,7 @@ class RowTimer:
         tell: Is given a line for the user.
 
     Attributes:
-        stale_after: How long ROS time may stand still before that is told [s of steady time].
+        stale_after: How long ROS time may stand still before that is reported [s of steady time].
         times: What was due, and how many segments there were.
     """
 

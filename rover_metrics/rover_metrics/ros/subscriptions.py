@@ -23,7 +23,7 @@ except ImportError:  # Humble
     from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
 
 
-# With this module, so that a package that is not installed is told as the rest of ROS is.
+# With this module, so that a package that is not installed is reported as the rest of ROS is.
 _MESSAGES = {
     source.message_type: resolve_name(source.message_type.replace("/msg/", ".msg:"))
     for source in (*SENSORS, *TRUTH)
@@ -56,7 +56,7 @@ def subscribe(
         source: The topic. Its name is relative to the node's namespace; its reliability is what the
             standard ROS parameter says, if it is set.
         callback: Is given each message.
-        reception: Is told of messages lost and of publishers that are not heard.
+        reception: Counts messages that were lost and publishers that are not heard.
 
     Raises:
         ParameterError: The launch gave a reliability that does not exist.

@@ -1,4 +1,4 @@
-"""Randomness that a test decides, and a rover that does exactly what it is told."""
+"""Randomness that a test decides, and a rover that does exactly what is commanded."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -36,15 +36,16 @@ class Dice:
 
 
 @dataclass
-class Ride:
+class IdealRover:
     """A rover without inertia or slip, asked for a command every 50 ms."""
 
     driver: Driver
     x: float = 0.0
     y: float = 0.0
     yaw: float = 0.0
-    touches: Callable[["Ride"], bool] = lambda _: False
+    touches: Callable[["IdealRover"], bool] = lambda _: False
     period: int = 0
+    linear: float = 0.0
     path: list[tuple[float, float, float]] = field(default_factory=list)
 
     def steps(self, count: int) -> Iterator[Twist]:
@@ -54,6 +55,7 @@ class Ride:
             yaw = math.remainder(self.yaw, math.tau)
             touches = self.touches(self)
             twist = self.driver.command(Observation(time_ns, self.x, self.y, yaw, None, touches))
+            self.linear = twist.linear
             self.yaw += twist.angular * 0.05
             self.x += twist.linear * 0.05 * math.cos(self.yaw)
             self.y += twist.linear * 0.05 * math.sin(self.yaw)
@@ -68,6 +70,6 @@ def dice() -> Callable[..., Dice]:
 
 
 @pytest.fixture
-def ride() -> type[Ride]:
-    """A ride of a driver: `steps` yields its twists, `path` is where it was when it gave them."""
-    return Ride
+def ideal() -> type[IdealRover]:
+    """An ideal rover: `steps` yields its driver's twists, `path` is where it was when it got them."""
+    return IdealRover

@@ -20,11 +20,11 @@ def driver() -> Goal:
 HERE = Observation(0, 1.0, 2.0, 0.5, None)
 
 
-def test_it_stands_before_the_first_goal_and_for_however_long_it_has_stood_it_is_not_stuck() -> None:
-    goal = driver()
-    assert goal.command(HERE) == Twist()
-    goal.head_for(1.0 + 5.0 * math.cos(0.5), 2.0 + 5.0 * math.sin(0.5), 0.0)
-    assert goal.command(replace(HERE, time_ns=60_000_000_000)) == Twist(LEO.cruise_speed, 0.0)
+def test_it_stands_before_the_first_goal_and_then_is_not_stuck() -> None:
+    goal, origin = driver(), Observation(0, 0.0, 0.0, 0.0, None)
+    assert goal.command(origin) == Twist()
+    goal.head_for(5.0, 0.0, 0.0)
+    assert goal.command(replace(origin, time_ns=60_000_000_000)) == Twist(LEO.cruise_speed, 0.0)
 
 
 @pytest.mark.parametrize(

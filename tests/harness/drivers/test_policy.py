@@ -1,4 +1,3 @@
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -6,13 +5,11 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.drivers import DriverContext, Observation, find_driver, sensed_by, takes_goals
+from harness.drivers import DRIVERS, DriverContext, Observation, find_driver, sensed_by, takes_goals
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
-from harness.episode.assembly import check
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
-from harness.spec.run import Run
 
 BEAMS = 16
 GENERATOR = np.random.default_rng(0)
@@ -82,45 +79,42 @@ def test_an_action_is_a_share_of_the_largest_speeds() -> None:
 
 
 def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path) -> None:
-    name = f"policy:{policy}"
-    assert [sensed_by(n) for n in (name, "goal", "spin")] == [SENSED, {LaserScan}, set()]
-    assert [takes_goals(n) for n in (name, "goal", "wander")] == [True, True, False]
-    Run.of(driver=name, lidar_beams=BEAMS, goals=((0.0, 1.0, 2.0, 0.0),)).validate()
+    names = (f"policy:{policy}", "goal", "spin")
+    assert [sensed_by(name) for name in names] == [SENSED, {LaserScan}, set()]
+    assert [takes_goals(name) for name in names] == [True, True, False]
 
 
-WRONG = [
+BAD: list[tuple[dict[str, np.ndarray | None], str]] = [
     ({"bias_1": None}, "lacks bias_1; see docs/gym.md"),
     ({"weights_0": None, "weights_1": None}, "lacks weights_0; see docs/gym.md"),
     ({"activation": None}, "lacks activation"),
     ({"activation": np.array("swish")}, "activation 'swish' does not exist; available: tanh, relu"),
     ({"bias_0": np.zeros(3)}, "layer 0 of (29, 8) and (3,) does not take 29 numbers"),
     ({"weights_1": np.zeros((9, 2))}, "layer 1 of (9, 2) and (2,) does not take 8 numbers"),
-    (
-        {"weights_1": np.zeros((8, 3)), "bias_1": np.zeros(3)},
-        "other spaces, 29 inputs and 3 outputs",
-    ),
+    ({"weights_1": np.zeros((8, 3)), "bias_1": np.zeros(3)}, "spaces, 29 inputs and 3 outputs"),
     ({"bias_1": np.array([0.0, np.nan])}, "2 outputs, and finite numbers"),
+    ({}, "is no .npz file of arrays"),
 ]
 
 
-@pytest.mark.parametrize(("changes", "message"), WRONG)
-def test_a_policy_that_is_none_is_told_in_a_line(
+@pytest.mark.parametrize(("changes", "message"), BAD)
+def test_a_file_without_a_policy_is_one_line_that_says_why(
     policy: Path, changes: dict[str, np.ndarray | None], message: str
 ) -> None:
     arrays = dict(np.load(policy)) | changes
     wrong = policy.with_name("wrong.npz")
     np.savez(wrong, **{name: array for name, array in arrays.items() if array is not None})
-    with pytest.raises(UsageError, match=re.escape(message)) as raised:
-        check(Run.of(driver=f"policy:{wrong}"))
-    assert "\n" not in str(raised.value)
+    if not changes:
+        wrong.write_text("hello")
+    for name in (wrong, wrong.with_name("nowhere.npz")):
+        with pytest.raises(UsageError, match=f"^policy {name} ?") as raised:
+            find_driver(f"policy:{name}")
+        assert "\n" not in str(raised.value)
+        assert (message if name == wrong else "cannot be read: No such file") in str(raised.value)
 
 
-def test_a_file_that_is_none_is_told_in_a_line(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"nowhere\.npz cannot be read: No such file or directory"):
-        find_driver(f"policy:{tmp_path / 'nowhere.npz'}")
-    text, array = tmp_path / "text.npz", tmp_path / "array.npy"
-    text.write_text("hello")
-    np.save(array, np.zeros(3))
-    for path in (text, array):
-        with pytest.raises(UsageError, match=r"is no \.npz file of arrays"):
-            find_driver(f"policy:{path}")
+def test_drivers_are_found_by_name_and_an_unknown_one_is_refused_with_the_names() -> None:
+    assert all(find_driver(name) is driver for name, driver in DRIVERS.items())
+    assert len({driver.summary for driver in DRIVERS.values()}) == len(DRIVERS)
+    with pytest.raises(UsageError, match=f"^driver 'drunk' .*; available: {', '.join(DRIVERS)}$"):
+        find_driver("drunk")

@@ -6,27 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.base.errors import UsageError
-from harness.drivers import DRIVERS, CmdVel, DriverContext, Observation, find_driver
+from harness.drivers import DRIVERS, CmdVel, DriverContext, Observation
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from tests.support.rovers import LEO, ROVER_ZERO4WD
-
-MEETING = ["ram", "reverse_into", "graze", "swing", "pass_by"]
-NAMES = [
-    "wander",
-    "straight",
-    "spin",
-    "figure8",
-    "cmd_vel",
-    "goal",
-    "roam",
-    "ram",
-    "reverse_into",
-    "graze",
-    "swing",
-    "pass_by",
-]
 
 
 def context(rover: RoverSpec = LEO) -> DriverContext:
@@ -35,15 +18,6 @@ def context(rover: RoverSpec = LEO) -> DriverContext:
 
 def at(yaw: float) -> Observation:
     return Observation(0, 0.0, 0.0, yaw, None)
-
-
-def test_drivers_are_found_by_name_and_an_unknown_one_is_refused_with_the_names() -> None:
-    assert list(DRIVERS) == NAMES
-    assert all(find_driver(name) is DRIVERS[name] for name in NAMES)
-    assert len({driver.summary for driver in DRIVERS.values()}) == len(NAMES)
-    with pytest.raises(UsageError) as refusal:
-        find_driver("drunk")
-    assert str(refusal.value) == f"driver 'drunk' does not exist; available: {', '.join(NAMES)}"
 
 
 @pytest.mark.parametrize(

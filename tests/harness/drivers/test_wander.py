@@ -68,15 +68,15 @@ def rule(goal: float, ranges: np.ndarray, rover: RoverSpec) -> Twist:
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", range(30))
 def test_it_takes_the_way_that_is_free_and_near_the_goals_direction(
     rover: RoverSpec, seed: int, dice: MakeDice
 ) -> None:
     rng = np.random.default_rng(seed)
     ranges = rng.uniform(0.0, 4.0, len(BEARINGS)) + rng.choice([0.0, 0.3, 1.0, 2.5])
     ranges[rng.random(len(BEARINGS)) < rng.choice([0.3, 0.9, 0.97])] = np.inf
-    for odd in (np.nan, -np.inf):
-        ranges[rng.random(len(BEARINGS)) < 0.003] = odd
+    for odd in (np.nan, -np.inf):  # -inf is nearer than the lidar can see
+        ranges[rng.random(len(BEARINGS)) < rng.choice([0.003, 0.03])] = odd
     share = rng.random()
     driver, yaw = wander(dice(0.0, share), rover), rng.uniform(-math.pi, math.pi)
     goal = math.remainder((2 * share - 1) * math.pi - yaw, math.tau)
@@ -84,33 +84,6 @@ def test_it_takes_the_way_that_is_free_and_near_the_goals_direction(
     assert [twist.linear, twist.angular] == numbers(rule(goal, ranges, rover))
     unseeing = wander(dice(0.0, share), rover).command(seen(yaw=yaw, ranges=None))
     assert [unseeing.linear, unseeing.angular] == numbers(rule(goal, OPEN, rover))
-
-
-@pytest.mark.parametrize("beam", range(35, 56))
-def test_one_return_ahead_turns_it_aside_and_slows_it_down(beam: int, dice: MakeDice) -> None:
-    ranges = OPEN.copy()
-    ranges[beam] = 1.0
-    twist = wander(dice(1.0, 0.51)).command(seen(ranges=ranges))  # a little to the left: no tie
-    assert [twist.linear, twist.angular] == numbers(rule(0.02 * math.pi, ranges, LEO))
-
-
-def test_nearer_than_the_lidar_can_see_is_no_free_range_at_all(dice: MakeDice) -> None:
-    ranges = np.full(len(BEARINGS), 0.5)
-    ranges[82] = -np.inf  # at 149 degrees, with the goal at 95
-    share = (1 + 95 / 180) / 2
-    twist = wander(dice(1.0, share)).command(seen(ranges=ranges))
-    assert twist.linear > 0.0
-    assert [twist.linear, twist.angular] == numbers(rule(math.radians(95.0), ranges, LEO))
-
-
-@pytest.mark.parametrize(
-    ("face", "speed"), [(0.44, 0.0), (0.46, 0.46 / 1.2), (1.19, 1.19 / 1.2), (1.21, 1.0), (2.9, 1.0)]
-)
-def test_a_wall_all_around_slows_it_down_and_stops_it(face: float, speed: float, dice: MakeDice) -> None:
-    driver = wander(dice(1.0, AHEAD))
-    twist = driver.command(seen(ranges=np.full(len(BEARINGS), face)))
-    assert twist.linear == pytest.approx(0.4 * speed)
-    assert twist.angular == (1.0 if speed == 0.0 else 0.0)
 
 
 def bearing_driven(driver: Wander, observation: Observation) -> float:
@@ -190,13 +163,6 @@ def test_after_3_s_without_25_cm_of_progress_it_backs_out_for_2_s_to_either_side
     assert commands[-1].linear == pytest.approx(-0.3)
     assert [command.linear < 0 for command in commands] == expected
     assert rng.draws == 6, "a new goal after backing out"  # type: ignore[attr-defined]
-
-
-@pytest.mark.parametrize(("x", "y"), [(0.26, 0.0), (0.0, 0.26), (0.19, -0.19)])
-def test_who_gets_on_by_26_cm_in_3_s_is_not_stuck(x: float, y: float, dice: MakeDice) -> None:
-    driver = wander(dice(1.0, AHEAD))
-    creeping = [driver.command(seen(0.05 * n, x * (n // 59), y * (n // 59))) for n in range(300)]
-    assert all(command.linear >= 0 for command in creeping)
 
 
 @pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])

@@ -6,16 +6,23 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import mujoco
+import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
+from harness.base.errors import UsageError
 from harness.episode.episode import Episode
-from harness.frames.rover_frames import rover_frames
+from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import TransformSensor, describe
 from harness.frames.tree import Edge
-from harness.samples import Odometry, Tick, Transforms, Twist
+from harness.robots import ROVERS
+from harness.samples import Odometry, Tick, Transforms
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
+from harness.spec.value import made
 from tests.harness.frames.made_rover import made_rover
+from tests.support.rovers import LEO
 
 PLANAR, WHOLE = FrameOptions(), FrameOptions(odom_tf_3d=True)
 WHEELS, NONE = FrameOptions(odom_tf="wheels"), FrameOptions(odom_tf="none")
@@ -23,99 +30,88 @@ WHEELS, NONE = FrameOptions(odom_tf="wheels"), FrameOptions(odom_tf="none")
 
 def drive(robot: str, options: FrameOptions | None) -> Iterator[tuple[Episode, Tick]]:
     """Ticks of half a second on rough ground, each with the state that it was read from."""
-    episode = Episode(Run.of(robot=robot, lidar_beams=8), options)
-    episode._drive.command(Twist(0.4, 1.0))
+    run = Run.of(robot=robot, lidar_beams=8, duration=0.5, driver="cmd_vel", commands=[(0.0, 0.4, 1.0)])
+    episode = Episode(run, frame_options=options)
     for index in range(1, 51):
+        if index % 5 == 1:
+            episode.begin_period(index - 1)
         episode.drive_wheels()
         episode.simulation.tick()
         episode.observe(index)
-        yield episode, episode._ticks[-1]
+        yield episode, episode.end_period(is_last=False).ticks[0]
 
 
-def own(tick: Tick) -> list[Transforms]:
-    return [sample for sample in tick.samples if isinstance(sample, Transforms)]
-
-
-def edges(episode: Episode, sample: Transforms) -> dict[str, Edge]:
-    """What a sample says, by the frame."""
+def poses(episode: Episode, sample: Transforms) -> dict[tuple[str, str], NDArray[np.float64]]:
+    """What a sample says: position and rotation matrix by parent and child."""
     assert episode.description is not None
-    told = {}
-    for index in range(len(sample.translation) // 3):
-        parent, child = episode.description.moving[index]
-        xyz, xyzw = sample.translation[3 * index :][:3], sample.rotation[4 * index :][:4]
-        told[child] = Edge(parent, child, xyz, xyzw)  # type: ignore[arg-type]  # of these lengths
-    return told
+    moving = episode.description.moving
+    xyz, xyzw = (np.array(each) for each in (sample.translation, sample.rotation))
+    turns = Rotation.from_quat(xyzw.reshape(-1, 4)).as_matrix()
+    rows = zip(moving, xyz.reshape(-1, 3), turns, strict=False)
+    return {names: np.column_stack([turn, place]) for names, place, turn in rows}
 
 
-@pytest.mark.parametrize("options", [PLANAR, WHOLE], ids=["planar", "3d"])
+def in_world(
+    frames: RoverFrames, name: str, data: mujoco.MjData, scene: mujoco.MjModel
+) -> NDArray[np.float64]:
+    """The pose of a frame: it moves with its body as it lies in it at rest."""
+    (link,) = (link for link in frames.links if link.name == name)
+    body = scene.body(frames.model.body(link.body).name).id
+    now, rest = np.eye(4), np.eye(4)
+    now[:3] = np.column_stack([data.xmat[body].reshape(3, 3), data.xpos[body]])
+    rest[:3] = np.column_stack([frames.data.xmat[link.body].reshape(3, 3), frames.data.xpos[link.body]])
+    pose: NDArray[np.float64] = now @ np.linalg.inv(rest) @ link.in_base
+    return pose
+
+
+@pytest.mark.parametrize(
+    "options", [PLANAR, WHOLE, WHEELS, NONE], ids=["planar", "3d", "wheels", "none"]
+)
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
-def test_a_transform_goes_before_the_samples_of_each_tick_and_says_where_the_rover_is(
+def test_a_transform_goes_before_the_samples_of_a_tick_and_says_where_frames_are(
     robot: str, options: FrameOptions
 ) -> None:
-    told = 0
-    for episode, tick in drive(robot, options):
-        if not tick.samples:
-            continue
-        first, *others = tick.samples
-        assert isinstance(first, Transforms)
-        assert others, "nothing to be transformed"
-        assert {s.stamp_ns for s in tick.samples} == {tick.stamp_ns}
-        (x, y, z, w, i, j, k) = episode.simulation.data.qpos[:7].tolist()
-        base = edges(episode, first)[episode.simulation.scene.rover.odometry_child_frame]
-        assert base.parent == "odom"
-        if options.odom_tf_3d:
-            assert (base.translation, base.rotation) == ((x, y, z), (i, j, k, w))
-        else:
-            yaw = math.atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
-            assert base.translation == (x, y, 0.0)
-            assert base.rotation == pytest.approx((0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)))
-        told += 1
-    assert told == 30, "50 Hz and 20 Hz fall on 60 ticks a second"
-
-
-@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
-def test_wheels_own_odom_as_the_odometry_has_it_and_goes_on_between_two_readings(robot: str) -> None:
+    ticks = joints = 0
+    yaws = []
     quiet = [tick.samples for _, tick in drive(robot, None)]
-    poses, read = [], 0
-    for (episode, tick), samples in zip(drive(robot, WHEELS), quiet, strict=True):
-        assert repr(tick.samples[1:]) == repr(samples), "looking changes nothing"
-        for sample in own(tick):
-            base = edges(episode, sample)[episode.simulation.scene.rover.odometry_child_frame]
-            poses.append(base.rotation[2])
-        for odometry in tick.samples:
-            if isinstance(odometry, Odometry):
-                half = odometry.yaw / 2
-                assert base.translation == (odometry.x, odometry.y, 0.0)
-                assert base.rotation == (0.0, 0.0, math.sin(half), math.cos(half))
-                read += 1
-    assert read == {"leo": 10, "rover_zero4wd": 25}[robot]
-    assert len(set(poses[-15:])) == 15, "a rover that turns does so between two readings too"
-
-
-def test_joints_come_twenty_times_a_second_where_mujoco_has_their_frames() -> None:
-    stamps = []
-    for episode, tick in drive("leo", NONE):
-        for sample in own(tick):
-            stamps.append(sample.stamp_ns)
-            model, data = episode.simulation.model, episode.simulation.data
+    frames = rover_frames(ROVERS[robot])
+    for (episode, tick), samples in zip(drive(robot, options), quiet, strict=True):
+        own = tick.of(Transforms)
+        others = [sample for sample in tick.samples if sample is not own]
+        assert repr(others) == repr([*samples]), "looking changes nothing"
+        if own is None:
+            continue
+        assert (tick.samples[0], own.stamp_ns) == (own, tick.stamp_ns)
+        ticks += 1
+        scene = episode.simulation.scene
+        model, data, base = scene.model, episode.simulation.data, scene.rover.odometry_child_frame
+        read = poses(episode, own)
+        (x, y, z, w, i, j, k) = data.qpos[:7].tolist()
+        pose = read.pop(("odom", base), None)
+        assert (pose is None) == (options is NONE)
+        if pose is not None:
+            yaw = math.atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
+            expected = Rotation.from_euler("z", yaw), (x, y, 0.0)
+            if options is WHOLE:
+                expected = Rotation.from_quat([i, j, k, w]), (x, y, z)
+            elif options is WHEELS:
+                yaws.append(Rotation.from_matrix(pose[:, :3]).as_euler("xyz")[2])
+                odometry = tick.of(Odometry)
+                if odometry is not None:
+                    expected = Rotation.from_euler("z", odometry.yaw), (odometry.x, odometry.y, 0.0)
+            if options is not WHEELS or tick.of(Odometry) is not None:
+                assert pose == pytest.approx(np.column_stack([expected[0].as_matrix(), expected[1]]))
+        if read:
             mujoco.mj_kinematics(model, data)
-            told = edges(episode, sample)
-            assert set(told) == {f"wheel_{w}_link" for w in ("FL", "RL", "FR", "RR")} | {
-                "rocker_L_link",
-                "rocker_R_link",
-            }
-            right, rear = told["rocker_R_link"], told["wheel_RR_link"]
-            angle = data.joint("rocker_R_joint").qpos[0]
-            half = (0.0, math.sin(angle / 2), 0.0, math.cos(angle / 2))
-            assert right.rotation == pytest.approx(half, abs=1e-12)
-            wheel = data.joint("wheel_RR_joint").qpos[0]
-            half = (0.0, math.sin(wheel / 2), 0.0, math.cos(wheel / 2))
-            assert rear.rotation == pytest.approx(half, abs=1e-12)
-            left = data.joint("wheel_FL_joint").qpos[0]  # its frame is turned by pi: about -y
-            half = (0.0, -math.sin(left / 2), 0.0, math.cos(left / 2))
-            assert told["wheel_FL_link"].rotation == pytest.approx(half, abs=1e-9)
-            assert right.translation == pytest.approx((0.00263, -0.14167, -0.04731))
-    assert stamps == [50_000_000 * n for n in range(1, 11)]
+            joints += 1
+            assert {child for _, child in read} == {link.name for link in frames.moving}
+        for (parent, child), told in read.items():
+            there = (in_world(frames, name, data, model) for name in (parent, child))
+            expected_pose = np.linalg.inv(next(there)) @ next(there)
+            assert told == pytest.approx(expected_pose[:3], abs=1e-9)
+    assert joints == 10, "20 times a second"
+    assert ticks == (joints if options is NONE else 30), "50 Hz and 20 Hz fall on 60 ticks a second"
+    assert len(set(yaws[-15:])) == (15 if options is WHEELS else 0), "it turns between two readings too"
 
 
 def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) -> None:
@@ -124,30 +120,27 @@ def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) ->
         '<geom size="0.1"/></body>'
     )
     frames = rover_frames(made_rover(tmp_path, body))
-
-    class Lifted:
-        """A simulation of nothing but this model."""
-
-        model, data = frames.model, frames.data
-        time_ns = 50_000_000
-        scene = SimpleNamespace(own=str)
-
     frames.data.joint("lift").qpos[0] = 0.3
-    simulation: object = Lifted()
+    simulation: object = SimpleNamespace(
+        model=frames.model, data=frames.data, time_ns=50_000_000, scene=SimpleNamespace(own=str)
+    )
     sample = TransformSensor(simulation, frames, NONE, {}, 1).read()  # type: ignore[arg-type]
     assert sample.translation == pytest.approx((0.1, -0.3, 0.2))
     assert sample.rotation == pytest.approx((math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
 
 
-def test_the_description_names_what_moves_and_tells_what_does_not() -> None:
-    frames = rover_frames(Episode(Run.of(terrain="flat", duration=0.01)).simulation.scene.rover)
+def test_the_description_names_what_moves_and_holds_what_does_not() -> None:
+    frames = rover_frames(LEO)
     default = describe(frames, FrameOptions())
-    assert default.moving[0] == ("odom", "base_footprint")
-    assert default.owns_odom
-    assert describe(frames, NONE).moving == default.moving[1:]
-    assert not describe(frames, NONE).owns_odom
+    assert (default.moving[0], default.owns_odom) == (("odom", "base_footprint"), True)
+    without = describe(frames, NONE)
+    assert (without.moving, without.owns_odom) == (default.moving[1:], False)
     mapped = describe(frames, FrameOptions(map_tf=True))
     assert mapped.fixed == (Edge("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), *default.fixed)
-    assert {child for _, child in default.moving} | {e.child for e in default.fixed} == {
-        link.name for link in frames.links
-    }
+    children = {child for _, child in default.moving} | {edge.child for edge in default.fixed}
+    assert children == {link.name for link in frames.links}
+
+
+def test_a_rover_that_does_not_own_odom_has_no_third_dimension_there() -> None:
+    with pytest.raises(UsageError, match=r"leave out --odom-tf wheels, or --odom-tf-3d$"):
+        made(FrameOptions, {"odom_tf": "wheels", "odom_tf_3d": True})

@@ -104,8 +104,8 @@ def spin(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
 
 
 @both
-def test_yourdfpy_finds_every_link_where_mujoco_has_it(rover: RoverSpec, tmp_path: Path) -> None:
-    _, data, angles = posed(rover, seed=2)
+def test_yourdfpy_finds_links_and_shapes_where_mujoco_has_them(rover: RoverSpec, tmp_path: Path) -> None:
+    model, data, angles = posed(rover, seed=2)
     frames = rover_frames(rover)
     urdf = parse(write_urdf(frames), tmp_path)
     assert urdf.validate()
@@ -118,47 +118,29 @@ def test_yourdfpy_finds_every_link_where_mujoco_has_it(rover: RoverSpec, tmp_pat
         at_rest[:3, 3] = frames.data.xpos[link.body]
         at_rest[:3, :3] = frames.data.xmat[link.body].reshape(3, 3)
         expected = pose @ np.linalg.inv(at_rest) @ link.in_base
-        assert urdf.get_transform(link.name, urdf.base_link) == pytest.approx(expected, abs=EXACT)
+        there = urdf.get_transform(link.name, urdf.base_link)
+        assert there == pytest.approx(expected, abs=EXACT)
+        shapes = (model.geom_bodyid == link.body) & (model.geom_group == 2) & link.carries
+        seen = [
+            (v.geometry, there @ v.origin, v.material.name) for v in urdf.link_map[link.name].visuals
+        ]
+        for geom in np.flatnonzero(shapes).tolist():
+            (shape, place, colour), *ends = seen[: 3 if model.geom_type[geom] == CAPSULE else 1]
+            seen = seen[1 + len(ends) :]
+            x, y, z = model.geom_size[geom]
+            is_box = model.geom_type[geom] == BOX
+            size = shape.box.size if is_box else (shape.cylinder.radius, shape.cylinder.length)
+            assert size == pytest.approx((2 * x, 2 * y, 2 * z) if is_box else (x, 2 * y), abs=EXACT)
+            turn, middle = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]
+            assert place[:3] == pytest.approx(np.column_stack([turn, middle]), abs=EXACT)
+            assert colour == model.mat(model.geom_matid[geom]).name
+            for (end, at_end, _), side in zip(ends, (-y, y), strict=False):
+                assert end.sphere.radius == pytest.approx(x, abs=EXACT)
+                assert at_end[:3, 3] == pytest.approx(middle + side * turn[:, 2], abs=EXACT)
+        assert not seen
     lidar = urdf.get_transform("lidar_link", urdf.base_link)
     assert lidar[:3, 3] == pytest.approx(data.site("lidar").xpos, abs=EXACT)
     assert lidar[:3, :3].ravel() == pytest.approx(data.site("lidar").xmat, abs=EXACT)
-
-
-@both
-def test_every_shape_that_is_seen_is_where_mujoco_has_it(rover: RoverSpec, tmp_path: Path) -> None:
-    model, data, angles = posed(rover, seed=3)
-    frames = rover_frames(rover)
-    urdf = parse(write_urdf(frames), tmp_path)
-    urdf.update_cfg(angles)
-    told = []
-    for link in (link for link in frames.links if link.carries):
-        at = urdf.get_transform(link.name, urdf.base_link)
-        visuals = urdf.link_map[link.name].visuals
-        told += [(seen.geometry, at @ seen.origin, seen.material.name) for seen in visuals]
-    order = [geom for link in frames.links if link.carries for geom in shapes_of(model, link.body)]
-    for geom in order:
-        (shape, pose, colour), *ends = told[: 3 if model.geom_type[geom] == CAPSULE else 1]
-        told = told[1 + len(ends) :]
-        x, y, z = model.geom_size[geom]
-        if model.geom_type[geom] == BOX:
-            assert shape.box.size == pytest.approx((2 * x, 2 * y, 2 * z), abs=EXACT)
-        else:
-            assert (shape.cylinder.radius, shape.cylinder.length) == pytest.approx((x, 2 * y), abs=EXACT)
-        turn = data.geom_xmat[geom].reshape(3, 3)
-        assert pose[:3, 3] == pytest.approx(data.geom_xpos[geom], abs=EXACT)
-        assert pose[:3, :3] == pytest.approx(turn, abs=EXACT)
-        assert colour == model.mat(model.geom_matid[geom]).name
-        for (end, place, _), side in zip(ends, (-1, 1), strict=False):
-            assert end.sphere.radius == pytest.approx(x, abs=EXACT)
-            at_end = data.geom_xpos[geom] + side * y * turn[:, 2]
-            assert place[:3, 3] == pytest.approx(at_end, abs=EXACT)
-    assert told == []
-
-
-def shapes_of(model: mujoco.MjModel, body: int) -> list[int]:
-    """What is to be seen of a body: group 2."""
-    geoms: list[int] = np.flatnonzero((model.geom_bodyid == body) & (model.geom_group == 2)).tolist()
-    return geoms
 
 
 def test_shapes_colours_and_meshes(tmp_path: Path) -> None:

@@ -16,11 +16,11 @@ from harness.physics.simulation import Simulation, simulations
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.world.actors.actor import Actor, with_actors
-from harness.world.actors.walker import SocialWalker
+from harness.world.actors.actor import Actor
+from harness.world.actors.social_force import SocialForceWalker
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
-from harness.world.world import World
+from harness.world.world import World, with_actors
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 from tests.support.words import parse_actors
 
@@ -73,15 +73,15 @@ def test_a_social_walker_keeps_out_of_the_way_of_all_rovers_and_of_all_others(
 ) -> None:
     """Each is given all discs but their own, the others where they were before anybody moved."""
     given: list[tuple[float, float, list[tuple[float, float, float]]]] = []
-    walk = SocialWalker.walk
+    walk = SocialForceWalker.walk
 
     def noted(
-        way: SocialWalker, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
+        way: SocialForceWalker, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
     ) -> Place:
         given.append((time_s, seconds, bodies))
         return walk(way, time_s, seconds, bodies)
 
-    monkeypatch.setattr(SocialWalker, "walk", noted)
+    monkeypatch.setattr(SocialForceWalker, "walk", noted)
     one, other = fleet(
         "x=1.5,-1.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
     )

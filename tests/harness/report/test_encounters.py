@@ -5,7 +5,7 @@ import pytest
 from harness.report import encounters as module
 from harness.report.encounters import Encounter, encounters
 from harness.report.recorder import Approach
-from tests.harness.report.stretches import stretches
+from tests.harness.report.made import stretches
 
 
 def at(time_s: float, *distances: float) -> dict[str, tuple[Approach, ...]]:

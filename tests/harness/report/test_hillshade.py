@@ -11,13 +11,6 @@ from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 
 
-def test_slopes_towards_the_north_west_are_lit_and_others_lie_in_the_shade() -> None:
-    x, y = np.meshgrid(np.linspace(-2.0, 2.0, 41), np.linspace(-2.0, 2.0, 41))
-    cone = shade(Heightfield(heights=-np.hypot(x, y), cell=0.1)).pixels
-    north_west, south_east = cone[10, 10], cone[30, 30]
-    assert int(north_west) > int(south_east) + 100
-
-
 @pytest.mark.parametrize(
     ("slope_x", "slope_y", "light"),
     [

@@ -7,7 +7,7 @@ import pytest
 
 from harness.report.log import Log, caption, collisions, contacts, describe, read_log
 from harness.report.recorder import Stretch
-from tests.harness.report.stretches import stretches
+from tests.harness.report.made import stretches
 
 
 def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None:

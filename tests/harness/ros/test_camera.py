@@ -1,6 +1,5 @@
 """Images and camera_info as a listener reads them; images only while there is one, and an OpenGL."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,15 +10,18 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image
 
-from harness.episode.assembly import world_of
-from harness.ros.camera import camera_info_fill, image_fill, painter
-from harness.ros.channel import Channel
+from harness.ros.channel import open_channel
+from harness.ros.optional_messages import Draw, camera_info_fill, image_fill
+from harness.ros.rover_nodes import painter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.sensors.table import Topic
+from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
+from tests.harness.ros.conftest import Ros
 
 STATE = CameraState(12_000_000_345, "eye", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), np.zeros(3))
-PIXELS = np.arange(90, dtype=np.uint8).reshape(5, 6, 3)
-EYE = CameraOptions(name="eye", width=6, height=5, fov=1.0)
+PIXELS = np.arange(216, dtype=np.uint8).reshape(8, 9, 3)
+EYE = CameraOptions(name="eye", width=9, height=8, fov=1.0)
 
 
 def heard(message: Any) -> Any:  # noqa: ANN401 - rclpy's classes have no types
@@ -30,66 +32,54 @@ def heard(message: Any) -> Any:  # noqa: ANN401 - rclpy's classes have no types
 def test_an_image_is_what_was_drawn_row_by_row() -> None:
     fill = image_fill(Image(), EYE, lambda state: PIXELS if state is STATE else None)
     told = heard(fill(STATE))
-    assert (told.height, told.width, told.step) == (5, 6, 18)
-    assert (told.encoding, told.is_bigendian, bytes(told.data)) == ("rgb8", 0, bytes(range(90)))
+    assert (told.height, told.width, told.step) == (8, 9, 27)
+    assert (told.encoding, told.is_bigendian, bytes(told.data)) == ("rgb8", 0, bytes(range(216)))
 
 
 @pytest.mark.parametrize(
     ("lens", "model", "focal"),
-    [("pinhole", "plumb_bob", 3 / np.tan(0.5)), ("fisheye", "equidistant", 6)],
+    [("pinhole", "plumb_bob", 4.5 / np.tan(0.5)), ("fisheye", "equidistant", 9)],
 )
 def test_camera_info_is_the_lens(lens: str, model: str, focal: float) -> None:
-    options = CameraOptions(name="eye", width=6, height=5, fov=1.0, lens=lens)
+    options = CameraOptions(name="eye", width=9, height=8, fov=1.0, lens=lens)
     told = heard(camera_info_fill(CameraInfo(), options)(STATE))
-    assert (told.height, told.width, told.distortion_model) == (5, 6, model)
+    assert (told.height, told.width, told.distortion_model) == (8, 9, model)
     assert told.d.tolist() == [0.0] * {"plumb_bob": 5, "equidistant": 4}[model]
-    k = np.array([[focal, 0, 2.5], [0, focal, 2], [0, 0, 1]])
+    k = np.array([[focal, 0, 4], [0, focal, 3.5], [0, 0, 1]])
     assert told.k.reshape(3, 3) == pytest.approx(k)
     assert told.p.reshape(3, 4) == pytest.approx(np.hstack([k, np.zeros((3, 1))]))
     assert told.r.tolist() == np.eye(3).ravel().tolist()
 
 
 @pytest.mark.parametrize(
-    ("listeners", "recorded", "drawn"), [(0, False, 0), (1, False, 2), (0, True, 2)]
+    ("listens", "records", "draw", "sent"),
+    [
+        (False, False, lambda _: PIXELS, 0),
+        (True, False, lambda _: PIXELS, 2),
+        (False, True, lambda _: PIXELS, 2),
+        (True, True, lambda _: None, 0),
+        (True, True, None, 0),
+    ],
 )
-def test_an_image_is_drawn_while_somebody_listens_or_records(
-    listeners: int, recorded: bool, drawn: int
+def test_an_image_is_drawn_and_sent_while_somebody_wants_it(
+    ros: Ros, listens: bool, records: bool, draw: Draw | None, sent: int
 ) -> None:
-    drew: list[CameraState] = []
-
-    def draw(state: CameraState) -> Any:  # noqa: ANN401 - an image
-        drew.append(state)
-        return PIXELS
-
-    sent: list[object] = []
-    publisher = SimpleNamespace(publish=sent.append, get_subscription_count=lambda: listeners)
-    channel = Channel(publisher, image_fill(Image(), EYE, draw), "/image", on_demand=True)
-    if recorded:
+    topic = Topic("image", "sensor_msgs/msg/Image", on_demand=True)
+    channel = open_channel(ros.node("camera"), topic, image_fill(Image(), EYE, draw))
+    if listens:
+        ros.node("viewer").create_subscription(Image, "image", lambda _: None, 1)
+        ros.until(channel.publisher.get_subscription_count)
+    if records:
         channel.record = serialize_message
     for _ in range(2):
         channel.publish(STATE)
-    assert (len(drew), len(sent), channel.published) == (drawn,) * 3
-
-
-@pytest.mark.parametrize("draw", [None, lambda _: None])
-def test_without_an_image_nothing_is_published(draw: Any) -> None:  # noqa: ANN401 - a function or None
-    publisher = SimpleNamespace(publish=None, get_subscription_count=lambda: 1)
-    channel = Channel(publisher, image_fill(Image(), EYE, draw), "/image", on_demand=True)
-    channel.publish(STATE)
-    assert channel.published == 0
+    assert channel.published == sent
 
 
 def test_a_run_has_a_painter_of_its_cameras_alone() -> None:
-    config = Run.of(sensors=("camera=small", "gnss"), seed=4)
-    subject = painter(config)
+    run = Run.of(sensors=("camera=small", "gnss"), seed=4)
+    subject = painter(run)
     assert [camera.width for camera in subject._cameras.values()] == [160]
-    world, (only,) = subject._scenery()
-    assert (world is world_of(config), only.rover.name, subject._seed) == (True, "leo", 4)
-    other = Run.of(robot="rover_zero4wd", seed=4, name="b", number=1, start=(2.0, 1.0, 0.5))
-    beside = painter(other, (config, other))
-    _, fleet = beside._scenery()
-    assert [(member.rover.name, member.start) for member in fleet] == [
-        ("leo", (0.0, 0.0, 0.0)),
-        ("rover_zero4wd", (2.0, 1.0, 0.5)),
-    ]
-    assert beside._seed != 4
+    assert subject._seed == 4
+    other = RoverSetup(robot="rover_zero4wd", name="b", start=(2.0, 1.0, 0.5))
+    assert painter(run.but(rovers=(run.rover, other)), 1)._seed != 4

@@ -9,19 +9,18 @@ from hypothesis import strategies as st
 
 from tests.support.waiting import PATIENCE
 
-rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.errors import RunFailed
 from harness.frames.tree import Description, Edge
 from harness.ros import frames
 from harness.ros.bridge import Bridge
-from harness.ros.context import make_executor, spin_until
+from harness.ros.context import spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.ros.frames import NO_TYPE, TF_MESSAGE, FrameTopics, TransformFill, transforms_bytes
+from harness.ros.frames import NO_TYPE, TF_MESSAGE, TransformFill, transforms_bytes
 from harness.samples import Tick, Transforms
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.message_types import typestore
-from tests.support.rovers import LEO
+from tests.harness.ros.conftest import Ros
 
 BASE = ("odom", "base_footprint")
 WHEEL = ("base_link", "wheel_FL_link")
@@ -63,18 +62,6 @@ def test_a_sample_becomes_the_bytes_that_rosbags_reads_as_its_frames(
     assert repr(told) == repr(expected)  # NaN too
 
 
-@pytest.fixture
-def bridge(ros_domain: int) -> Any:  # noqa: ANN401 - rclpy has no types
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=ros_domain)
-    bridge = Bridge(LEO, LidarSpec(beams=4), context=context)
-    with make_executor(context) as executor:
-        executor.add_node(bridge)
-        yield bridge
-    bridge.destroy_node()
-    context.shutdown()
-
-
 def advance(bridge: Bridge, seconds: int) -> None:
     """A tick at a full second, with the pose of the base."""
     stamp = seconds * 10**9
@@ -83,19 +70,20 @@ def advance(bridge: Bridge, seconds: int) -> None:
     bridge.advance(tick, tick, listeners=())
 
 
-def rival(bridge: Bridge, name: str, *told: Edge) -> Any:  # noqa: ANN401 - rclpy has no types
+def rival(ros: Ros, name: str, *told: Edge) -> Any:  # noqa: ANN401 - rclpy has no types
     """Another node, which says on /tf what it says whenever it is asked to."""
-    node = rclpy.create_node(name, context=bridge.context, enable_rosout=False)
+    node = ros.node(name)
     publisher = node.create_publisher(message_type(TF_MESSAGE), "tf", 10)
     forget_missing_definition()
-    return SimpleNamespace(speak=lambda: publisher.publish(transforms_bytes(told)), node=node)
+    return SimpleNamespace(speak=lambda: publisher.publish(transforms_bytes(told)))
 
 
 def test_a_second_owner_of_the_base_is_named_with_the_mend_and_no_other_publisher_is(
-    bridge: Bridge,
+    ros: Ros,
 ) -> None:
+    bridge = ros.bridge()
     bridge.describe(OWN)
-    amcl = rival(bridge, "amcl", Edge("map", "odom"), Edge("base_link", "arm_link"))
+    amcl = rival(ros, "amcl", Edge("map", "odom"), Edge("base_link", "arm_link"))
     seconds = iter(range(1, 1_000_000))
 
     def watched() -> bool:
@@ -107,7 +95,7 @@ def test_a_second_owner_of_the_base_is_named_with_the_mend_and_no_other_publishe
         amcl.speak()
         advance(bridge, next(seconds))
         bridge.executor.spin_once(timeout_sec=0.01)
-    ekf = rival(bridge, "ekf", Edge("odom", "base_footprint"))
+    ekf = rival(ros, "ekf", Edge("odom", "base_footprint"))
 
     def refused() -> bool:
         ekf.speak()
@@ -120,8 +108,6 @@ def test_a_second_owner_of_the_base_is_named_with_the_mend_and_no_other_publishe
         "/tf has odom -> base_footprint from /amcl or /ekf too, and a frame has one owner: "
         "stop it there, or give --odom-tf none here"
     )
-    amcl.node.destroy_node()
-    ekf.node.destroy_node()
 
 
 @pytest.mark.parametrize(
@@ -135,40 +121,28 @@ def test_a_second_owner_of_the_base_is_named_with_the_mend_and_no_other_publishe
     ],
 )
 def test_what_has_one_owner_is_what_this_run_tells_of_odom_and_map(
-    description: Description, told: Edge, mend: str | None
+    ros: Ros, description: Description, told: Edge, mend: str | None
 ) -> None:
-    node: Any = SimpleNamespace(
-        get_publishers_info_by_topic=lambda _: [],
-        get_fully_qualified_name=lambda: "/harness",
-    )
-    topics: Any = FrameTopics.__new__(FrameTopics)
-    topics._node, topics._description, topics._sent, topics._rival = node, description, [], None
-    topics.moving = [SimpleNamespace(topic="/tf")]
-    topics._look(transforms_bytes([told]))
-    assert (topics._rival is None) == (mend is None)
-    assert mend is None or topics._rival.endswith(
-        f"from another node too, and a frame has one owner: stop it there, or {mend}"
-    )
+    bridge = ros.bridge()
+    bridge.describe(description)
+    bridge.frames.hear(transforms_bytes([told]))
+    if mend is None:
+        bridge.frames.refuse_rivals()
+        return
+    with pytest.raises(
+        RunFailed, match=f"from another node too, and a frame has one owner.* or {mend}$"
+    ):
+        bridge.frames.refuse_rivals()
 
 
-def test_where_the_type_is_not_to_be_had_one_line_says_so_and_the_rest_goes_on(
-    monkeypatch: pytest.MonkeyPatch, ros_domain: int
+def test_without_the_type_one_line_says_so_and_the_rest_goes_on(
+    ros: Ros, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(frames, "message_type", lambda _: None)
-    said: list[str] = []
-    logger = SimpleNamespace(warning=said.append)
-    monkeypatch.setattr(Bridge, "get_logger", lambda _: logger)
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=ros_domain)
-    bridge = Bridge(LEO, LidarSpec(beams=4), context=context)
+    bridge = ros.bridge()
     bridge.describe(OWN)
-    with make_executor(context) as executor:
-        executor.add_node(bridge)
-        advance(bridge, 1)
+    advance(bridge, 1)
     published = bridge.published()
-    bridge.destroy_node()
-    context.shutdown()
-    assert said == [NO_TYPE]
-    assert "\n" not in NO_TYPE
+    assert capfd.readouterr().err.count(NO_TYPE) == 1
     assert (published["/robot_description"], published["/clock"]) == (1, 1)
     assert not {"/tf", "/tf_static"} & set(published)

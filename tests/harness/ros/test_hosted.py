@@ -22,12 +22,14 @@ from harness.ros import hosted
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until
 from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
+from harness.ros.network import reserved_domain
 from harness.samples import Imu, Pose, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.footprint import Footprint
 from rover_metrics.extended.settings import ExtendedSettings, Settings
 from rover_metrics.metrics_node import MetricsNode
+from tests.harness.ros.conftest import Ros
 from tests.support.rovers import LEO
 
 TICK_NS = 10_000_000
@@ -154,44 +156,18 @@ def test_second_clock_fails_the_run_also_where_it_tells_a_time_of_ours(
         nodes.hosted.wait_for_clock(3 * TICK_NS)
 
 
-TOPICS = ("/scan", "/imu/data", "/joint_states")
-
-
-def hosting(**listeners: int) -> HostedMetrics:
-    """A node of scan and IMU, with publishers that only say how many listen."""
-
-    def channel(topic: str) -> SimpleNamespace:
-        count = listeners.get(topic.strip("/").split("/")[0], 0)
-        return SimpleNamespace(
-            topic=topic, publisher=SimpleNamespace(get_subscription_count=lambda: count)
-        )
-
-    channels = [channel(topic) for topic in (*TOPICS, "/clock")]
-    bridge: Any = SimpleNamespace(channels=channels, clock_channel=channels[-1], executor=None)
-    clock = SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=0))
-    node: Any = SimpleNamespace(received=dict.fromkeys(TOPICS[:2], 0), get_clock=lambda: clock)
-    return HostedMetrics(bridge, node)
-
-
-@pytest.mark.parametrize(
-    ("listeners", "alone"),
-    [
-        ({"scan": 1, "imu": 2, "clock": 1}, None),
-        ({"scan": 1, "imu": 1}, "/clock"),
-        ({"clock": 1, "joint_states": 1}, "/scan, /imu/data"),
-    ],
-)
-def test_a_run_waits_for_the_hosted_nodes_topics_and_the_clock(
-    listeners: dict[str, int], alone: str | None, monkeypatch: pytest.MonkeyPatch
+def test_a_node_that_dds_does_not_connect_is_refused_with_its_topics(
+    ros: Ros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        hosted, "spin_until", lambda _, condition, patience: patience > 5 and condition()
-    )
-    if alone is None:
-        hosting(**listeners).await_match()
-        return
-    with pytest.raises(UsageError, match=f"DDS did not connect {alone} within 15 s; is ROS_AUTO"):
-        hosting(**listeners).await_match()
+    monkeypatch.setattr(hosted, "DISCOVERY_PATIENCE", 0.1)
+    context, bridge = rclpy.Context(), ros.bridge()
+    with reserved_domain() as elsewhere:
+        rclpy.init(context=context, domain_id=elsewhere)
+        away = metrics_node(context, tmp_path)
+        with pytest.raises(UsageError, match=r"DDS did not connect /scan, .*, /clock within"):
+            HostedMetrics(bridge, away).await_match()
+        away.destroy_node()
+        context.shutdown()
 
 
 def test_the_hosted_node_runs_on_simulation_time_and_logs_where_it_is_told(
@@ -233,15 +209,11 @@ def test_settings_reach_the_hosted_node_as_a_value_and_the_command_line_wins(
 
 
 def test_what_any_rovers_node_lost_of_a_shared_topic_is_lost() -> None:
+    clock, scan = {"/clock": 7}, {"/clock": 10, "/a/scan": 4}
     hosts: Any = [
-        SimpleNamespace(received=lambda: {"/clock": 7, "/a/scan": 4}, lost={"/clock": 3, "/a/scan": 0}),
-        SimpleNamespace(received=lambda: {"/clock": 10}, lost={"/clock": 0}),
+        SimpleNamespace(received=lambda: clock, lost={"/clock": 3}),
+        SimpleNamespace(received=lambda: scan, lost=dict.fromkeys(scan, 0)),
     ]
-    published = {"/clock": TopicCount(10), "/a/scan": TopicCount(4), "/a/tf": TopicCount(5)}
-    heard = heard_by(hosts, published)
-    assert {topic: count.lost for topic, count in heard.items()} == {
-        "/clock": 3,
-        "/a/scan": 0,
-        "/a/tf": 0,
-    }
-    assert (heard["/a/scan"].received, heard["/a/tf"].received) == (4, None)
+    heard = heard_by(hosts, {topic: TopicCount(10) for topic in ("/clock", "/a/scan", "/a/tf")})
+    counts = {topic: (count.received, count.lost) for topic, count in heard.items()}
+    assert counts == {"/clock": (10, 3), "/a/scan": (4, 0), "/a/tf": (None, 0)}

@@ -281,8 +281,7 @@ EXPECTED: dict[str, tuple[samples.Sample, object]] = {
     ),
 }
 ROWS = chosen(
-    replace(
-        ROVER_ZERO4WD,
+    ROVER_ZERO4WD.but(
         sensors=(
             {"kind": "lidar2d", "beams": 5, "angle_min": -0.5, "angle_max": 1.5}
             | {"range_min": 0.25, "range_max": 8.0},
@@ -386,7 +385,7 @@ def test_a_lidars_misses_are_left_out_or_nan_and_a_cloud_may_be_an_image(
     told: dict[str, object], height: int, dense: bool, kept: int
 ) -> None:
     entry = {"kind": "lidar3d", "rings": 2, "columns": 2} | told
-    row = chosen(replace(ROVER_ZERO4WD, sensors=(entry,)), None)[-1]
+    row = chosen(ROVER_ZERO4WD.but(sensors=(entry,)), None)[-1]
     fill = filler(row, row.topics[0], ROVER_ZERO4WD, LIDAR)
     full = replace(EXPECTED["lidar3d/points"][0], ranges=np.full(4, 1.0, np.float32))
     assert (fill(full).height, fill(full).width, fill(full).is_dense) == (height, 4 // height, True)

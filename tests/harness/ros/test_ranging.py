@@ -1,6 +1,5 @@
 """Clouds and depth images of a run, point by point, against MuJoCo's rays from the mount."""
 
-from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -21,8 +20,7 @@ from harness.spec.run import Run
 XYZ, RPY = (0.1, -0.2, 0.7), (0.2, 0.3, -0.4)
 MOUNT = {"parent": "base_footprint", "xyz": list(XYZ), "rpy": list(RPY)}
 FARTHEST = 6.0
-LEO = replace(
-    find_rover("leo"),
+LEO = find_rover("leo").but(
     sensors=(
         {"kind": "lidar3d", "rings": 6, "columns": 12, "organised": True, "range_max": FARTHEST} | MOUNT,
         {"kind": "depth", "width": 8, "height": 6, "cloud": True, "range_max": FARTHEST} | MOUNT,
@@ -31,7 +29,7 @@ LEO = replace(
 
 
 def test_points_and_depths_are_where_mujocos_rays_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harness.config.chosen", lambda _, asked: chosen(LEO, asked))
+    monkeypatch.setattr("harness.episode.assembly.chosen", lambda _, asked: chosen(LEO, asked))
     episode = Episode(Run.of(terrain="rocky", driver="spin", lidar_beams=8, duration=0.1))
     (*_, last) = (tick for batch in episode.batches() for tick in batch.ticks)
     readings = {s.sensor: s for s in last.samples if isinstance(s, RangeReading)}

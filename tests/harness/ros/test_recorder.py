@@ -2,14 +2,12 @@
 
 import errno
 import re
-from collections.abc import Iterator
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
-rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from geometry_msgs.msg import Twist, Vector3
 from mcap.exceptions import EndOfFile
@@ -28,11 +26,11 @@ from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder, full_definition, padding_of
-from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
+from tests.harness.ros.conftest import Ros
 
-BEAMS = 16
+BEAMS = 4
 STEP_NS = 50_000_000
 TOPICS = {
     "/tf": "tf2_msgs/msg/TFMessage",
@@ -51,13 +49,9 @@ HEARD = {"/cmd_vel": "geometry_msgs/msg/Twist"}
 
 
 @pytest.fixture
-def bridge(ros_domain: int) -> Iterator[Bridge]:
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=ros_domain)
-    bridge = Bridge(find_rover("leo"), LidarSpec(beams=BEAMS), context=context)
-    yield bridge
-    bridge.destroy_node()
-    context.shutdown()
+def bridge(ros: Ros) -> Bridge:
+    made: Bridge = ros.bridge()
+    return made
 
 
 def publish(bridge: Bridge, ticks: int) -> None:
@@ -79,7 +73,7 @@ def publish(bridge: Bridge, ticks: int) -> None:
                 samples.TruthState(t, True, False, True, 12.5, 0.5, 0.1, (0.1, 0.2, -0.1, 0.0), 0.003),
             ),
         )
-        bridge.advance(tick, tick, listeners=(Mock(),))
+        bridge.advance(tick, tick, listeners=())
 
 
 def record(path: Path, bridge: Bridge, ticks: int) -> None:
@@ -175,28 +169,22 @@ def test_all_but_the_last_second_is_on_disk_while_recording(bridge: Bridge, tmp_
     assert stamps == [n * STEP_NS for n in range(1, 60) for _ in TOPICS]
 
 
-def test_existing_file_is_not_overwritten(tmp_path: Path) -> None:
-    path = tmp_path / "bag.mcap"
-    path.write_text("precious")
-    with pytest.raises(UsageError, match=r"bag\.mcap exists already, not overwriting"):
-        Recorder(path)
-    assert path.read_text() == "precious"
-
-
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "overwrite", "mend"),
     [
-        ("bag.db3", "--record '.*bag.db3': name a file that ends in .mcap"),
-        ("no/bag.mcap", "there is no folder .*no; create it first"),
-        ("file/bag.mcap", "there is no folder .*file; create it first"),
-        ("folder.mcap", "folder.mcap is a folder; name a file"),
+        ("there.mcap", False, "exists already, not overwriting"),
+        ("bag.db3", True, "name a file that ends in .mcap"),
+        ("no/bag.mcap", True, "there is no folder .*no; create it first"),
+        ("there.mcap/bag.mcap", True, "create it first"),
+        ("folder.mcap", True, "is a folder; name a file"),
     ],
 )
-def test_impossible_file_is_refused(name: str, told: str, tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
+def test_an_impossible_file_is_refused(name: str, overwrite: bool, mend: str, tmp_path: Path) -> None:
+    (tmp_path / "there.mcap").write_text("precious")
     (tmp_path / "folder.mcap").mkdir()
-    with pytest.raises(UsageError, match=told):
-        Recorder(tmp_path / name, overwrite=True)
+    with pytest.raises(UsageError, match=mend):
+        Recorder(tmp_path / name, overwrite=overwrite)
+    assert (tmp_path / "there.mcap").read_text() == "precious"
 
 
 @pytest.mark.parametrize("is_link", [False, True])

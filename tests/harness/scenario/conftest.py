@@ -10,8 +10,7 @@ import pytest
 from harness.episode import direct
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
-from harness.scenario.case import Case
-from harness.scenario.selection import plan
+from harness.scenario.case import Case, plan
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 
@@ -31,6 +30,7 @@ class Scripted:
 
     seen: list[Run]
     wanted: object = None  # samples, by whoever drove it last
+    number = 0
 
     def __init__(self, config: Run, samples: object = None) -> None:
         self.info, type(self).wanted = INFO, samples
@@ -62,7 +62,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     seen: list[Run] = []
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
-    monkeypatch.setattr(direct, "fleet_of", lambda configs: tuple(map(Scripted, configs)))
+    monkeypatch.setattr(direct, "episodes_of", lambda run: (Scripted(run),))
     monkeypatch.setattr(direct, "together", lambda made: zip(*(e.batches() for e in made), strict=True))
     return seen
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import signal
 import sys
 import tempfile
@@ -16,14 +15,15 @@ import numpy as np
 import pytest
 
 from harness import __version__
-from harness.base.errors import RunFailed, UsageError
+from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode import direct
 from harness.episode.episode import Episode
-from harness.episode.result import RunResult
+from harness.episode.result import Outputs, RunResult
 from harness.samples import LaserScan, Sample
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines
+from harness.scenario.case import Case
 from harness.scenario.contact import contact_of
 from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES
@@ -94,16 +94,17 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     run = direct.run_direct
     failed, scratch = "the rover left the map at 1.9 s", list[Path]()
 
-    def fail(config: Run, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
+    def fail(config: Run, outputs: Any, options: RosOptions, *rest: Any) -> tuple[RunResult, ...]:  # noqa: ANN401
         scratch.append(options.log_dir.parent)
-        return replace(run(config, options, *rest), failure=failed, info=None)
+        (result,) = run(config, outputs, options, *rest)
+        return (replace(result, failure=failed, info=None),)
 
     monkeypatch.setattr(USED, fail)
     done = attempt(case, tmp_path / "out", scratch=tmp_path)
     assert done.breaches == (f"run: {failed}",)
     assert (done.model_hash, done.terrain_hash) == ("", "")
     assert json.loads(done.kept[2].read_text())["outcome"]["reason"] == failed
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    monkeypatch.setattr("harness.scenario.watch.keep_evidence", lambda *_: ())
     attempt(case, tmp_path / "out", scratch=tmp_path / "gone")
     assert scratch == [tmp_path, Path(tempfile.gettempdir())]
 
@@ -161,74 +162,40 @@ def test_the_contact_of_a_breach_is_that_of_its_time_and_kind(
     assert contact_of(name, Breach("", time_s), EVENTS) == told
 
 
-def test_a_baseline_is_kept_until_something_differs(
-    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
-    expect = "{truth.path_length: {over: end, relative: 0.1}}"
+def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_path: Path) -> None:
+    expect = "{truth.path_length: {over: end, relative: 0.1}, truth.hazard_contacts: {max: 1}}"
     (case,) = make_cases(expect, "same_bytes: true")
-    path = tmp_path / "two.baseline.json"
-    missing = f"there is no baseline of it in {path}; record it with --update-baseline"
-    assert attempt(case, tmp_path).error == missing
-    first = attempt(case, tmp_path, compare=False)
-    assert first.passed
-    assert first.recorded is not None
-    assert write_baselines([(case, first.recorded)]) == [path]
-    with pytest.raises(UsageError, match="cannot write the baseline to "):
-        write_baselines([(replace(case, path=tmp_path / "no/two.scenario.yaml"), first.recorded)])
-    assert path.read_text().endswith("}\n")
+    path, out = tmp_path / "two.baseline.json", tmp_path / "out"
+    assert "there is no baseline of it" in str(attempt(case, out).error)
+    done = attempt(case, out, compare=False)
+    assert done.recorded is not None
+    assert write_baselines([(case, done.recorded)]) == [path]
     recorded = json.loads(path.read_text())["two[0]"]
-    assert recorded["of"] == {
-        "rover-harness": __version__,
-        "mujoco": mujoco.__version__,
-        "model": "model",
-        "terrain's hash": "terrain",
-        "terrain": "flat",
-        "duration": 2.0,
-    }
+    versions = {"rover-harness": __version__, "mujoco": mujoco.__version__}
+    of_run = {"model": "model", "terrain's hash": "terrain", "terrain": "flat", "duration": 2.0}
+    assert recorded["of"] == versions | of_run
     assert recorded["values"] == {"truth.path_length end": 1.0}
     assert len(recorded["log"]) == 4  # the end of the last line is one more
-    assert attempt(case, tmp_path).passed
-    elsewhere = replace(case, config=case.config.alone(terrain="elsewhere/flat"))
-    assert attempt(elsewhere, tmp_path).passed
+    elsewhere = replace(case, run=case.run.alone(terrain="elsewhere/flat"))
+    assert attempt(case, out).passed
+    assert attempt(elsewhere, out).passed
 
-    def changed(**values: object) -> Attempt:
+    def changed(case: Case = case, **values: object) -> Attempt:
         path.write_text(json.dumps({"two[0]": recorded | values}))
-        return attempt(case, tmp_path)
+        return attempt(case, out)
 
+    other = [*recorded["log"][:2], recorded["log"][2].replace(",", ",9", 1), ""]
     assert changed(values={"truth.path_length end": 0.8}).breaches == (
         "truth.path_length: at the end 1 m, baseline 0.8 m, allowed +- 0.08 m",
     )
-    row = recorded["log"][2].split(",")
-    other = [*recorded["log"][:2], ",".join([*row[:6], "9.9", *row[7:]]), ""]
-    (told,) = changed(log=other).breaches
-    assert told == f"same_bytes: row 2: Distance Traveled is {row[6]}, baseline 9.9"
-    (told,) = changed(log=[]).breaches
-    assert told == "same_bytes: row 0:  is Timestamp, baseline nothing"
-    told = str(changed(of=recorded["of"] | {"duration": 9.0}).error)
-    assert re.match(r"the baseline is of duration 9\.0, this run of 2\.0; .*--update-baseline$", told)
-    changed()
-    told = str(attempt(replace(case, params={"collision_threshold": 5.0}), tmp_path).error)
-    assert told.startswith("the baseline is of params the default, this run of {'collision_threshold'")
-    path.write_text("[")
-    assert str(attempt(case, tmp_path).error).startswith(f"cannot read the baseline {path}: ")
-    path.write_text("[]")
-    assert str(attempt(case, tmp_path).error).startswith(f"the baseline {path} must hold runs by name")
-
-
-def test_a_run_is_compared_only_for_what_has_a_baseline(
-    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
-    expect = "{truth.path_length: {over: end, relative: 0.1}, truth.hazard_contacts: {max: 0}}"
-    (case,) = make_cases(expect)
-    assert "there is no baseline of it" in str(attempt(case, tmp_path).error)
-    done = attempt(case, tmp_path, compare=False)
-    assert [told.partition(",")[0] for told in done.breaches] == ["truth.hazard_contacts: 1 > 0"]
-    assert done.recorded is not None
-    assert done.recorded.log == ()
-    (case,) = make_cases("{truth.hazard_contacts: {max: 1}}", "same_bytes: true")
-    assert "there is no baseline of it" in str(attempt(case, tmp_path).error)
+    assert changed(log=other).breaches[0].startswith("same_bytes: row 2: ")
+    longer = changed(of=recorded["of"] | {"duration": 9.0})
+    assert str(longer.error).startswith("the baseline is of duration 9.0, this run of 2.0; ")
+    other_params = changed(replace(case, params={"collision_threshold": 5.0}))
+    assert "the default, this run of {'collision_threshold'" in str(other_params.error)
+    for text in ("[", "[]"):
+        path.write_text(text)
+        assert str(path) in str(attempt(case, out).error)
 
 
 def test_the_truth_that_is_judged_is_that_of_the_simulator(
@@ -236,7 +203,7 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
-    episode = Episode(case.config.alone(terrain="slope"))
+    episode = Episode(case.run.alone(terrain="slope"))
     for _ in episode.batches():
         pass
     data = episode.simulation.data
@@ -249,7 +216,7 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
     expect = {name: f"{{over: end, min: {v - 0.02}, max: {v + 0.02}}}" for name, v in exact.items()}
     text = ", ".join(f"{name}: {bound}" for name, bound in expect.items())
     (case,) = make_cases(f"{{{text}}}", "driver: straight")
-    done = attempt(replace(case, config=episode.config), tmp_path / "out")
+    done = attempt(replace(case, run=episode.run), tmp_path / "out")
     assert done.passed, done
 
 
@@ -261,7 +228,7 @@ def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
 ) -> None:
     with_log = Mock(wraps=direct.run_direct)
     monkeypatch.setattr(USED, with_log)
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    monkeypatch.setattr("harness.scenario.watch.keep_evidence", lambda *_: ())
     for expect, more, logs, drives in (
         ("{truth.hazard_contacts: {max: 1}}", "", False, 1),
         ("{truth.hazard_contacts: {max: 0}}", "", True, 2),  # for its evidence
@@ -290,10 +257,12 @@ def test_the_truth_is_the_same_without_the_other_sensors(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
-    config = case.config.alone(terrain="rocky", duration=1.0)
+    config = case.run.alone(terrain="rocky", duration=1.0)
     full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
     stop = StopRequest()
-    first = direct.run_direct(config, RosOptions(log_dir=tmp_path), stop, observers=(full,))
+    (first,) = direct.run_direct(
+        config, (Outputs(log_dir=tmp_path, observers=(full,)),), RosOptions(log_dir=tmp_path), stop
+    )
     second = direct.run_unlogged(config, stop, SAMPLES, (alone,))
     assert second.truth == first.truth
     assert second.along == first.along

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from harness.scenario.quantities import check_name, names
-from harness.scenario.topic import PATTERN
+from harness.scenario.topic import PATTERN, TopicQuantity, check_messages
 
 
 @pytest.mark.parametrize(
@@ -43,3 +43,12 @@ def test_a_name_that_does_not_exist_is_told_with_the_nearest(name: str, told: st
     problem = check_name(name)
     assert problem is None if told is None else str(problem).startswith(told)
     assert told is not None or not name.startswith("topic.") or re.fullmatch(PATTERN, name)
+
+
+def test_of_a_type_that_turns_up_in_a_run_the_same_is_said() -> None:
+    speed = TopicQuantity("/cmd_vel", "linear.x")
+    assert check_messages(speed, "geometry_msgs/msg/Twist") is None
+    problem = check_messages(speed, "geometry_msgs/msg/TwistStamped")
+    assert str(problem).startswith("/cmd_vel: field 'linear' does not exist; available: header, twist")
+    assert check_messages(speed, "my_msgs/msg/Mine") is None
+    assert str(check_name("topic./scan.rat")).endswith("; measures: count, rate, age, latency")

@@ -7,8 +7,8 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.scenario.bound import Bound
-from harness.scenario.launch import launch_of
 from harness.scenario.reading import read_scenario
+from harness.scenario.steps import launch_of
 
 HEAD = "about: a test\nduration: 10\n"
 EXPECT = "expect: {truth.speed: {min: 0}}\n"
@@ -27,114 +27,99 @@ def read(text: str, folder: Path) -> object:
 
 
 FILES = [
-    ("about: [", ":1:9: not valid YAML: expected the node content, but found '<stream end>'"),
-    ("about: a\nabout: b\n", ':2:1: not valid YAML: found duplicate key "about" with value "b"'),
-    ("[1, 2]", ": it must hold keys with values, beginning with 'about:'"),
-    ("\0", ": not valid YAML: "),
-    ("about: 2026-13-01", ": not valid YAML: month must be in 1..12"),
-    (HEAD, ": the key 'expect' is missing"),
-    (HEAD + "pass_rate: {min: 1, q: 1}\n", ": the key 'expect' is missing"),
-    (HEAD + "expect: {}\n", ":3:1: expect is empty; give one or more"),
+    ("about: [", ":1:9:", "not valid YAML"),
+    ("about: a\nabout: b\n", ":2:1:", 'duplicate key "about"'),
+    ("[1, 2]", ":", "beginning with 'about:'"),
+    ("\0", ":", "not valid YAML"),
+    ("about: 2026-13-01", ":", "month must be in 1..12"),
+    (HEAD, ":", "key 'expect' is missing"),
+    (HEAD + "pass_rate: {min: 1, q: 1}\n", ":", "key 'expect' is missing"),
+    (HEAD + "expect: {}\n", ":3:1:", "give at least 1"),
 ]
 PARTS = [
-    ("sed: 4", ":4:1: key 'sed' does not exist; did you mean 'seed'?"),
-    ("seed: -1", ":4:1: seed = -1 is not valid: input should be greater than or"),
-    ("seed: '1'", ':4:1: seed = "1" is not valid: input should be a valid integer'),
-    ("seed: 2020-01-01", ':4:1: seed = "2020-01-01" is not valid: input should'),
-    (f"seed: {'x' * 58}", f':4:1: seed = "{"x" * 58}" is not valid: '),
-    (f"seed: {'x' * 59}", f':4:1: seed = "{"x" * 56}... is not valid: '),
-    ("seed: 1\nseeds: 2", ":4:1: seed: give one of seed and seeds"),
-    ("seeds: []", ":4:1: seeds is empty; give one or more"),
-    ("start: [1, 2]", ":4:1: start has too few values"),
-    ("robot: leo\nmatrix: {robot: [leo]}", ":4:1: robot: give one of robot and matrix: robot"),
-    ("events:\n- {at: 3}", ":5:3: events.0: an event needs one of the keys fault, command, reset"),
-    ("events: [3]", ":4:10: events.0: an event needs one of the keys fault, command, reset"),
-    ("events: [{at: 3, command: [1, 0], reset: true}]", ":4:35: key 'reset' does not exist"),
-    ("events: [{at: 1, pause: 0}]", ":4:18: events.0.pause = 0 is not valid: input should be greater"),
+    ("sed: 4", ":4:1:", "did you mean 'seed'?"),
+    ("seed: -1", ":4:1:", "give 0 or more"),
+    ("seed: '1'", ":4:1:", "seed '1' is not valid; give a whole number"),
+    ("timestep: 0.0031", ":4:1:", "timestep"),
+    ("lidar_beams: 1", ":4:1:", "give 2 to 100000"),
+    ("seed: 2020-01-01", ":4:1:", "give a whole number"),
+    ("seed: 1\nseeds: 2", ":4:1:", "one of seed and seeds"),
+    ("seeds: []", ":4:1:", "give at least 1"),
+    ("start: [1, 2]", ":4:1:", "too few values"),
+    ("robot: leo\nmatrix: {robot: [leo]}", ":4:1:", "one of robot and matrix: robot"),
+    ("events:\n- {at: 3}", ":5:3: events.0:", "one of the keys fault, command, reset"),
+    ("events: [3]", ":4:10: events.0:", "one of the keys fault, command, reset"),
+    ("events: [{at: 3, command: [1, 0], reset: true}]", ":4:35:", "key 'reset' does not exist"),
+    ("events: [{at: 1, pause: 0}]", ":4:18: events.0.pause", "0 is not valid"),
+    ("events:\n- {at: 3, fault: scan:nan, four: 2}", ":5:28:", "did you mean 'for'?"),
+    ("events:\n- {at: 10, reset: true}", ":5:3: events.0:", "after the run of 10 s"),
+    ("events:\n- {at: 0, command: [1, 0]}", ":5:3: events.0:", "need 'driver: cmd_vel'"),
     (
-        "events:\n- {at: 3, fault: scan:nan, four: 2}",
-        ":5:28: key 'four' does not exist; did you mean 'for'?",
+        *("driver: cmd_vel\nevents:\n- {at: 0, command: [.inf, 0]}", ":6:21: events.0.command.0"),
+        "give a finite number",
     ),
-    (
-        "events:\n- {at: 10, reset: true}",
-        ":5:3: events.0: an event at 10 s is after the run of 10 s",
-    ),
-    (
-        "events:\n- {at: 0, command: [1, 0]}",
-        ":5:3: events.0: commands need 'driver: cmd_vel'; others drive by themselves",
-    ),
-    (
-        "driver: cmd_vel\nevents:\n- {at: 0, command: [.inf, 0]}",
-        ":6:21: events.0.command.0 = Infinity is not valid: input should be a finite number",
-    ),
-    (
-        "events:\n- {at: 1, pause: 2}",
-        ":5:3: events.0: without nodes nobody would notice a pause; it needs 'launch:' or",
-    ),
-    ("launch: [a b, 'c \"d']", ":4:15: launch.1: No closing quotation"),
-    (
-        "launch: [{command: a, wait_for: node}]",
-        ":4:23: launch.0.wait_for: 'node' is no full name of a topic or a node; give one such as",
-    ),
-    ("launch: [{comand: a}]", ":4:11: key 'comand' does not exist; did you mean 'command'?"),
-    ("launch: [[]]", ":4:10: launch.0 is empty; give one or more"),
-    (
-        "pass_rate: {min: 1.5}",
-        ":4:13: pass_rate.min = 1.5 is not valid: input should be less than or equal to 1",
-    ),
+    ("events:\n- {at: 1, pause: 2}", ":5:3: events.0:", "it needs 'launch:' or"),
+    ("launch: [a b, 'c \"d']", ":4:15: launch.1:", "No closing quotation"),
+    ("launch: [{command: a, wait_for: node}]", ":4:23: launch.0.wait_for:", "give one such as"),
+    ("launch: [{comand: a}]", ":4:11:", "did you mean 'command'?"),
+    ("launch: [[]]", ":4:10: launch.0", "give at least 1"),
+    ("pass_rate: {min: 1.5}", ":4:13: pass_rate.min", "give 0 to 1"),
 ]
-BOUNDS = [  # where no other place is told, the quantity's own
-    ("truth.sped: {min: 0}", "quantity 'truth.sped' does not exist; did you mean 'truth.speed'?"),
-    ("truth.speed: {mix: 0}", ":4:17: key 'mix' does not exist; did you mean 'min'?"),
-    ("truth.speed: {}", "nothing is expected; give min, max, or relative"),
-    ("truth.speed: {min: 2, max: 1}", "min 2 is above max 1: no value can be right"),
-    *(
-        (f"truth.speed: {{min: 2, {half}}}", "'over: share' and 'share: 0 to 1' belong together")
-        for half in ("over: share", "share: 0.5")
-    ),
+BOUNDS = [  # where no other place is given, the quantity's own
+    ("truth.sped: {min: 0}", "did you mean 'truth.speed'?"),
+    ("truth.speed: {mix: 0}", "did you mean 'min'?", ":4:17:"),
+    ("truth.speed: {}", "give min, max, or relative"),
+    ("truth.speed: {min: 2, max: 1}", "min 2 is above max 1"),
+    ("truth.speed: {min: 2, over: share}", "belong together"),
+    ("truth.speed: {min: 2, share: 0.5}", "belong together"),
     (
         "truth.speed: {min: 2, over: often}",
-        ":4:25: expect.truth.speed.over = \"often\" is not valid: input should be 'always'",
+        "give one of 'always', 'end'",
+        ":4:25: expect.truth.speed.over",
     ),
-    (
-        "truth.speed:\n  - {min: 2}\n  - {min: 0, window: [5, 5]}",
-        ":6:5: expect.truth.speed.1: window [5.0, 5.0] does not begin before it ends",
-    ),
-    ("truth.speed: {min: 0, window: [5, 11]}", "a window to 11 s ends after the run of 10 s"),
-    *(
-        (
-            f"truth.speed: {{{limit}: 0, relative: 0.1, over: end}}",
-            "limits and a tolerance about the baseline are two bounds",
-        )
-        for limit in ("min", "max")
-    ),
-    ("truth.speed: {absolute: 0}", "a baseline holds one value; give over: end, mean, p95"),
-    ("truth.goal_s: {max: 1}", "it needs a goal, e.g. goal: {at: [5, 0]}"),
-    ("topic./scan.rat: {min: 1}", "/scan: field 'rat' does not exist; available: header,"),
-    ("topic./scan.latency: {max: 1}", "a latency needs the topic of the input, e.g. of: /scan"),
-    ("topic./scan.rate: {max: 1, of: /imu}", "'of' belongs to the latency of a topic"),
-    ("topic./scan.count: {max: 1, over: mean}", "a count is one number; leave out 'over: mean'"),
+    ("truth.speed:\n  - {min: 2}\n  - {min: 0, window: [5, 5]}", "does not begin", ":6:5: expect."),
+    ("truth.speed: {min: 0, window: [5, 11]}", "ends after the run of 10 s"),
+    ("truth.speed: {min: 0, relative: 0.1, over: end}", "two bounds"),
+    ("truth.speed: {max: 0, relative: 0.1, over: end}", "two bounds"),
+    ("truth.speed: {absolute: 0}", "give over: end, mean, p95"),
+    ("truth.goal_s: {max: 1}", "it needs a goal"),
+    ("topic./scan.rat: {min: 1}", "'rat' does not exist; available: header,"),
+    ("topic./scan.latency: {max: 1}", "e.g. of: /scan"),
+    ("topic./scan.rate: {max: 1, of: /imu}", "'of' belongs to the latency"),
+    ("topic./scan.count: {max: 1, over: mean}", "leave out 'over: mean'"),
 ]
-
-
-def _at_its_quantity(bound: str, told: str) -> str:
-    return told if told.startswith(":") else f":4:3: expect.{bound.partition(':')[0]}: {told}"
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "place", "mend"),
     [
         *FILES,
-        *((f"{HEAD}{EXPECT}{part}\n", told) for part, told in PARTS),
-        *((f"{HEAD}expect:\n  {bound}\n", _at_its_quantity(bound, told)) for bound, told in BOUNDS),
+        *((f"{HEAD}{EXPECT}{part}\n", place, mend) for part, place, mend in PARTS),
+        *(
+            (
+                f"{HEAD}expect:\n  {bound}\n",
+                (*place, f":4:3: expect.{bound.partition(':')[0]}:")[0],
+                mend,
+            )
+            for bound, mend, *place in BOUNDS
+        ),
     ],
 )
-def test_a_mistake_is_told_where_it_stands(text: str, told: str, tmp_path: Path) -> None:
+def test_a_mistake_is_one_line_with_its_place_and_what_would_be_valid(
+    text: str, place: str, mend: str, tmp_path: Path
+) -> None:
     with pytest.raises(UsageError) as caught:
         read(text, tmp_path)
     message = str(caught.value).removeprefix(str(tmp_path / "a.scenario.yaml"))
-    assert message.startswith(told)
+    assert message.startswith(place)
+    assert mend in message
     assert "\n" not in message
+
+
+def test_a_key_without_a_value_counts_as_left_out(tmp_path: Path) -> None:
+    left_out = read(f"{HEAD}{EXPECT}difficulty:\nstart: null\n", tmp_path)
+    assert left_out == read(f"{HEAD}{EXPECT}", tmp_path)
+    assert left_out.run_values() == {"duration": 10.0}  # type: ignore[attr-defined]  # of a Scenario
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ def test_the_published_schema_is_current() -> None:
 def test_a_scenario_that_ships_is_valid_and_meant_for_both_rovers(path: Path) -> None:
     PUBLISHED_RULES.validate(YAML(typ="safe").load(path))
     cases = cases_of(path, read_scenario(path))
-    assert {case.config.robot for case in cases} == {"leo", "rover_zero4wd"}
+    assert {case.run.rover.robot for case in cases} == {"leo", "rover_zero4wd"}
 
 
 def test_the_baselines_that_ship_are_of_todays_models() -> None:

@@ -10,12 +10,12 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.robots import MODELS_DIR
-from harness.scenario.selection import find_files, plan
+from harness.scenario.case import find_files, plan
 from harness.spec.run import Run
-from harness.spec.world import FILE_OPTIONS
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"
+HEAD = "about: a test\nterrain: flat\nduration: 2\n"
 MATRIX = "matrix: {robot: [leo, rover_zero4wd], difficulty: [0, 1.0]}\nseeds: [4, 7]"
 
 
@@ -38,7 +38,7 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     outside = replace(cases[3], path=Path("../two.scenario.yaml"))
     assert outside.folder == Path("two[leo-1.0-7]")
     assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
-    assert [case.config.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
+    assert [case.run.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
     with pytest.raises(UsageError, match="no run has robot=mole"):
         plan([file], None, (("robot", "mole"),))
 
@@ -47,7 +47,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     make_cases: MakeCases, tmp_path: Path
 ) -> None:
     cases = make_cases(SPEED, "matrix: {driver: [goal, straight]}\ngoal: {at: [3, 4], yaw: 1}")
-    assert [case.config.goals for case in cases] == [((0.0, 3.0, 4.0, 1.0),), ()]
+    assert [case.run.plan.goals for case in cases] == [((0.0, 3.0, 4.0, 1.0),), ()]
     fault = '{at: 1.2345678, fault: "scan:nan", for: 0.2}'
     events = f"[{{at: 0.5, command: [0.3, 0]}}, {{at: 1, reset: true}}, {fault}]"
     more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
@@ -56,7 +56,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     walk = f"<actor name='a'><script><trajectory id='0'>{walk}</trajectory></script></actor>"
     (tmp_path / "walk.sdf").write_text(walk)
     (case,) = make_cases(SPEED, more)
-    assert case.config == Run.of(
+    assert case.run == Run.of(
         terrain="flat",
         duration=2.0,
         driver="cmd_vel",
@@ -69,36 +69,49 @@ def test_a_file_becomes_the_configuration_that_it_describes(
         resets=(1.0,),
         actors=(f"p={tmp_path / 'walk.sdf'}:delay=1", "random"),
     )
-    hill = case.path.parent / "hill.npy"
-    np.save(hill, np.zeros((40, 40)))
-    text = case.path.read_text()
-    of_cell = text.replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
-    case.path.write_text(f"{of_cell}terrain_size: [40, 40]\n")
+
+
+def test_files_and_folders_stand_relative_to_the_scenario(make_cases: MakeCases, tmp_path: Path) -> None:
+    np.save(tmp_path / "hill.npy", np.zeros((40, 40)))
+    (case,) = make_cases(SPEED)
+    text = case.path.read_text().replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
+    case.path.write_text(f"{text}terrain_size: [40, 40]\nterrain_height: 1\n")
     (case,) = plan([case.path])
-    assert case.config.terrain == str(hill)
-    (case.path.parent / "models").mkdir()
-    values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
+    assert case.run.world.terrain == str(tmp_path / "hill.npy")
+    (tmp_path / "models").mkdir()
+    (tmp_path / "a.world").write_text("<sdf version='1.9'><world name='a'/></sdf>")
+    values = {"mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
     values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
-    lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
-    text = text.replace("flat", "a.world")
-    case.path.write_text(text + "".join(lines))
-    assert set(FILE_OPTIONS) == {*values, "terrain_size", "terrain_height"}
+    lines = "".join(f"{name}: {json.dumps(value)}\n" for name, value in values.items())
+    case.path.write_text(f"{HEAD.replace('flat', 'a.world')}expect: {SPEED}\n{lines}")
     (case,) = plan([case.path])
-    values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
-    for name, value in values.items():
-        assert getattr(case.config, name) == (tuple(value) if isinstance(value, list) else value)
-    case.path.write_text(f"{text}mesh_up: down\n")
-    with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
-        plan([case.path])
-    params = cases_with(
-        make_cases, hill.parent, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
-    )
-    assert [case.params for case in params] == [{"collision_threshold": 5.0}, {}]
-    assert [case.name for case in params] == ["two[near.yaml-0]", "two[None-0]"]
+    values["resource_path"] = [str(tmp_path / "models"), "elsewhere"]
+    assert {name: case.run.fields()[name] for name in values} == values
+
+
+@pytest.mark.parametrize(
+    ("more", "mend"),
+    [
+        ("robot: mole", "robot 'mole' does not exist; available"),
+        ("terrain_size: [40, 40]", "terrain"),
+        ("sensors: sonar", "sonar"),
+        ("cmd_vel_timeout: 1", "for --driver cmd_vel only"),
+    ],
+)
+def test_what_no_run_can_be_is_told_with_the_file(make_cases: MakeCases, more: str, mend: str) -> None:
+    with pytest.raises(UsageError, match=rf"two\.scenario\.yaml: .*{mend}"):
+        make_cases(SPEED, more)
+
+
+def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    near = "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
+    cases = cases_with(make_cases, tmp_path, near)
+    assert [case.params for case in cases] == [{"collision_threshold": 5.0}, {}]
+    assert [case.name for case in cases] == ["two[near.yaml-0]", "two[None-0]"]
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
-        cases_with(make_cases, hill.parent, "metrics_node: {ros__parameters: {collision_threshol: 5.0}}")
-    with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
-        make_cases(SPEED, "robot: mole")
+        cases_with(make_cases, tmp_path, near.replace("old", "ol"))
 
 
 def test_a_folder_beside_the_scenario_is_a_rover_unless_one_that_ships_is_called_so_and_no_terrain(
@@ -106,8 +119,11 @@ def test_a_folder_beside_the_scenario_is_a_rover_unless_one_that_ships_is_called
 ) -> None:
     for name in ("mole", "leo", "flat"):
         (tmp_path / name).symlink_to(MODELS_DIR / "rover_zero4wd")
-    runs = [case.config for case in make_cases(SPEED, "matrix: {robot: [mole, leo]}")]
-    assert [(run.robot, run.terrain) for run in runs] == [(f"{tmp_path}/mole", "flat"), ("leo", "flat")]
+    runs = [case.run for case in make_cases(SPEED, "matrix: {robot: [mole, leo]}")]
+    assert [(run.rover.robot, run.world.terrain) for run in runs] == [
+        (f"{tmp_path}/mole", "flat"),
+        ("leo", "flat"),
+    ]
 
 
 def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
@@ -119,7 +135,7 @@ def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_case
     found = []
     for robot in ("leo", "rover_zero4wd"):
         for terrain in ("flat", "slope", "maps/hill.npy"):
-            told = replace(case, config=case.config.alone(robot=robot, terrain=terrain))
+            told = replace(case, run=case.run.alone(robot=robot, terrain=terrain))
             found.append(told.expected_failure and told.expected_failure.reason)
     assert found == ["one", None, "two", "three", "three", "two"]
 

@@ -19,12 +19,15 @@ from std_msgs.msg import Bool
 
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.batch import Batch
+from harness.episode.episode import Episode
 from harness.samples import Imu
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.bound import Bound
 from harness.scenario.junit import junit_of
 from harness.scenario.trial import ScenarioTrial
 from harness.scenario.verdict import reasons_of, verdicts_of
+from rover_metrics.ros.parameters import BEST_EFFORT
+from rover_metrics.ros.subscriptions import keep_last
 from tests.harness.scenario.conftest import MakeCases
 
 ROOT = Path(__file__).parents[3]
@@ -40,6 +43,7 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self._done: Any = None
         self._command = self.create_publisher(Twist, "cmd_vel", 10)
         self._ready = self.create_publisher(Bool, "ready", 10)
+        self._also = self.create_publisher(Bool, "ready", keep_last(10, BEST_EFFORT))
         self.create_subscription(LaserScan, "scan", self._on_scan, 10)
         self.create_timer(0.01, self._on_time)
 
@@ -50,6 +54,7 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         now = self.get_clock().now().nanoseconds / 1e9
         if now == 0.01:
             self._ready.publish(Bool(data=True))
+            self._also.publish(Bool(data=True))
         self._waits -= 1
         if self._waits:
             return
@@ -63,9 +68,11 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
 def run(case_of: MakeCases, expect: str, more: str = "", seconds: float = 2.0) -> tuple[str, ...]:
     (case,) = case_of(expect, FAST + more)
-    with ScenarioTrial(replace(case, config=case.config.alone(duration=seconds))) as trial:
+    with ScenarioTrial(replace(case, run=case.run.alone(duration=seconds))) as trial:
         trial.host(Brake)
-        return trial.finish()
+        found = trial.finish()
+        assert trial.findings.result.commands.taken > 0
+        return found
 
 
 def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> None:
@@ -78,7 +85,7 @@ def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> N
   topic./cmd_vel.linear.x: [{min: 0.4, window: [0, 1]}, {max: 0, window: [1.02, 2]}]
   topic./cmd_vel.count: [{min: 37, max: 37}, {min: 7, max: 7, window: [0, 0.5]}]
   topic./cmd_vel.rate: {min: 20, max: 20, window: [1.2, 2]}
-  topic./ready.count: {min: 1, max: 1}
+  topic./ready.count: {min: 2, max: 2}
   topic./scan.age: {min: 0.0999, max: 0.1001}
   topic./scan.ranges: {min: 0}
   topic./tf.transforms.transform.translation.x: {min: -5, max: 5}
@@ -106,12 +113,12 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
 ) -> None:
     path = ROOT / "scenarios/logging_node.scenario.yaml"
     trial = ScenarioTrial.load(path, seed=3, robot="rover_zero4wd")
-    assert (trial.config.seed, trial.config.robot) == (3, "rover_zero4wd")
-    trial.config = replace(trial.config, duration=2.01)
+    assert (trial.run.seed, trial.run.rover.robot) == (3, "rover_zero4wd")
+    trial.run = trial.run.alone(duration=2.01)
     expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=2, max=2)}
     scenario = trial.case.scenario.model_copy(update={"expect": expect})
-    with ScenarioTrial(replace(trial.case, scenario=scenario, config=trial.config)) as trial:
-        trial._bridge.channels_of[Imu][0].published += 1  # as if one had been lost
+    with ScenarioTrial(replace(trial.case, scenario=scenario, run=trial.run)) as trial:
+        trial.bridge.channels_of[Imu][0].published += 1  # as if one had been lost
         assert trial.finish() == ("run.lost_messages: 1 > 0, first at 2.01 s",)
         result = trial.findings.result
         assert result.mode == "ROS 2, lock-step with /metrics_node"
@@ -178,18 +185,22 @@ def test_a_program_that_may_end_and_one_that_shows_no_node(
 
 
 def test_an_episode_that_ends_early_is_judged_and_a_test_that_fails_leaves_its_evidence(
-    make_cases: MakeCases, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    make_cases: MakeCases,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     (case,) = make_cases("{topic./scan.count: {min: 40}}", FAST)
     with ScenarioTrial(case, tmp_path / "none") as trial:
-        batches = trial._episode.batches
+        batches = Episode.batches
 
-        def end_early() -> Iterator[Batch]:
-            yield from itertools.islice(batches(), 10)
+        def end_early(episode: Episode) -> Iterator[Batch]:
+            yield from itertools.islice(batches(episode), 10)
             raise RunFailed("the rover left the map at 0.5 s")
 
-        trial._episode.batches = end_early  # type: ignore[method-assign]
+        monkeypatch.setattr(Episode, "batches", end_early)
         assert trial.finish() == ("run: the rover left the map at 0.5 s", "topic./scan.count: 10 < 40")
+    monkeypatch.undo()
     assert not (tmp_path / "none").exists()
 
     def fail() -> None:

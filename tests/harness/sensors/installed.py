@@ -6,11 +6,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from harness.sensors.mount import Mount
+from harness.sensors.geodesy import Datum
 from harness.sensors.noise import NoisePreset
-from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
+from harness.sensors.optional import Installation, Mount, SensorOptions
+from harness.sensors.rays.bundle import Surroundings
+from harness.spec.world import DEFAULT_DATUM
 
-SECOND_NS = 1_000_000_000
 MODEL = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><body name="rover"><freejoint/>
 <geom size="0.1" mass="1"/></body></worldbody></mujoco>""")
 
@@ -24,19 +25,19 @@ def simulation(
     return SimpleNamespace(model=MODEL, data=data, time_ns=0)
 
 
-def set_time(sensor: OptionalSensor, seconds: float) -> None:
-    """Of the simulation that the sensor looks at."""
-    stands_in: Any = sensor._simulation
-    stands_in.time_ns = round(seconds * SECOND_NS)
-
-
 def installation(
     options: SensorOptions,
     seed: int = 0,
     noise: NoisePreset | None = None,
     xyz: tuple[float, float, float] = (0.0, 0.0, 0.0),
     axes: Any = None,  # noqa: ANN401 - an array
+    *,
+    body: int = 1,
+    datum: Datum | None = None,
+    surroundings: Surroundings | None = None,
 ) -> Installation:
-    """Mounted on the rover, there."""
-    mount = Mount(1, np.array(xyz), np.eye(3) if axes is None else np.array(axes))
-    return Installation(options, mount, np.random.default_rng(seed), noise)
+    """Mounted on that body, there."""
+    mount = Mount(body, np.array(xyz), np.eye(3) if axes is None else np.array(axes))
+    met: Any = surroundings  # few sensors cast rays
+    rng = np.random.default_rng(seed)
+    return Installation(options, mount, rng, datum or Datum(*DEFAULT_DATUM), met, noise)

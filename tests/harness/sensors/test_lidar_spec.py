@@ -9,10 +9,6 @@ from harness.sensors.lidar_spec import LidarSpec, scan_points
 from tests.support.rovers import LEO
 
 
-def test_the_defaults_are_those_of_roboterrains_gpu_lidar() -> None:
-    assert LidarSpec() == LidarSpec(beams=640, range_min=0.15, range_max=10.0, angle_max=3.14159)
-
-
 @pytest.mark.parametrize(("beams", "angle_max"), [(2, 1.0), (5, 0.5), (640, 3.14159)])
 def test_beams_lie_evenly_from_right_to_left_with_both_ends(beams: int, angle_max: float) -> None:
     angles = LidarSpec(beams=beams, angle_max=angle_max).angles

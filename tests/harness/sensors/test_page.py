@@ -16,7 +16,7 @@ PAGE = (Path(__file__).parents[3] / "docs" / "sensors.md").read_text()
 def test_every_option_of_every_kind_is_described() -> None:
     for kind, row in kinds().items():
         assert row.options is not None
-        missing = set(row.options.__dataclass_fields__) - set(described(row.options))
+        missing = set(row.options.model_fields) - set(described(row.options))
         assert not missing, f"{kind}: {missing}"
         assert row.summary
 

@@ -1,111 +1,98 @@
-"""Readings of optional lidars and depth cameras in an episode, against closed forms."""
+"""Readings of optional lidars and depth cameras, and where a mount is: closed forms, MuJoCo's sites."""
 
-from dataclasses import replace
-from typing import Any
-
+import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from harness.episode.episode import Episode
-from harness.robots import RoverSpec, find_rover
-from harness.sensors import choice
+from harness.frames.rover_frames import rover_frames
+from harness.physics.simulation import Simulation
+from harness.sensors.corruption import RangeErrors
 from harness.sensors.depth import DepthOptions
-from harness.sensors.mount import Mount
-from harness.sensors.optional import Installation
+from harness.sensors.noise import WHITE, NoisePreset
 from harness.sensors.range_sensor import RangeSensor
 from harness.sensors.ranging import RangeReading
 from harness.sensors.rays.bundle import Surroundings
-from harness.spec.run import Run
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation
-from tests.harness.faults.faulty_ticks import said
+from tests.harness.frames.test_transforms import in_world
+from tests.harness.sensors.installed import installation
 
-LEVEL = {"kind": "depth", "parent": "base_link", "rpy": [0.0, 0.0, 0.0], "width": 8, "height": 6}
-SMALL = {"kind": "lidar3d", "rings": 4, "columns": 30}
-
-
-def readings(
-    monkeypatch: pytest.MonkeyPatch, *entries: dict[str, Any], noise: str | None = None
-) -> list[RangeReading]:
-    """Of a short run on flat ground with these sensors."""
-
-    def equipped(_: RoverSpec, asked: tuple[str, ...] | None) -> Any:  # noqa: ANN401 - rows
-        return chosen(find_rover("leo").but(sensors=entries), asked)
-
-    chosen = choice.chosen
-    monkeypatch.setattr("harness.config.chosen", equipped)
-    config = Run.of(terrain="flat", driver="spin", lidar_beams=8, duration=0.2, noise=noise)
-    ticks = [tick for batch in Episode(config).batches() for tick in batch.ticks]
-    return [sample for tick in ticks for sample in tick.samples if isinstance(sample, RangeReading)]
+AHEAD = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])  # optical axes in the base's
+WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 3.0, 3.0), (1.6, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
 
 
-def test_the_depth_of_flat_ground_is_that_of_the_pinhole(monkeypatch: pytest.MonkeyPatch) -> None:
+def camera(
+    simulation: Simulation,
+    options: DepthOptions,
+    place: tuple[float, float, float],
+    noise: NoisePreset | None = None,
+) -> RangeSensor:
+    """A level depth camera at a place in the world that looks along x."""
+    body = simulation.model.body("rover").id
+    turn: NDArray[np.float64] = simulation.data.xmat[body].reshape(3, 3)
+    x, y, z = (turn.T @ (place - simulation.data.xpos[body])).tolist()
+    around = Surroundings(simulation.model)
+    installed = installation(
+        options, 0, noise, (x, y, z), turn.T @ AHEAD, body=body, surroundings=around
+    )
+    return RangeSensor(simulation, installed, 10)
+
+
+def test_the_depth_of_flat_ground_is_that_of_the_pinhole(make_simulation: MakeSimulation) -> None:
     """A level camera h above the plane sees it in row v at the depth h * f / (v - c)."""
-    first, second = readings(monkeypatch, LEVEL | {"xyz": [0.0, 0.0, 0.4]})
-    assert (first.stamp_ns, second.stamp_ns) == (100_000_000, 200_000_000)
-    given = DepthOptions(name="depth", width=8, height=6)
-    image, (_, middle) = first.ranges.reshape(6, 8), given.centre
-    height = 0.19783 + 0.4  # of base_link over the ground, and of the camera over that
-    below = np.arange(6) - middle
+    options = DepthOptions(name="depth", width=8, height=6)
+    reading = camera(make_simulation(heights=np.zeros((201, 201))), options, (0.0, 0.0, 0.6)).read()
+    image, below = reading.ranges.reshape(6, 8), np.arange(6) - options.centre[1]
     assert (image[below < 0] == np.inf).all()
-    expected = height * given.focal_length / below[below > 0]
-    assert image[below > 0] == pytest.approx(np.tile(expected, (8, 1)).T, rel=5e-3)  # the tyres sink
-    assert not first.on_obstacle.any()
+    expected = 0.6 * options.focal_length / below[below > 0]
+    assert image[below > 0] == pytest.approx(np.tile(expected, (8, 1)).T, rel=1e-5)
+    assert reading.sensor == "depth"
+    assert not reading.on_obstacle.any()
 
 
 def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: MakeSimulation) -> None:
-    wall = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 3.0, 3.0), (1.6, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
-    simulation = make_simulation(obstacles=(wall,))
-    ahead = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])  # optical axes in the base's
-    body = simulation.model.body("rover").id
-    turn = simulation.data.xmat[body].reshape(3, 3)
-    mount = Mount(body, turn.T @ ([0.1, 0.0, 0.9] - simulation.data.xpos[body]), turn.T @ ahead)
-    given = DepthOptions(name="eye", width=6, height=4, fov=1.2, range_max=1.45)
-    install = Installation(given, mount, np.random.default_rng(0))
-    sensor = RangeSensor(simulation, Surroundings(simulation.model), install, 10)
+    simulation = make_simulation(obstacles=(WALL,))
+    options = DepthOptions(name="eye", width=6, height=4, fov=1.2, range_max=1.45)
+    sensor = camera(simulation, options, (0.1, 0.0, 0.9))
     reading = sensor.read()
     simulation.data.qpos[0] -= 1.0
     assert not sensor.read().on_obstacle.any()  # which leaves the first reading as it is
     simulation.data.qpos[0] += 1.0
     assert reading.ranges == pytest.approx(np.full(24, 1.4, np.float32), abs=2e-3)
     assert reading.on_obstacle.all()
-    near = replace(given, range_min=1.42)
-    reading = RangeSensor(
-        simulation, Surroundings(simulation.model), replace(install, options=near), 10
-    ).read()
-    assert (reading.ranges == -np.inf).all()
+    near = camera(simulation, options.but(range_min=1.42), (0.1, 0.0, 0.9)).read()
+    assert (near.ranges == -np.inf).all()
 
 
-@pytest.mark.parametrize("noise", [None, "hardware"])
-def test_the_same_seed_gives_the_same_readings_whatever_else_is_carried(
-    monkeypatch: pytest.MonkeyPatch, noise: str | None
+@pytest.mark.parametrize(
+    ("noise", "own", "deviation"),
+    [(None, 0.0, 0.0), (WHITE, 0.0, 0.01), (None, 0.1, 0.1), (WHITE, 0.1, 0.1)],
+)
+def test_its_own_errors_stand_before_those_of_the_run(
+    noise: NoisePreset | None, own: float, deviation: float, make_simulation: MakeSimulation
 ) -> None:
-    """And two of a kind at one place differ by their errors alone."""
-    own = SMALL | {"name": "top", "rate": 20}
-    alone = readings(monkeypatch, own, noise=noise)
-    both = readings(monkeypatch, SMALL, own, noise=noise)
-    among = [reading for reading in both if reading.sensor == "top"]
-    assert [r.ranges.tobytes() for r in alone] == [r.ranges.tobytes() for r in among]
-    other = next(reading for reading in both if reading.sensor == "lidar3d")
-    (beside,) = (reading for reading in among if reading.stamp_ns == other.stamp_ns)
-    assert (beside.ranges.tobytes() == other.ranges.tobytes()) == (noise is None)
-    exact = readings(monkeypatch, own)
-    seen = np.isfinite(alone[0].ranges) & np.isfinite(exact[0].ranges)
-    apart = alone[0].ranges[seen] - exact[0].ranges[seen]
-    assert (apart.std() > 0.005) == (noise is not None)
+    simulation = make_simulation(obstacles=(WALL,))
+    options = DepthOptions(name="eye", width=40, height=40, fov=1.0, noise=RangeErrors(white=own))
+    reading = camera(simulation, options, (0.1, 0.0, 0.9), noise).read()
+    assert isinstance(reading, RangeReading)
+    assert reading.ranges.std() == pytest.approx(deviation, rel=0.1, abs=1e-6)
 
 
-def test_all_else_is_the_same_with_optional_sensors_and_without() -> None:
-    config = Run.of(terrain="flat", lidar_beams=8, duration=0.2, noise="hardware")
-    told = []
-    for sensors in ((), ("lidar3d=livox", "depth")):
-        batches = Episode(config.alone(sensors=sensors)).batches()
-        ticks = [tick for batch in batches for tick in batch.ticks]
-        others = [tuple(s for s in t.samples if not isinstance(s, RangeReading)) for t in ticks]
-        told.append([said(replace(t, samples=some)) for t, some in zip(ticks, others, strict=True)])
-    assert told[0] == told[1]
-
-
-def test_noise_of_its_own_stands_before_that_of_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    (reading, _) = readings(monkeypatch, SMALL | {"noise": {"dropout": 1.0}}, noise="white")
-    assert (reading.ranges == np.inf).all()
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_a_mount_goes_with_its_body_however_that_is_turned(
+    make_simulation: MakeSimulation, robot: str
+) -> None:
+    simulation, rng = make_simulation(robot), np.random.default_rng(0)
+    model, data = simulation.model, simulation.data
+    frames = rover_frames(simulation.scene.rover)
+    data.qpos[:] = rng.normal(size=model.nq)
+    data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
+    mujoco.mj_kinematics(model, data)
+    for link in frames.links:
+        pose = in_world(frames, link.name, data, model)
+        expected = np.vstack([pose[:3, 3], pose[:3, :3]])
+        assert frames.mount(link.name, model).pose(data) == pytest.approx(expected, abs=1e-9)
+    site = data.site("lidar")
+    expected = np.vstack([site.xpos, site.xmat.reshape(3, 3)])
+    assert frames.mount("lidar_link", model).pose(data) == pytest.approx(expected, abs=1e-9)

@@ -70,7 +70,7 @@ def _small_sweep() -> Sweep:
     rng = np.random.default_rng(0)
     robots = ("leo", "rover_zero4wd")
     records = {
-        planned: _approach(rng, planned) if planned.config.robot == "leo" else _nothing(planned)
+        planned: _approach(rng, planned) if planned.run.rover.robot == "leo" else _nothing(planned)
         for planned in plan(robots, 44, seed=0, duration=10.0)
     }
     return [study(robot, records, 0) for robot in robots], records
@@ -97,11 +97,11 @@ def _approach(rng: np.random.Generator, planned: Planned) -> EpisodeRecord:
         ranges.tolist(),
         contacts=[(2.0, 2.2)] if touches else [],
         windows=windows,
-        driver=planned.config.driver,
-        terrain=planned.config.terrain,
+        driver=planned.run.rover.driver,
+        terrain=planned.run.world.terrain,
     )
 
 
 def _nothing(planned: Planned) -> EpisodeRecord:
     windows = [{"peak_acceleration": 9.9, "largest_step": 0.01, "from_start": 3.0}] * 10
-    return make([3.0] * 80, windows=windows, driver=planned.config.driver, terrain="flat")
+    return make([3.0] * 80, windows=windows, driver=planned.run.rover.driver, terrain="flat")

@@ -2,12 +2,14 @@
 
 `tests/data/sweep` keeps the episodes of that command, for driving them takes minutes; some of them are
 driven again for a few seconds, so that neither the simulator nor the scoring can change unnoticed.
-Make both anew with the command, `--out tests/data/sweep`, and copy the YAML files.
+Make all anew with the command, `--out tests/data/sweep`, keep scores.json there and copy the YAML files.
 """
 
+import json
 import shlex
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.episodes.store import decode
 from harness.tune.episodes.sweep import drive
+from harness.tune.output import SCORES
 
 ROOT = Path(__file__).parents[3]
 SWEEP, CONFIG = ROOT / "tests" / "data" / "sweep", ROOT / "rover_metrics" / "config"
@@ -36,16 +39,30 @@ def test_the_shipped_files_are_what_their_command_gives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copytree(SWEEP, tmp_path, dirs_exist_ok=True)
+    (tmp_path / SCORES).unlink()
     monkeypatch.setattr(sweep, "drive", _not_to_be_driven)
     monkeypatch.setattr("harness.tune.output.render", lambda *_: "")  # the page takes half of the time
-    for robot in ROBOTS:
-        (tmp_path / f"{robot}.yaml").unlink(missing_ok=True)
 
     exit_code = tune.main([*command_in(CONFIG / "leo.yaml"), "--jobs", "1", "--out", str(tmp_path)])
 
     assert exit_code == 0
     for robot in ROBOTS:
         assert (tmp_path / f"{robot}.yaml").read_text() == (CONFIG / f"{robot}.yaml").read_text()
+    ours, kept = (_leaves(json.loads((at / SCORES).read_text())) for at in (tmp_path, SWEEP))
+    numbers = {path for path, value in kept.items() if isinstance(value, float | int)}
+    assert {path: value for path, value in ours.items() if path not in numbers} == {
+        path: value for path, value in kept.items() if path not in numbers
+    }
+    for path in numbers:
+        assert ours[path] == pytest.approx(kept[path], rel=1e-4, abs=1e-5), path
+
+
+def _leaves(value: object, path: str = "") -> dict[str, Any]:
+    """Every number, word and null of a JSON value, by the keys that lead to it."""
+    if not isinstance(value, dict | list):
+        return {path: value}
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    return {k: v for key, item in items for k, v in _leaves(item, f"{path}/{key}").items()}
 
 
 @pytest.mark.parametrize("index", DRIVEN_AGAIN)
@@ -53,22 +70,18 @@ def test_the_episodes_are_what_the_simulator_gives(index: int) -> None:
     planned = _shipped_plan()[index]
     kept = decode((SWEEP / "episodes" / f"{planned.name}.npz").read_bytes())
 
-    again = drive(_for_seconds(planned.config))
+    again = drive(planned.run.alone(duration=float(SECONDS)))
 
     _assert_same_start(again, kept)
 
 
-def _not_to_be_driven(config: Run) -> EpisodeRecord:
-    pytest.fail(f"not kept: {config}")
+def _not_to_be_driven(run: Run) -> EpisodeRecord:
+    pytest.fail(f"not kept: {run}")
 
 
 def _shipped_plan() -> tuple[Planned, ...]:
     options = tune._parser().parse_args(command_in(CONFIG / "leo.yaml"))
     return plan(options.robot, options.episodes, options.seed, options.duration)
-
-
-def _for_seconds(config: Run) -> Run:
-    return Run.of(**(vars(config) | {"duration": float(SECONDS)}))
 
 
 def _assert_same_start(again: EpisodeRecord, kept: EpisodeRecord) -> None:

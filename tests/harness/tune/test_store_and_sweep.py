@@ -1,6 +1,7 @@
 """Episodes on disk, and driving what is missing."""
 
 import json
+import shutil
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.episodes.store import Store, decode, encode
 from harness.workers import WorkerLost, Workers
+from tests.support.rovers import LEO
 
 MakeRecord = Callable[..., EpisodeRecord]
 PLANNED = plan(("leo", "rover_zero4wd"), 4, 0, 5.0)
@@ -79,26 +81,6 @@ def test_what_was_driven_before_is_not_driven_again(tmp_path: Path, content: byt
     assert len(second.driven) == 5
 
 
-def test_episodes_of_a_killed_worker_are_driven_again(tmp_path: Path, content: bytes) -> None:
-    workers = Prepared(content, dies_after=[2, 3])
-
-    records = sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), workers, lambda _: None)
-
-    assert len(records) == 8
-    assert len(workers.driven) == len(set(workers.driven)) == 8
-
-
-def test_a_full_disk_is_told(tmp_path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
-    store = Store(tmp_path, PLANNED)
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(store, "write", full)
-    with pytest.raises(RunFailed, match=f"cannot write episode 0007-.* to {tmp_path}: No space left"):
-        sweeping.sweep(PLANNED, store, Prepared(content), lambda _: None)
-
-
 def test_a_torn_file_is_driven_again(tmp_path: Path, content: bytes) -> None:
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), Prepared(content), lambda _: None)
     torn = next((tmp_path / "episodes").glob("0003-*.npz"))
@@ -108,22 +90,6 @@ def test_a_torn_file_is_driven_again(tmp_path: Path, content: bytes) -> None:
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), workers, lambda _: None)
 
     assert [e.index for e in workers.driven] == [3]
-
-
-@pytest.mark.parametrize(
-    ("other", "difference"),
-    [
-        (plan(("leo", "rover_zero4wd"), 6, 0, 5.0), "8 episodes instead of 12"),
-        (plan(("leo", "rover_zero4wd"), 4, 1, 5.0), "other robots, driver, seed or duration"),
-    ],
-)
-def test_another_sweeps_folder_is_refused(
-    tmp_path: Path, other: tuple[Planned, ...], difference: str
-) -> None:
-    Store(tmp_path, PLANNED)
-
-    with pytest.raises(UsageError, match=difference):
-        Store(tmp_path, other)
 
 
 def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None:
@@ -140,25 +106,71 @@ def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None
         Store(tmp_path, PLANNED)
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"episodes": 3}'])
-def test_an_unreadable_sweep_file_is_refused(tmp_path: Path, text: str) -> None:
-    Store(tmp_path, PLANNED)
-    (tmp_path / "sweep.json").write_text(text)
+def test_a_sweep_of_a_folders_rover_is_another_once_its_model_has_changed(tmp_path: Path) -> None:
+    rover = tmp_path / "mine"
+    shutil.copytree(LEO.folder, rover)
+    planned = plan((str(rover),), 2, 0, 5.0)
+    Store(tmp_path / "out", planned)
+    Store(tmp_path / "out", planned)
+    model = next(rover.glob("*.xml"))
+    model.write_text(model.read_text() + "<!-- changed -->")
 
-    with pytest.raises(UsageError, match="is not readable"):
-        Store(tmp_path, PLANNED)
-
-
-def test_files_of_no_known_sweep_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "episodes").mkdir()
-    (tmp_path / "episodes" / "a.npz").touch()
-
-    with pytest.raises(UsageError, match="no known sweep"):
-        Store(tmp_path, PLANNED)
+    with pytest.raises(UsageError, match="another sweep's files"):
+        Store(tmp_path / "out", planned)
 
 
-def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "out").touch()
+def episodes_without_a_sweep(folder: Path) -> None:
+    (folder / "episodes").mkdir(parents=True)
+    (folder / "episodes" / "a.npz").touch()
 
-    with pytest.raises(UsageError, match="choose another --out"):
-        Store(tmp_path / "out", PLANNED)
+
+def of_another_version(folder: Path) -> None:
+    Store(folder, PLANNED)
+    sweep = json.loads((folder / "sweep.json").read_text())
+    (folder / "sweep.json").write_text(json.dumps(sweep | {"version": "0.0.1"}))
+
+
+def with_text(text: str) -> Callable[[Path], None]:
+    def damaged(folder: Path) -> None:
+        Store(folder, PLANNED)
+        (folder / "sweep.json").write_text(text)
+
+    return damaged
+
+
+@pytest.mark.parametrize(
+    ("before", "mend"),
+    [
+        (lambda at: Store(at, plan(("leo",), 4, 0, 5.0)), "4 episodes instead of 8"),
+        (
+            lambda at: Store(at, plan(("leo", "rover_zero4wd"), 4, 1, 5.0)),
+            "other robots, driver, seed or duration",
+        ),
+        (of_another_version, "version 0.0.1 instead of"),
+        *((with_text(text), "is not readable") for text in ("", "[]", "{}", '{"episodes": 3}')),
+        (episodes_without_a_sweep, "no known sweep"),
+        (Path.touch, "cannot write to"),
+    ],
+)
+def test_a_folder_that_is_not_of_this_sweep_is_one_line_that_names_it(
+    before: Callable[[Path], object], mend: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "out"
+    before(folder)
+
+    with pytest.raises(UsageError, match=f"{mend}.*choose another --out") as caught:
+        Store(folder, PLANNED)
+    assert str(folder) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_full_disk_is_reported(
+    tmp_path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    store = Store(tmp_path, PLANNED)
+    monkeypatch.setattr(store, "write", full)
+    with pytest.raises(RunFailed, match=f"cannot write episode 0007-.* to {tmp_path}: No space left"):
+        sweeping.sweep(PLANNED, store, Prepared(content), lambda _: None)

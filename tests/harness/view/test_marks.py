@@ -3,6 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.episode.assembly import world_of
 from harness.view.marks import beam_marks, path_marks, track_marks
 from tests.harness.view.recorded import CONFIG, recorded
 from tests.support.rovers import LEO
@@ -10,7 +11,7 @@ from tests.support.rovers import LEO
 
 def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:
     states = recorded(tmp_path / "states")
-    ground = CONFIG.world().ground
+    ground = world_of(CONFIG).ground
     marks = path_marks(states, ground)
     assert len(marks) > 5
     for mark in marks:
@@ -22,8 +23,9 @@ def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:
 
 def test_tracks_are_as_far_apart_as_the_wheels(tmp_path: Path) -> None:
     states = recorded(tmp_path / "states")
-    left, right, *_ = track_marks(states, CONFIG.world().ground, LEO)
-    assert np.hypot(*(left.position - right.position)[:2]) == pytest.approx(LEO.track)
+    left, right, *_ = track_marks(states, world_of(CONFIG).ground, LEO)
+    across = LEO.track * np.array([-np.sin(states.yaw[0]), np.cos(states.yaw[0])])
+    assert (left.position - right.position)[:2] == pytest.approx(across, abs=0.02)
 
 
 def test_only_beams_that_hit_are_drawn() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
+from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.spec.run import Run
 from harness.view.states import States, StateWriter, read_states
@@ -22,7 +23,7 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
     np.testing.assert_allclose(states.times, np.arange(1, 51) * 0.04)
     np.testing.assert_array_equal(states.path[-1], episode.simulation.data.qpos[:3])
     np.testing.assert_array_equal(states.orientations[-1], episode.simulation.data.qpos[3:7])
-    assert states.config.terrain == "rocky"
+    assert states.run.world.terrain == "rocky"
     assert states.joints.shape == (50, len(LEO.joints))
 
 
@@ -43,7 +44,7 @@ def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
     angle, climb = 0.5 * times, 0.3 * times  # a helix of radius 2 m: sqrt(1 + 0.09) m/s
     path = np.column_stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), climb])
     states = States(
-        CONFIG, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)), np.zeros((97, 0, 4))
+        CONFIG, 0, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)), np.zeros((97, 0, 4))
     )
     np.testing.assert_allclose(states.speed, np.sqrt(1.09), rtol=1e-3)
     stands = np.where(times[:, None] < 2.0, path, path[times >= 2.0][0])
@@ -52,9 +53,15 @@ def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
     np.testing.assert_allclose(speed[times < 1.7], np.sqrt(1.09), rtol=1e-3)
     assert 0.3 < speed[np.argmin(abs(times - 2.0))] < 0.7
     first = States(
-        CONFIG, times[:1], path[:1], states.orientations[:1], states.joints[:1], states.people[:1]
+        CONFIG, 0, times[:1], path[:1], states.orientations[:1], states.joints[:1], states.people[:1]
     )
     assert first.speed.tolist() == [0.0]
+
+
+def test_heading_does_not_leap_where_a_turn_is_whole(tmp_path: Path) -> None:
+    states, turns = recorded(tmp_path / "states"), np.linspace(0.0, 15.0, 50)
+    spin = np.column_stack([np.cos(turns / 2), 0 * turns, 0 * turns, np.sin(turns / 2)])
+    np.testing.assert_allclose(replace(states, orientations=spin).yaw, turns, atol=1e-9)
 
 
 def test_half_a_state_at_the_end_is_left_out(tmp_path: Path) -> None:
@@ -75,5 +82,5 @@ def test_the_scene_is_made_from_the_same_place_of_the_same_file(tmp_path: Path) 
     config = Run.of(terrain=str(tmp_path / "a.npy"), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5))
     with closing(StateWriter(tmp_path / "states", config)) as writer:
         writer._file.write(np.ones(8 + len(LEO.joints)).tobytes())
-    again = read_states(tmp_path / "states").config
-    assert (again.world().start, again.world().ground.half_size) == ((1.0, 2.0, 0.5), (10.0, 10.0))
+    again = world_of(read_states(tmp_path / "states").run)
+    assert (again.start, again.ground.half_size) == ((1.0, 2.0, 0.5), (10.0, 10.0))

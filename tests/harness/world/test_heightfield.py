@@ -1,78 +1,102 @@
+"""Heights between vertices, noise, filled gaps and coarser grids, against MuJoCo, scipy and spectra."""
+
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates, uniform_filter1d
 
-from harness.world.heightfield import Heightfield, fractal, smoothstep
+from harness.world.heightfield import Heightfield, filled, fractal, resampled, smoothstep
 from harness.world.world import World
 
 TopAt = Callable[[float, float], float]
+Array = NDArray[np.float64]
 
 
-def test_height_at_agrees_with_mujoco_between_the_vertices(ground_top: Callable[[World], TopAt]) -> None:
+def test_heights_agree_with_mujoco_between_the_vertices(ground_top: Callable[[World], TopAt]) -> None:
+    """Rows run with y, columns with x; one point has the height that it has among many, to the bit."""
     rng = np.random.default_rng(0)
     ground = Heightfield(rng.normal(0.0, 0.2, (41, 67)), 0.1)
     top_at, reach = ground_top(World("w", ground, (), 0, 0.5)), np.array(ground.half_size) - 0.01
     points = rng.uniform(-reach, reach, (1000, 2))
-    assert ground.heights_at(*points.T) == pytest.approx([top_at(x, y) for x, y in points], abs=1e-5)
-
-
-def test_rows_run_with_y_and_columns_with_x(ground_top: Callable[[World], TopAt]) -> None:
-    heights = np.zeros((5, 5))
-    heights[4, 1] = 1.0
-    world = World("spike", Heightfield(heights, cell=1.0), (), 0, 0.5)
-    assert world.ground.height_at(-1.0, 2.0) == 1.0
-    assert ground_top(world)(-1.0, 2.0 - 1e-6) == pytest.approx(1.0, abs=1e-4)
+    heights = ground.heights_at(*points.T)
+    assert heights == pytest.approx([top_at(x, y) for x, y in points], abs=1e-5)
+    beyond = rng.uniform(-1.3, 1.3, (500, 2)) * ground.half_size
+    vertices = (
+        np.stack(np.meshgrid(np.arange(-34, 35), np.arange(-21, 22)), axis=-1).reshape(-1, 2) * 0.1
+    )
+    moved = Heightfield(ground.heights, 0.1, (1.7, -0.4))
+    x, y = (np.vstack([points, beyond, vertices]) + moved.middle).T
+    assert [moved.height_at(*at) for at in zip(x, y, strict=True)] == moved.heights_at(x, y).tolist()
+    assert moved.heights_at(*(points + moved.middle).T) == pytest.approx(heights, abs=1e-12)
 
 
 def test_points_beyond_the_map_have_the_height_of_its_edge() -> None:
     ground = Heightfield(np.arange(12.0).reshape(3, 4), cell=0.5)
     assert ground.half_size == (0.75, 0.5)
-    assert ground.height_at(99.0, 99.0) == 11.0
-    assert ground.height_at(0.75, -99.0) == 3.0
-    assert ground.height_at(-99.0, -99.0) == 0.0
+    heights = [ground.height_at(x, y) for x, y in ((99.0, 99.0), (0.75, -99.0), (-99.0, -99.0))]
+    assert heights == [11.0, 3.0, 0.0]
 
 
-def test_a_single_point_has_the_height_that_it_has_among_many_to_the_bit() -> None:
-    rng = np.random.default_rng(2)
-    ground = Heightfield(rng.normal(size=(9, 13)), cell=0.3, middle=(1.7, -0.4))
-    inside_and_out = rng.uniform(-1.3, 1.3, (500, 2)) * ground.half_size
-    vertices = np.stack(np.meshgrid(np.arange(-7, 8), np.arange(-5, 6)), axis=-1).reshape(-1, 2) * 0.3
-    x, y = (np.vstack([inside_and_out, vertices]) + ground.middle).T
-    assert [ground.height_at(*at) for at in zip(x, y, strict=True)] == ground.heights_at(x, y).tolist()
+def pull_push(values: Array) -> Array:
+    """What `filled` promises, by other means: means of blocks, then back between their middles."""
+    if not np.isnan(values).any():
+        return values
+    coarse = np.full([(size + 1) // 2 for size in values.shape], np.nan)
+    for row, column in np.ndindex(*coarse.shape):
+        block = values[2 * row : 2 * row + 2, 2 * column : 2 * column + 2]
+        if not np.isnan(block).all():
+            coarse[row, column] = np.nanmean(block)
+    middles = (np.indices(values.shape) - 0.5) / 2
+    smooth = map_coordinates(pull_push(coarse), middles, order=1, mode="nearest")
+    return np.where(np.isnan(values), smooth, values)
 
 
-def test_fractal_noise_has_the_power_law_that_its_wavelengths_and_exponent_tell() -> None:
+@pytest.mark.parametrize("shape", [(40, 57), (9, 8)])
+def test_gaps_are_filled_by_a_pyramid_of_means(shape: tuple[int, int]) -> None:
+    values = np.random.default_rng(0).normal(size=shape)
+    values[2:7, 3:8] = np.nan
+    values[-1, -1] = values[0, 1] = np.nan
+    np.testing.assert_allclose(filled(values), pull_push(values), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("step", "shape"),
+    # The last one reaches the edges, with means over five pixels.
+    [((3.0, 3.0), (21, 20)), ((2.6, 1.2), (24, 50)), ((0.5, 4.4), (99, 14)), ((4.0, 4.0), (16, 16))],
+)
+def test_coarser_cells_are_means_around_their_places_in_the_middle(
+    step: tuple[float, float], shape: tuple[int, int]
+) -> None:
+    values = np.random.default_rng(0).normal(size=(64, 61))
+    expected = values
+    for axis, stride in enumerate(step):
+        expected = uniform_filter1d(expected, 2 * (round(stride) // 2) + 1, axis=axis, mode="nearest")
+    down, across = (np.arange(count) - (count - 1) / 2 for count in shape)
+    places = np.meshgrid(31.5 + step[0] * down, 30.0 + step[1] * across, indexing="ij")
+    expected = map_coordinates(expected, places, order=1, mode="nearest")
+    np.testing.assert_allclose(resampled(values, step, shape), expected, atol=1e-12)
+
+
+def test_fractal_noise_has_the_power_law_of_its_wavelengths_and_exponent() -> None:
     """Seamless, its spectrum is that of white noise times a law; its RMS is 1 in any case."""
-    made = {"cell": 0.2, "longest": 4.0, "shortest": 0.5, "hurst": 0.7}
-    noise = fractal(np.random.default_rng(5), (96, 96), **made, seamless=True)
+    given = {"cell": 0.2, "longest": 4.0, "shortest": 0.5, "hurst": 0.7}
+    noise = fractal(np.random.default_rng(5), (96, 96), **given, seamless=True)
     white = np.random.default_rng(5).standard_normal((96, 96))
     per_metre = np.hypot(np.fft.fftfreq(96, 0.2)[:, None], np.fft.fftfreq(96, 0.2))
     law = (per_metre**2 + 4.0**-2) ** -1.7 * np.exp(-((per_metre * 0.5) ** 2))  # of its power
     power = np.abs(np.fft.fft2(noise) / np.fft.fft2(white)) ** 2
-    np.testing.assert_allclose(
-        (power / power[0, 1]).ravel()[1:], (law / law[0, 1]).ravel()[1:], rtol=1e-6
-    )
-    part = fractal(np.random.default_rng(5), (77, 77), **made)  # type: ignore[arg-type]
+    found, expected = (values.ravel()[1:] / values[0, 1] for values in (power, law))
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    part = fractal(np.random.default_rng(5), (77, 77), **given)  # type: ignore[arg-type]
     for field in (noise, part):
         assert (field.mean(), field.std()) == pytest.approx((0.0, 1.0))
     assert abs(np.corrcoef(part[0], part[-1])[0, 1]) < 0.6  # it does not repeat at its edges
 
 
-@pytest.mark.parametrize("count", [150, 151])
-def test_seamless_noise_goes_on_from_each_edge_at_the_opposite_one(count: int) -> None:
-    rng = np.random.default_rng(0)
-    noise = fractal(rng, (count, count), cell=0.1, longest=4.0, shortest=1.0, seamless=True)
-    assert noise.shape == (count, count)
-    for axis in (0, 1):
-        steps = np.diff(noise, axis=axis)
-        seam = noise.take(0, axis) - noise.take(-1, axis)
-        assert seam.std() == pytest.approx(steps.std(), rel=0.4)
-
-
 def test_smoothstep_rises_from_zero_to_one_without_kinks() -> None:
     steps = smoothstep(np.linspace(0.0, 4.0, 401), 1.0, 3.0)
-    assert (steps[:101] == 0.0).all()
-    assert (steps[300:] == 1.0).all()
+    assert ((steps[:101] == 0.0).all(), (steps[300:] == 1.0).all()) == (True, True)
     assert steps[200] == pytest.approx(0.5)
     assert np.diff(steps, 2).max() < 2e-4

@@ -1,4 +1,4 @@
-from dataclasses import FrozenInstanceError, astuple, dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 import pytest
@@ -33,13 +33,6 @@ def test_difficulty_moves_parameters_from_easiest_through_default_to_hardest() -
     assert {type(count) for count in (*stones, *rocks)} == {int}
 
 
-def test_a_description_tells_parameters_with_range_and_unit() -> None:
-    assert (
-        Noise.describe()
-        == "size 12 m, cell 0.1 m, height 0.5 (0.1..2) m, stones 4 (1..9), rocks 0 (0..3)"
-    )
-
-
 def test_the_grid_has_its_size_and_cell_with_a_vertex_at_the_origin() -> None:
     ground = Noise(size=6.0, cell=0.05).ground(np.random.default_rng(0))
     assert ground.heights.shape == (121, 121)
@@ -60,8 +53,3 @@ def test_heights_are_whole_micrometres_without_negative_zero() -> None:
     heights = Noise(height=1e-6).ground(np.random.default_rng(0)).heights
     assert np.array_equal(heights, np.round(heights, 6))
     assert not np.signbit(heights[heights == 0.0]).any()
-
-
-def test_terrains_are_values_that_cannot_be_changed() -> None:
-    with pytest.raises(FrozenInstanceError):
-        Noise().height = 1.0  # type: ignore[misc]

@@ -9,11 +9,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from rover_metrics.analyze import main
+from tests.support.figures import described
 from tests.support.snapshots import check_snapshot
 
 Row = Callable[..., str]
@@ -42,6 +44,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
     figures: dict[str, Figure] = {}
 
     def keep(figure: Figure, folder: Path, name: str) -> list[Path]:
+        assert mpl.rcParams["pdf.fonttype"] == 42  # a font of its own: text stays text
         figures[name] = figure
         return [folder / f"{name}.png"]
 
@@ -87,10 +90,21 @@ def test_two_groups_are_compared_log_by_log_as_somebody_has_checked(
     assert comparison["p"] == pytest.approx(2 / 70)
     assert comparison["difference"] == pytest.approx(0.675 - 0.1875, rel=1e-5)
     plots = ("correlation", "aggregate", "comparison")
-    code, out, err = run(*words, "-p", *plots, "--csv", "--latex", "--save-outliers")
+    more = (
+        "--confidence-level",
+        "0.9",
+        "--fixed-interval",
+        "5",
+        "--iqr-multiplier",
+        "0.5",
+        "--unit",
+        "log",
+    )
+    code, out, err = run(*words, "-p", *plots, "--csv", "--latex", "--save-outliers", *more)
     assert (code, err, tuple(drawn)) == (0, "", plots)
     files = sorted((tmp_path / "out").iterdir())
     parts = [out, *(f"== {path.name}\n{path.read_text()}" for path in files)]
+    parts += [f"== {name}\n{described(figure)}" for name, figure in drawn.items()]
     check_snapshot("analyze.txt", "\n".join(parts).replace(str(tmp_path), "FOLDER"))
 
 
@@ -104,33 +118,6 @@ def test_only_the_metrics_asked_for_are_reported_and_drawn(
     assert result["correlations"] == []
     assert as_json(run(write_log(), "-m", "CV", "-p", "--json"))["files"] == []  # none is named
     assert not (tmp_path / "out/time_series_CV.png").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "label"),
-    [
-        ([], "Share of the episode [%]"),
-        (["-n", "none"], "Time since the episode began [s]"),
-        (["--fixed-interval", "5"], "Time since the episode began [s], means over 5 s"),
-    ],
-)
-def test_the_time_axis_is_that_asked_for(
-    run: Run, write_log: WriteLog, drawn: dict[str, Figure], words: list[str], label: str
-) -> None:
-    assert run(write_log(), "-m", "OC", *words)[0] == 0
-    assert drawn["time_series_OC"].axes[0].get_xlabel() == label
-
-
-def test_a_correlation_that_the_level_does_not_bear_out_is_white(
-    run: Run, write_log: WriteLog, row: Row, drawn: dict[str, Figure]
-) -> None:
-    noise = np.random.default_rng(0).normal(size=(2, 60))
-    lines = [row(i, Obstacle_Clearance=a + b, Current_Velocity=b) for i, (a, b) in enumerate(noise.T)]
-    log = write_log(lines=lines)
-    for level, white in (("0.95", False), ("0.9999999999", True)):
-        run(log, "-m", "OC", "CV", "-p", "correlation", "--confidence-level", level)
-        (cell,) = drawn["correlation"].axes[0].patches
-        assert (cell.get_facecolor() == (1.0, 1.0, 1.0, 1.0)) is white
 
 
 def test_outliers_are_counted_but_removed_only_on_request(
@@ -264,19 +251,6 @@ def test_columns_whose_names_give_one_file_name_get_files_of_their_own(
     assert [name.removeprefix("time_series_") for name in drawn] == ["a_b", "A_b_2", "column", "X"]
 
 
-def test_episodes_are_observations_on_request(run: Run, write_log: WriteLog, row: Row) -> None:
-    twice = [row(i, Timestamp=i % 10) for i in range(20)]
-    a, b = write_log("a.csv", twice), write_log("b.csv", twice)
-    result = as_json(run(a, "--versus", b, "-m", "CV", "-p", "--json"))
-    by_log = result["comparisons"][0]
-    assert (by_log["n"], by_log["p"]) == ([1, 1], None)
-    assert [(log["label"], log["group"]) for log in result["logs"]] == [("a", "first"), ("b", "versus")]
-    words = (a, "--versus", b, "-m", "CV", "-p", "--unit", "episode", "--json")
-    by_episode = as_json(run(*words))["comparisons"][0]
-    assert by_episode["n"] == [2, 2]
-    assert by_episode["p"] is not None
-
-
 def test_a_bad_file_is_told_in_one_line_and_the_others_are_analysed(
     run: Run, write_log: WriteLog, tmp_path: Path
 ) -> None:
@@ -317,24 +291,9 @@ def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
     assert {path for path in tmp_path.rglob("*") if "out" not in path.parts} == before
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        ([], "required: LOG"),
-        (["x", "-m", "XX"], "-m XX: choose from TC, CS, SM, TSR, OC, DT, CV, VORT, IM, RT, VR, all"),
-        (["x", "--frobnicate"], "unrecognized arguments: --frobnicate"),
-    ],
-)
-def test_wrong_arguments_are_told_in_one_line(run: Run, words: list[str], told: str) -> None:
-    code, out, err = run(*words)
-    assert (code, out) == (2, "")
-    assert len(err.splitlines()) == 1
-    assert err.startswith("analyze: ")
-    assert told in err
-
-
 def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) -> None:
     log = write_log()
+    assert [run(*words)[0] for words in ([], [log, "-m", "XX"], [log, "--frobnicate"])] == [2] * 3
     code, _, err = run(log, "-o", log)
     assert code == 2
     assert "choose another folder with -o" in err
@@ -344,20 +303,6 @@ def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) 
         2,
         "analyze: cannot write to a?b: embedded null byte; choose another folder with -o\n",
     )
-
-
-def test_json_has_no_number_that_json_does_not_know(
-    run: Run, write_log: WriteLog, drawn: dict[str, Figure]
-) -> None:
-    words = ["-m", "CV", "OC", "RT", "--json", "-p", "correlation", "aggregate", "comparison"]
-    _, out, _ = run(write_log(lines=1), *words)
-
-    def refuse(constant: str) -> None:
-        raise AssertionError(constant)
-
-    summary = json.loads(out, parse_constant=refuse)["logs"][0]["metrics"]["CV"]
-    assert (summary["n"], summary["sd"], summary["interval"]) == (1, None, None)
-    assert list(drawn) == ["aggregate", "comparison"]  # one row correlates with nothing
 
 
 def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(

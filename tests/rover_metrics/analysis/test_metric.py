@@ -8,36 +8,6 @@ from rover_metrics.analysis.metric import COUNTERS, METRICS, Kind, Metric, is_ot
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
-SHAKING = "(m/s² + rad/s)/min"
-NEAR = ("collision_threshold", "min_safe_clearance")
-RIDE = ("m/s² + rad/s",)
-SMOOTH = ("smoothness_threshold",)
-ROUGH = ("rough_terrain_threshold",)
-# code, column, title, unit, kind, thresholds, rough_only, extended_column
-EXPECTED = (
-    ("TC", "Total Collisions", "Collisions", "scans/min", Kind.COUNTER, (), False, ""),
-    ("CS", "Current Collision Status", "Time in collision", "% of rows", Kind.FLAG, (), False, ""),
-    ("SM", "Smoothness Metric", "Smoothness sum", SHAKING, Kind.COUNTER, (), False, ""),
-    ("TSR", "Current Smoothness", "Smoothness of the route", *RIDE, Kind.LEVEL, SMOOTH, False, ""),
-    ("OC", "Obstacle Clearance", "Obstacle clearance", "m", Kind.LEVEL, NEAR, False, ""),
-    ("DT", "Distance Traveled", "Distance traveled", "m/min", Kind.COUNTER, (), False, ""),
-    ("CV", "Current Velocity", "Current velocity", "m/s", Kind.LEVEL, (), False, ""),
-    (
-        *("VORT", "Current Velocity", "Velocity over rough terrain", "m/s"),
-        *(Kind.LEVEL, (), True, "VORT [m/s]"),
-    ),
-    ("IM", "IMU Acceleration Magnitude", "IMU acceleration", "m/s²", Kind.LEVEL, ROUGH, False, ""),
-    ("RT", "Is Rough Terrain", "Time on rough terrain", "% of rows", Kind.FLAG, (), False, ""),
-    ("VR", "Vertical Roughness", "Vertical roughness", "m/s²", Kind.LEVEL, (), False, ""),
-)
-
-
-def test_codes_columns_titles_and_units_are_those_that_users_know() -> None:
-    """RoboTerrain's nine codes in its order, its TSR, and VORT, which it took for another name of CV."""
-    assert tuple(astuple(metric) for metric in METRICS.values()) == EXPECTED
-    assert tuple(METRICS) == tuple(code for code, *_ in EXPECTED)
-    assert METRICS["SM"].label == "Smoothness sum [(m/s² + rad/s)/min]"
-
 
 def test_a_metric_is_read_from_columns_that_every_log_has() -> None:
     for metric in METRICS.values():

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from rover_metrics.analysis.logs.log import Log
-from rover_metrics.analysis.metric import METRICS, Kind
+from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.statistics.comparison import compare
 from rover_metrics.analysis.statistics.correlation import combine, correlate
 from rover_metrics.analysis.statistics.holm import holm
-from rover_metrics.analysis.statistics.summary import summarise, summarise_independent
+from rover_metrics.analysis.statistics.summary import summarise_independent
 from rover_metrics.analysis.study import Member, Options, Study
 
 MakeLog = Callable[..., Log]
@@ -40,38 +40,6 @@ def study(make_log: MakeLog) -> Study:
         members.append(Member(log, f"log {number}", "ab"[number // 3]))
     metrics = tuple(METRICS[code] for code in CODES)
     return Study(tuple(members), ("a", "b"), Options(metrics, 0.9, plots=("correlation",)))
-
-
-def test_each_log_is_summed_up_by_metric(study: Study) -> None:
-    result = analyse(study)
-    assert (result.confidence, result.outliers_removed, result.iqr_multiplier) == (0.9, False, 1.5)
-    assert (result.unit, result.groups) == ("log", ("a", "b"))
-    for member, found in zip(study.members, result.logs, strict=True):
-        log = member.log
-        assert (found.label, found.group, found.path) == (member.label, member.group, "made.csv")
-        assert (found.rows, found.episodes, found.findings) == (len(log), 2, log.findings)
-        assert found.duration == len(log) - 2
-        assert list(found.metrics) == [code for code in CODES if log.has(METRICS[code])]
-        speed = log.columns["Current Velocity"].astype(float)
-        assert found.metrics["CV"] == summarise(speed, np.ones(len(log)), Kind.LEVEL, 0.9)
-        rough = speed[speed > 0.6]
-        assert found.metrics["VORT"] == summarise(rough, np.ones(rough.size), Kind.LEVEL, 0.9)
-        assert found.metrics["RT"].mean == pytest.approx(100 * (speed > 0.6).mean())
-        assert found.metrics["DT"].n == len(log) - 2  # the first row of an episode has no rate
-        assert found.outliers["CV"] == 1
-        assert found.outliers["RT"] == 0
-        assert found.per_metre == {}
-
-
-def test_outliers_are_counted_before_they_are_removed(study: Study) -> None:
-    options = replace(study.options, remove_outliers=True, iqr_multiplier=3.0)
-    result = analyse(replace(study, options=options))
-    assert (result.outliers_removed, result.iqr_multiplier) == (True, 3.0)
-    for member, found in zip(study.members, result.logs, strict=True):
-        assert found.outliers["CV"] == 1
-        assert found.metrics["CV"].n == len(member.log) - 1
-        assert found.metrics["CV"].maximum is not None
-        assert found.metrics["CV"].maximum < 2.0
 
 
 def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Study) -> None:

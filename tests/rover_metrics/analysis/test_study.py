@@ -1,14 +1,11 @@
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rover_metrics.analysis.logs.log import Log
-from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.study import Member, Options, Study, labels
-from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.analysis.study import labels
 
 MakeLog = Callable[..., Log]
 
@@ -24,23 +21,6 @@ def named(*paths: str) -> list[str]:
     return labels([log_at(path) for path in paths])
 
 
-def test_the_thresholds_of_a_metric_are_those_of_the_logs_that_have_it(make_log: MakeLog) -> None:
-    own = replace(DEFAULT_THRESHOLDS, collision_threshold=0.3, min_safe_clearance=0.7)
-    other = replace(DEFAULT_THRESHOLDS, collision_threshold=0.9)
-    scans, none = {"Obstacle Clearance": [1.0, 2.0]}, {"Current Velocity": [1.0, 2.0]}
-    logs = (
-        make_log(scans),
-        replace(make_log(scans), thresholds=own),
-        replace(make_log(none), thresholds=other),
-    )
-    study = Study(tuple(Member(log, "", "g") for log in logs), ("g",), Options())
-    assert study.bounds(METRICS["OC"]) == {
-        "collision_threshold": sorted([0.3, DEFAULT_THRESHOLDS.collision_threshold]),
-        "min_safe_clearance": sorted([0.7, DEFAULT_THRESHOLDS.min_safe_clearance]),
-    }
-    assert study.bounds(METRICS["CV"]) == {}
-
-
 @pytest.mark.parametrize(
     ("stem", "changed", "label"),
     [
@@ -49,6 +29,7 @@ def test_the_thresholds_of_a_metric_are_those_of_the_logs_that_have_it(make_log:
         ("metrics_log_20250116_120457", {"terrain": "/maps/yard.tif"}, "leo yard seed 7"),
         ("metrics_log_20250116_120457", {"difficulty": None}, "leo rocky seed 7"),
         ("baseline", {}, "baseline"),
+        ("metrics_log_20250116_120457-rerun", {}, "metrics_log_20250116_120457-rerun"),
     ],
 )
 def test_a_name_that_a_person_gave_comes_first_then_what_was_driven_then_the_time(

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.numbers import write_csv
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
@@ -56,7 +57,8 @@ def described(result: Result) -> str:
 
 def test_the_tables_of_results_are_as_somebody_has_checked() -> None:
     parts = (f"== {name}\n{described(result)}\n" for name, result in RESULTS.items())
-    check_snapshot("tables.txt", "".join(parts))
+    codes = (f"{metric}\n" for metric in METRICS.values())  # words of the command line
+    check_snapshot("tables.txt", "".join([*parts, *codes]))
 
 
 def test_every_number_is_in_the_csv_files(tmp_path: Path) -> None:

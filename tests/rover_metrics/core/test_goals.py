@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -24,7 +23,9 @@ def leaning(axis: str, angle: float) -> tuple[float, float, float, float]:
         (217.0, (5.0, 5.0), UPRIGHT, (0, 0)),
         (217.01, (5.0, 5.0), UPRIGHT, (0, 1)),
         (217.01, (1.0, 2.0), UPRIGHT, (1, 0)),
-        (11.0, (1.0, 2.0), leaning("x", 1.49), (0, 1)),
+        *((11.0, (1.0, 2.0), leaning(axis, sign * 1.49), (0, 1)) for axis in "xy" for sign in (1, -1)),
+        *((11.0, (5.0, 5.0), leaning(axis, sign * 1.47), (0, 0)) for axis in "xy" for sign in (1, -1)),
+        (11.0, (5.0, 5.0), leaning("z", 3.0), (0, 0)),
     ],
 )
 def test_a_goal_is_settled_once(
@@ -57,19 +58,3 @@ def test_a_new_goal_has_its_own_time_and_the_old_one_counts_as_nothing() -> None
     assert (account.reached, account.failed, account.goal) == (0, 0, (3.0, 4.0))
     account.observe(251.0, (3.0, 4.0 - 0.1), leaning("z", math.pi))
     assert account.reached == 1
-
-
-def test_who_leans_more_than_1_48_rad_in_roll_or_pitch_has_failed_wherever_the_rover_looks() -> None:
-    """Against scipy's Euler angles, of orientations all over and of some near the limit."""
-    rng = np.random.default_rng(0)
-    near = np.column_stack([rng.uniform(-3, 3, 200), rng.uniform(-1.54, 1.54, 200), np.zeros(200)])
-    near[::2, 1:] = near[::2, :0:-1]  # every other one rolls
-    some = Rotation.concatenate([Rotation.random(100, rng), Rotation.from_euler("ZYX", near)])
-    failed = []
-    for x, y, z, w in some.as_quat().tolist():
-        account = GoalAccount()
-        account.begin((5.0, 5.0), 0.0)
-        account.observe(1.0, (0.0, 0.0), (x, y, z, w))
-        failed.append(bool(account.failed))
-    assert failed == (np.abs(some.as_euler("ZYX"))[:, 1:].max(axis=1) > 1.48).tolist()
-    assert 50 < sum(failed) < 250

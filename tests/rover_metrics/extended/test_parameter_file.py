@@ -1,14 +1,15 @@
 """The parameters of metrics_node from a ROS parameter file, without ROS."""
 
+import json
 from pathlib import Path
 
 import pytest
 
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
-from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import ExtendedSettings, Settings
+from tests.rover_metrics.conftest import VALUES
 
 
 def read_parameters(path: Path) -> Settings:
@@ -24,33 +25,10 @@ def section(*lines: str, name: str = "metrics_node") -> str:
     return f'"{name}":\n  ros__parameters:\n' + "".join(f"    {line}\n" for line in lines)
 
 
-def test_every_parameter_of_the_rows_is_read(file: Path) -> None:
-    file.write_text(
-        section(
-            "use_sim_time: true",
-            "collision_threshold: 0.3",
-            "smoothness_threshold: 11.0",
-            "min_safe_clearance: 0.6",
-            "distance_threshold: 0.7",
-            "rough_terrain_threshold: 16.0",
-            "extended_columns: true",
-            "near_returns_as_contact: true",
-            "footprint: [0.0, 0.0, 1.0, 0.0, 0.0, 2.0]",
-            "lidar_pose: [0.1, 0.2, 0.3]",
-            "footprint_threshold: 0.08",
-            "gravity: 9.8",
-        )
-    )
-    extended = ExtendedSettings(
-        footprint=Footprint(((0.0, 0.0), (1.0, 0.0), (0.0, 2.0))),
-        lidar_pose=LidarPose(0.1, 0.2, 0.3),
-        near_returns_as_contact=True,
-        footprint_threshold=0.08,
-        gravity=9.8,
-    )
-    assert read_parameters(file) == Settings(
-        thresholds=Thresholds(0.3, 11.0, 0.6, 0.7, 16.0), extended_columns=True, extended=extended
-    )
+def test_every_parameter_is_read_as_it_stands_there(file: Path) -> None:
+    lines = (f"{name}: {json.dumps(value)}" for name, value in VALUES.items())
+    file.write_text(section("use_sim_time: true", *lines))
+    assert read_values(file) == VALUES
 
 
 def test_what_is_not_named_keeps_its_default(file: Path) -> None:

@@ -128,11 +128,6 @@ def test_losses_of_long_ago_are_no_warning_any_more() -> None:
         assert topic(old, new).message == f"1 {what} since the row before"
 
 
-def test_without_a_stamp_of_the_rows_clock_there_is_no_age() -> None:
-    for stamp_ns in (0, 1_737_000_000 * 10**9):
-        assert "age [s]" not in dict(topic(HEARD._replace(stamp_ns=stamp_ns)).values)
-
-
 def test_a_rate_needs_two_rows_and_time_between_them() -> None:
     view = LiveView()
     rates = []

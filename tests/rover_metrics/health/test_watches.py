@@ -8,7 +8,6 @@ from rover_metrics.health.watches import (
     JUMPED_AHEAD,
     MISSING,
     NO_STAMP,
-    RECENT,
     STANDS_STILL,
     WENT_BACK,
     Finding,
@@ -157,14 +156,3 @@ def test_a_sensor_that_never_stamps_is_named() -> None:
     assert watch.take(5) is None
     assert watch.latest_ns == 5
     assert [watch.take(stamp) for stamp in (0, START)] == [(WENT_BACK, 1), (JUMPED_AHEAD, 1)]
-
-
-@given(st.lists(st.integers(-(2**63), 2**63), max_size=300))
-def test_whatever_the_stamps_memory_is_bounded_and_counts_are_positive(stamps: list[int]) -> None:
-    watch = StampWatch()
-    for number, stamp in enumerate(stamps):
-        finding = watch.take(stamp)
-        assert finding is None or finding[1] > 0
-        if number % 20 == 0:
-            watch.learn()
-    assert len(watch._intervals) <= RECENT

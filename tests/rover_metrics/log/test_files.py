@@ -41,16 +41,6 @@ def test_a_file_that_could_not_be_written_leaves_what_was_there_and_nothing_else
     assert {path: path.read_text() for path in tmp_path.iterdir()} == ({target: old} if old else {})
 
 
-def test_a_link_is_replaced_and_what_it_points_to_stays(tmp_path: Path) -> None:
-    other, target = tmp_path / "other", tmp_path / "link"
-    other.write_text("precious")
-    target.symlink_to(other)
-    with whole_file(target) as part:
-        part.write_text("new")
-    assert other.read_text() == "precious"
-    assert not target.is_symlink()
-
-
 def test_json_has_null_for_what_no_number_is_lists_for_tuples_and_as_many_digits_as_asked_for() -> None:
     values = {
         1: (math.inf, -math.inf, math.nan),

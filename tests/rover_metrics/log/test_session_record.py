@@ -109,8 +109,8 @@ def test_a_record_that_cannot_be_written_is_told_and_costs_nothing(tmp_path: Pat
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
     manifest = pytest.importorskip("harness.episode.manifest")
-    from harness.config import Run  # noqa: PLC0415 - the harness is optional here
-    from harness.episode.result import RunResult  # noqa: PLC0415
+    from harness.episode.result import RunResult  # noqa: PLC0415 - the harness is optional here
+    from harness.spec.run import Run  # noqa: PLC0415
 
     write_record(log, None, {})
     manifest.write_manifest(RunResult(run=Run(), mode="direct"), log.with_suffix(".json"))

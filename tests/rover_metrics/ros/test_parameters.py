@@ -11,6 +11,7 @@ from rclpy.parameter_client import AsyncParameterClient
 
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.settings import PARAMETERS, Settings
+from tests.rover_metrics.conftest import TRIANGLE, VALUES
 
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
@@ -19,26 +20,6 @@ pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"
 
 RELIABILITY = "qos_overrides./scan.subscription.reliability"
 FIXED = ("log_dir", "wheels", "extended_columns")
-TRIANGLE = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]
-VALUES: dict[str, Any] = {  # none of them the default
-    "debug_mode": True,
-    "debug_interval": 7,
-    "fsync": True,
-    "stale_after": 1.5,
-    "publish_metrics": False,
-    "collision_threshold": 0.75,
-    "smoothness_threshold": 7.5,
-    "min_safe_clearance": 0.25,
-    "distance_threshold": 1.25,
-    "rough_terrain_threshold": 11.0,
-    "footprint": TRIANGLE,
-    "lidar_pose": [0.1, 0.2, 0.3],
-    "near_returns_as_contact": True,
-    "footprint_threshold": 0.25,
-    "gravity": 9.8,
-    "wheels": "left,right",
-    "extended_columns": True,
-}
 
 
 def told(node: Any) -> dict[str, Any]:  # noqa: ANN401 - rclpy has no types
@@ -106,12 +87,18 @@ def test_values_of_settings_have_the_types_that_ros_declares_and_lead_back_to_th
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [(name, "x" if type(info.default) is not str else 3) for name, info in PARAMETERS.items()],
+    [
+        *((name, "x" if type(info.default) is not str else 3) for name, info in PARAMETERS.items()),
+        ("rough_terrain_threshold", float("nan")),
+        ("debug_interval", 0),
+        ("stale_after", 5),
+    ],
 )
-def test_a_launch_with_a_wrong_type_names_what_is_valid(rig: "Rig", name: str, value: object) -> None:
+def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: "Rig", name: str, value: Any) -> None:  # noqa: ANN401
     with pytest.raises(ParameterError) as refused:
         rig.start(**{name: value})
     assert str(refused.value) == f"parameter {name} must be {PARAMETERS[name].constraint}"
+    assert list(rig.folder.iterdir()) == []
 
 
 def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(rig: "Rig") -> None:

@@ -57,7 +57,7 @@ def describe_consistency(rows: pd.DataFrame, thresholds: Thresholds) -> list[str
 
 
 def _contradiction(rows: pd.DataFrame, flag: _Flag, threshold: float) -> str:
-    """Tells of the rows whose flag is not what their level says; at the threshold it may be either."""
+    """Describes the rows whose flag is not what their level says; at the threshold it may be either."""
     known = rows[rows[flag.column].notna() & rows[flag.level].notna()]
     is_on, level = known[flag.column] == 1, known[flag.level].astype(np.float64)
     beyond = flag.sign * (level - threshold)
@@ -69,7 +69,7 @@ def _contradiction(rows: pd.DataFrame, flag: _Flag, threshold: float) -> str:
     unit = THRESHOLD_INFO[flag.threshold].unit
     what = f" whose {flag.column} contradicts {flag.level} and {flag.threshold} {threshold:g} {unit}"
     fit = _fitting(flag.sign * level[is_on], flag.sign * level[~is_on], flag.sign)
-    return tally.told("row", what, f"another rule or threshold was at work{fit}")
+    return tally.describe("row", what, f"another rule or threshold was at work{fit}")
 
 
 def _fitting(on: "pd.Series[float]", off: "pd.Series[float]", sign: int) -> str:

@@ -33,16 +33,16 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
     if table.spaces:
         findings.append("spaces before numbers")
     too_long = " with more fields than the header, so which is which is unclear"
-    findings += _told(table.long, "row", too_long)
-    findings += _told(table.short, "row", " with fewer fields than the header")
-    findings += _told(table.untimed, "row", " without a number for a Timestamp")
+    findings += _described(table.long, "row", too_long)
+    findings += _described(table.short, "row", " with fewer fields than the header")
+    findings += _described(table.untimed, "row", " without a number for a Timestamp")
     for name, tally in table.cells.items():
         if name in asked or name in COUNTERS:
-            findings += _told(tally, "cell", f" without a number in {name}")
+            findings += _described(tally, "cell", f" without a number in {name}")
     for name, tally in table.infinite.items():
         when = ", as before the first scan" if name == CLEARANCE else ""
         if name in asked or name in COUNTERS:
-            findings += _told(tally, "infinite value", f" in {name}{when}")
+            findings += _described(tally, "infinite value", f" in {name}{when}")
     return findings
 
 
@@ -63,7 +63,7 @@ def describe_time(rows: pd.DataFrame, gap: float) -> list[str]:
     ):
         tally = Tally()
         tally.add(rows.index[1:][odd])
-        findings += _told(tally, noun, outcome=outcome)
+        findings += _described(tally, noun, outcome=outcome)
     if abs(period - 1.0) > 0.01:
         findings.append(f"a row every {period:g} s, not every second")
     if rows[STAMP].iloc[0] > _UNIX_TIME:
@@ -72,7 +72,7 @@ def describe_time(rows: pd.DataFrame, gap: float) -> list[str]:
 
 
 def _absent(header: Sequence[str], metrics: Sequence[Metric]) -> Iterator[str]:
-    """Tells which columns are not there, if a metric asked for needs them."""
+    """Describes the columns that are not there, if a metric asked for needs them."""
     absent = [name for name in METRIC_COLUMNS if name not in header]
     codes = [metric.code for metric in metrics if not set(metric.columns).isdisjoint(absent)]
     if codes:
@@ -84,5 +84,5 @@ def _absent(header: Sequence[str], metrics: Sequence[Metric]) -> Iterator[str]:
         yield f"no column {', '.join(lacking[:_MOST_NAMED])}{more}"
 
 
-def _told(tally: Tally, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
-    return [tally.told(noun, what, outcome)] if tally.count else []
+def _described(tally: Tally, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
+    return [tally.describe(noun, what, outcome)] if tally.count else []

@@ -26,8 +26,8 @@ class Log:
             file has no number or infinity.
         starts: First row of each episode, ascending; the first is 0.
         findings: What was odd about the file, one line each.
-        thresholds: Those at the end of its session, where its record tells.
-        arguments: Those of the harness's run, where its record tells: robot, terrain, seed and others.
+        thresholds: The thresholds at the end of its session; None if its record does not have them.
+        arguments: Arguments of the harness's run by name (robot, terrain, seed, ...); empty without one.
     """
 
     path: Path

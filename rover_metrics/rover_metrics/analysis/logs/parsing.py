@@ -40,7 +40,7 @@ class Tally:
             self.first, self.example = int(lines[0]), example
         self.count += lines.size
 
-    def told(self, noun: str, what: str = "", outcome: str = "left out") -> str:
+    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> str:
         """Returns one line: how many of a noun, what is odd about them, where, and what follows."""
         where = f"line {self.first}" if self.count == 1 else f"first on line {self.first}"
         example = f", {self.example}" if self.example else ""
@@ -80,7 +80,7 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     Args:
         path: The file.
         header: Its column names.
-        wanted: Columns to keep, all of them in the header, as float64: what is told of a log are
+        wanted: Columns to keep, all of them in the header, as float64: findings quote
             its own numbers (2.4998), not their neighbours in float32 (2.4998000860).
 
     Raises:
@@ -118,7 +118,7 @@ def _last_line_is_cut(path: Path, fields: int) -> bool:
 
 
 class _Narrow(io.TextIOBase):
-    """A text whose lines end after so many fields; pandas takes no line with more than it is told of."""
+    """A text whose lines end after so many fields; pandas refuses lines with more than it has names."""
 
     def __init__(self, file: TextIO, fields: int) -> None:
         self._file, self._fields = file, fields

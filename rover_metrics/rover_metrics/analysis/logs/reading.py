@@ -31,7 +31,7 @@ def read_log(
 
     Args:
         path: The file.
-        metrics: Only their columns are kept, and the counters, which tell the episodes.
+        metrics: Only their columns are kept, and the counters, which separate the episodes.
         gap: Longest time between two rows of one episode [s].
 
     Raises:

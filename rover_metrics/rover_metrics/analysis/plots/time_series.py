@@ -67,13 +67,13 @@ def _lowest_rows(study: Study, metric: Metric) -> dict[str, tuple[float, float]]
     members = study.with_metric(metric)
     if metric.kind is not Kind.LEVEL or len(members) < 2:
         return {}
-    found = {}
+    lowest = {}
     for member in members:
         x, y = map(np.concatenate, zip(*study.episodes(member, metric), strict=True))
         if np.isfinite(y).any():
             row = np.nanargmin(y)
-            found[member.label] = float(x[row]), float(y[row])
-    return found
+            lowest[member.label] = float(x[row]), float(y[row])
+    return lowest
 
 
 def _limit(axes: Axes, metric: Metric, values: Floats, bounds: Mapping[str, Sequence[float]]) -> None:

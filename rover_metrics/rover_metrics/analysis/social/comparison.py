@@ -96,16 +96,16 @@ def differences(groups: Mapping[str, Group], confidence: float) -> list[Differen
         groups: By name, in their order.
         confidence: Level of the intervals, between 0 and 1.
     """
-    found: list[Difference] = []
+    all_pairs: list[Difference] = []
     for metric in METRICS:
         pairs = [_difference(metric, *pair, confidence) for pair in combinations(groups.values(), 2)]
         by_windows = with_holm([pair.windows for pair in pairs])
         by_runs = with_holm([pair.runs for pair in pairs])
-        found += [
+        all_pairs += [
             replace(pair, windows=of_windows, runs=of_runs)
             for pair, of_windows, of_runs in zip(pairs, by_windows, by_runs, strict=True)
         ]
-    return found
+    return all_pairs
 
 
 def _difference(metric: str, first: Group, second: Group, confidence: float) -> Difference:

@@ -21,7 +21,7 @@ TIME, NEAREST = "time_s", "dmin"
 GOALS = ("goals_count", "goals")
 PLACES = (("robot_x", "robot_y"), ("rx", "ry"))
 DISTANCE = re.compile(r"(?:d\d+_(?P<old>.+)|(?P<new>.+?)(?:_actor)?_dist)")
-MOST_TOLD = 3  # lines left out that are told one by one
+MOST_LISTED = 3  # lines left out that are listed one by one
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def _check_header(names: Sequence[str]) -> None:
 
 
 def _rows(lines: Iterator[list[str]], width: int, findings: list[str]) -> Iterator[list[float]]:
-    """The rows that are whole; of the others the findings tell."""
+    """Yields the whole rows, and adds a line to the findings for each of the first others."""
     left_out = 0
     for number, cells in enumerate(lines, 2):
         if not cells:
@@ -112,10 +112,10 @@ def _rows(lines: Iterator[list[str]], width: int, findings: list[str]) -> Iterat
             yield values
             continue
         left_out += 1
-        if left_out <= MOST_TOLD:
+        if left_out <= MOST_LISTED:
             findings.append(f"line {number} is not {width} numbers and is left out")
-    if left_out > MOST_TOLD:
-        findings.append(f"{left_out - MOST_TOLD} more lines are left out")
+    if left_out > MOST_LISTED:
+        findings.append(f"{left_out - MOST_LISTED} more lines are left out")
 
 
 def _position(column: dict[str, Floats], rows: int) -> Floats:

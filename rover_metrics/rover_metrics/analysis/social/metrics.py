@@ -127,7 +127,7 @@ def _zones(nearest: Floats) -> dict[str, int]:
 
 
 def _intrusions(distance: Floats) -> int:
-    """Rows in which somebody is inside who was not in the row before that tells."""
+    """Returns how often a person is inside who was outside in the last row with a distance."""
     entered = 0
     for person in distance.T:
         inside = person[np.isfinite(person)] < PERSONAL_SPACE

@@ -1,4 +1,4 @@
-"""Whether so few observations can say anything at all, which is told before anybody believes them."""
+"""Whether so few observations can show a difference at all, said beside their comparison."""
 
 from collections.abc import Iterator, Sequence
 from itertools import count

@@ -59,7 +59,7 @@ def metric_series(log: Log, metric: Metric) -> Series:
     """Returns a metric of a log that has its columns.
 
     Rates per minute for a counter, 0 or 100 for a flag, else the column itself; for a metric of
-    rough terrain only the rows with Is Rough Terrain = 1, unless an extended column tells more.
+    rough terrain only the rows with Is Rough Terrain = 1, unless an extended column has the value.
     """
     ones = np.broadcast_to(1.0, len(log))
     if metric.extended_column in log.columns:

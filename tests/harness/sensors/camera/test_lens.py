@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.sensors.camera.lens import LENSES, Equidistant, Lens, Pinhole
+from harness.sensors.camera.lens import Equidistant, Lens, Pinhole
 
 
 def test_k_of_roboterrains_cameras() -> None:
@@ -41,10 +41,3 @@ def test_every_pixel_is_projected_back_to_where_it_is(lens: Lens) -> None:
         np.testing.assert_allclose(told[seen], expected[seen], atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(directions, axis=-1)[seen], 1.0)
     assert seen.all() == (lens.fov < 6.0)  # its corners would be more than 180 degrees off
-
-
-def test_every_lens_has_a_widest_angle() -> None:
-    assert {name: round(lens.widest, 3) for name, lens in LENSES.items()} == {
-        "pinhole": 2.967,
-        "fisheye": 6.283,
-    }

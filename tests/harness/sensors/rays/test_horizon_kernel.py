@@ -9,7 +9,6 @@ from harness.sensors.rays.arrays import heightfield_arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS
 from tests.harness.sensors.plain_python import as_plain_python
-from tests.harness.sensors.rays.test_heightfield_kernel import terrain_model
 from tests.harness.sensors.test_lidar import terrain_spec
 
 Array = NDArray[np.float64]
@@ -84,96 +83,6 @@ def test_no_ray_is_told_to_be_clear_farther_than_it_goes_and_most_are_nearly_as_
             walked.append(np.minimum(found, reach) - np.minimum(clear, reach) < 2.0)
     assert min(np.mean(near) for near in walked) > 0.7
     assert np.mean(walked) > 0.8
-
-
-@pytest.mark.parametrize(
-    ("shape", "cell", "place", "reach"),
-    [
-        ((66, 38), 0.5, (0.3, -2.1), 99.0),
-        ((38, 66), 0.5, (-15.1, 8.2), 5.3),
-        ((66, 66), 0.25, (8.0, 8.1), 4.1),
-        ((5, 5), 1.0, (0.0, 0.0), 3.0),
-    ],
-)
-def test_every_block_within_reach_is_entered_with_its_highest_vertex(
-    shape: tuple[int, int],
-    cell: float,
-    place: tuple[float, float],
-    reach: float,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Blocks of 4 by 4 cells, the last of a row or column as large as the map has them."""
-    plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
-    rows, cols = shape[0] - 1, shape[1] - 1
-    model, _ = terrain_model(np.random.default_rng(7).random(shape), cell, oblong=1.25)
-    heights, *rest = heightfield_arrays(model)
-    entered: list[tuple[float, ...]] = []
-    monkeypatch.setattr(plain, "_raise_block", lambda high, box, _: entered.append((high, *box)))
-    u, v = place[0] / cell + cols / 2, place[1] / (1.25 * cell) + rows / 2
-    profile, origin = np.empty((SECTORS, RINGS)), np.array([*place, 1.0])
-    plain.highest_points(shape, *rest, origin, reach, profile)
-    cells, expected = reach / cell + 1.0, []
-    for row in range(0, rows, 4):
-        for col in range(0, cols, 4):
-            if row + 4 > v - cells and row <= v + cells and col + 4 > u - cells and col <= u + cells:
-                high = heights[row : row + 5, col : col + 5].max()
-                ends = (col - u, min(col + 4, cols) - u, row - v, min(row + 4, rows) - v)
-                expected.append((high, *ends))
-    assert np.array(entered) == pytest.approx(np.array(expected), abs=2e-3)
-    wider = (np.array(entered) - expected)[:, 1:] * (-1, 1, -1, 1)
-    assert (wider > 1e-4).all()  # so that rounding never costs a hit
-    assert (profile == -np.inf).all()
-
-
-def test_a_block_is_in_the_sectors_and_rings_between_its_corners(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Angles of a block lie between those of its corners, unless the origin is in it."""
-    plain, rng = (
-        as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch),
-        np.random.default_rng(4),
-    )
-    for reach in [3.0, 20.0, 300.0] * 30:
-        low_u, low_v = rng.uniform(-reach, reach, 2)
-        box = low_u, low_u + rng.uniform(0.5, 8.0), low_v, low_v + rng.uniform(0.5, 8.0)
-        profile = rng.choice([-np.inf, 5.0], (SECTORS, RINGS))
-        before = profile.copy()
-        plain._raise_block(1.0, box, profile)
-        u, v = (each.ravel() for each in np.meshgrid(box[:2], box[2:]))
-        nearest = np.hypot(*(max(low, -high, 0.0) for low, high in (box[:2], box[2:])))
-        rings = [np.searchsorted(OUTER, r, side="right") for r in (nearest, np.hypot(u, v).max())]
-        sectors = range(SECTORS)
-        if nearest > 0.0:
-            angle = np.where(v < 0.0, 3.0 + u / (abs(u) + abs(v)), 1.0 - u / (abs(u) + abs(v)))
-            angle -= 4.0 * ((angle.max() - angle.min() > 2.0) & (angle > 2.0))  # across the u axis
-            sectors = range(int(np.floor(angle.min() * 64)), int(np.floor(angle.max() * 64)) + 1)
-        expected = before.copy()
-        for sector in sectors:
-            part = expected[sector % SECTORS, rings[0] : rings[1] + 1]
-            part[:] = np.maximum(part, 1.0)
-        np.testing.assert_array_equal(profile, expected)
-
-
-@pytest.mark.parametrize(
-    ("shape", "reach", "levels", "level"),
-    [
-        ((65, 65), 1e9, 7, 2),
-        ((97, 1001), 1e9, 7, 2),  # 6000 blocks
-        ((97, 1002), 1e9, 7, 3),
-        ((1002, 97), 1e9, 7, 3),
-        ((1001, 1001), 1e9, 7, 4),
-        ((1001, 1001), 154.0, 7, 2),
-        ((1001, 1001), 156.0, 7, 3),
-        ((40_001, 40_001), 1e9, 7, 6),
-        ((40_001, 40_001), 1e9, 4, 3),
-        ((3, 3), 1e9, 2, 1),
-    ],
-)
-def test_blocks_are_as_fine_as_six_thousand_within_reach_allow(
-    shape: tuple[int, int], reach: float, levels: int, level: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
-    assert plain._level(shape, reach, levels) == level
 
 
 def test_a_ray_is_clear_up_to_the_ring_in_which_it_comes_down_to_the_highest_point() -> None:

@@ -3,8 +3,6 @@
 import itertools
 import math
 from collections.abc import Callable
-from types import ModuleType
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.sensors.rays.arrays import obstacle_arrays
-from harness.sensors.rays.bundle import BIN, _sorted_into_bins
 from harness.sensors.rays.obstacle_kernel import cast_fan
 from tests.harness.sensors.mujoco_rays import meets
 from tests.harness.sensors.plain_python import as_plain_python
@@ -115,103 +112,3 @@ def test_beams_along_the_axes_of_shapes_meet_mujoco() -> None:
                 np.testing.assert_allclose(ours, expected, rtol=0.0, atol=1e-9)
                 outcomes |= {(shape, bool(np.isfinite(one))) for one in ours}
     assert len(outcomes) == 2 * len(SHAPES)
-
-
-def spheres(rng: np.random.Generator) -> tuple[Array, Array]:
-    """Middles and radii of bounding spheres: near the plane, off it, around the origin, far away."""
-    middles = rng.uniform(-1.0, 1.0, (40, 3)) * (5.0, 5.0, 1.0)
-    middles[:4] *= 0.1
-    middles[4:8] = [[0.02, 0.01, 2.0], [0.0, 0.0, -1.5], [-3.0, 0.01, 0.0], [-3.0, -0.01, 0.2]]
-    return middles, rng.uniform(0.2, 1.2, 40)
-
-
-def asked_of(plain: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[list[float]]:
-    """Notes each beam that asks a shape; all miss, so that none stands in another's way."""
-    asked: list[list[float]] = []
-
-    def noted(_kind: int, _size: object, _start: object, speed: tuple[float, float, float]) -> float:
-        asked.append([*speed])
-        return math.inf
-
-    monkeypatch.setattr(plain, "_hit_shape", noted)
-    return asked
-
-
-def arrays_of(middle: Array, radius: float) -> tuple[Any, ...]:
-    """One ellipsoid in that bounding sphere, as kernels take it."""
-    sizes = np.array([[0.1, 0.1, 0.1, radius]])
-    return np.array([[0, SHAPES[2]]]), sizes, middle[None], np.eye(3).reshape(1, 9)
-
-
-def test_a_fan_asks_with_the_beams_that_meet_the_bounding_sphere_and_one_more_on_either_side(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    plain = as_plain_python("harness.sensors.rays.obstacle_kernel", monkeypatch)
-    asked = asked_of(plain, monkeypatch)
-    angles = FIRST + STEP * np.arange(BEAMS)
-    beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(BEAMS)])
-    fan, pose = np.array([FIRST, STEP, RANGE_MAX]), np.vstack([np.zeros(3), np.eye(3)])
-    outcomes = set()
-    for middle, radius in zip(*spheres(np.random.default_rng(2)), strict=True):
-        asked.clear()
-        plain.cast_fan(*arrays_of(middle, radius), pose, beams, fan, np.full(BEAMS, np.inf))
-        disc, distance = max(radius**2 - middle[2] ** 2, 0.0) ** 0.5, np.hypot(*middle[:2])
-        width = math.pi if distance <= disc else math.asin(disc / distance)
-        aside = np.abs(np.remainder(angles - np.arctan2(*middle[1::-1]) + np.pi, 2 * np.pi) - np.pi)
-        in_sight = abs(middle[2]) <= radius and distance - disc <= RANGE_MAX
-        meet, near = aside <= width, aside <= width + 1.001 * STEP
-        told = {tuple(beam) for beam in asked}
-        assert told >= {tuple(beam) for beam in beams[meet & in_sight].tolist()}
-        assert told <= {tuple(beam) for beam in beams[near & in_sight].tolist()}
-        outcomes.add((bool(in_sight), bool(in_sight and meet.all())))
-    assert outcomes == {(False, False), (True, False), (True, True)}
-
-
-class Noted(list[int]):
-    """Numbers that note which of them were asked for."""
-
-    def __init__(self, values: NDArray[np.int64]) -> None:
-        super().__init__(values.tolist())
-        self.taken: list[int] = []
-
-    def __getitem__(self, place: Any) -> Any:  # noqa: ANN401 - list's
-        self.taken.append(value := super().__getitem__(place))
-        return value
-
-
-def test_a_bundle_asks_with_the_beams_that_meet_the_bounding_sphere_and_looks_at_few_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """It looks at bins that the sphere's azimuths and elevations touch, at each once."""
-    plain, rng = (
-        as_plain_python("harness.sensors.rays.obstacle_kernel", monkeypatch),
-        np.random.default_rng(3),
-    )
-    asked = asked_of(plain, monkeypatch)
-    beams = rng.normal(size=(300, 3)) * (1.0, 1.0, 0.7)
-    beams /= np.linalg.norm(beams, axis=1, keepdims=True)
-    order, starts, grid = _sorted_into_bins(beams)
-    azimuths, elevations = np.arctan2(beams[:, 1], beams[:, 0]), np.arcsin(beams[:, 2])
-    pose = np.vstack([np.zeros(3), np.eye(3)])
-    for middle, radius in zip(*spheres(rng), strict=True):
-        asked.clear()
-        noted, distance = Noted(order), float(np.linalg.norm(middle))
-        plain.cast_bundle(
-            *arrays_of(middle, radius), pose, beams, noted, starts, grid, RANGE_MAX, np.full(300, np.inf)
-        )
-        assert len(noted.taken) == len(set(noted.taken))
-        if distance - radius > RANGE_MAX:
-            assert not noted.taken
-            continue
-        along, beside = beams @ middle, distance**2 - radius**2
-        meet = (along > 0.0) & (along**2 >= beside) if beside > 0.0 else np.full(300, True)
-        assert sorted(asked) == sorted(beams[meet].tolist())
-        if beside > 0.0:
-            elevation, reach = math.asin(middle[2] / distance), math.asin(radius / distance)
-            over = abs(elevation) + reach >= math.pi / 2
-            width = math.pi if over else math.asin(math.sin(reach) / math.cos(elevation))
-            aside = np.abs(
-                np.remainder(azimuths - np.arctan2(*middle[1::-1]) + np.pi, 2 * np.pi) - np.pi
-            )
-            within = (np.abs(elevations - elevation) <= reach + BIN) & (aside <= width + BIN)
-            assert set(noted.taken) <= set(np.flatnonzero(within).tolist())

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from harness.sensors.rays.arrays import triangle_arrays
 from harness.sensors.rays.triangle_kernel import build_tree, cast_triangles
 from tests.harness.sensors.mujoco_rays import meets
-from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
 GROUP = 1
@@ -95,36 +94,6 @@ def test_nearer_hits_stand_and_farther_ones_are_lowered() -> None:
     assert ranges.tolist() == [1.0, 2.0]
 
 
-def leaves(corners: Array, depth: int) -> list[Array]:
-    """Triangles halved so many times, at the median of their middles along the longest axis."""
-    if not depth:
-        return [corners]
-    middles, half = corners.mean(axis=1), (len(corners) + 1) // 2
-    order = np.argsort(middles[:, np.ptp(middles, axis=0).argmax()], kind="stable")
-    return leaves(corners[order[:half]], depth - 1) + leaves(corners[order[half:]], depth - 1)
-
-
-@pytest.mark.parametrize(
-    ("count", "depth"), [(1, 0), (4, 0), (5, 1), (8, 1), (9, 2), (33, 4), (64, 4), (65, 5)]
-)
-def test_triangles_are_halved_down_to_four_and_boxes_hold_what_is_below(count: int, depth: int) -> None:
-    corners = np.random.default_rng(count).normal(size=(count, 3, 3)) * (1.0, 3.0, 2.0)
-    boxes, triangles = build_tree(corners)
-    held = leaves(corners, depth)
-    for leaf, some in enumerate(held):
-        told = triangles[4 * leaf : 4 * leaf + 4].reshape(4, 3, 3)
-        np.testing.assert_allclose(told[: len(some), 0], some[:, 0])
-        np.testing.assert_allclose(told[: len(some), 1:] + told[: len(some), :1], some[:, 1:])
-        assert np.isnan(told[len(some) :]).all()
-    expected = []
-    for level in range(depth + 1):
-        below = len(held) >> level
-        parts = [np.concatenate(held[n : n + below]) for n in range(0, len(held), below)]
-        expected += [[*part.min(axis=(0, 1)), *part.max(axis=(0, 1))] for part in parts]
-    np.testing.assert_array_equal(boxes, expected)
-    assert triangles.shape == (4 * len(held), 9)
-
-
 def test_no_ray_slips_through_between_two_triangles() -> None:
     rng = np.random.default_rng(8)
     square = np.array([[[0.0, 0, 0], [1, 0, 0.3], [1, 1, 0.7]], [[0.0, 0, 0], [1, 1, 0.7], [0, 1, 0.1]]])
@@ -133,43 +102,6 @@ def test_no_ray_slips_through_between_two_triangles() -> None:
     apart = along - origin
     lengths = np.linalg.norm(apart, axis=1)
     assert cast(build_tree(square), origin, apart / lengths[:, None]) == pytest.approx(lengths)
-
-
-@pytest.mark.parametrize(
-    ("x", "ahead", "limit", "asked"),
-    [
-        (0.0, 1.0, 99.0, {1, 2, 3, 4}),  # the first leaf alone
-        (99.0, -1.0, 99.0, {61, 62, 63, 64}),
-        (32.5, 1.0, 99.0, {33, 34, 35, 36}),
-        (32.5, -1.0, 99.0, {29, 30, 31, 32}),
-        (0.0, 1.0, 0.99, set()),
-        (0.0, -1.0, 99.0, set()),
-    ],
-)
-def test_a_ray_asks_the_nearest_triangles_first_and_none_behind_what_it_hits(
-    x: float, ahead: float, limit: float, asked: set[int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A row of 64 triangles, one behind the other."""
-    plain = as_plain_python("harness.sensors.rays.triangle_kernel", monkeypatch)
-    corners = np.array([[0.0, -1, -1], [0, 1, -1], [0, 0, 1]]) + np.arange(1, 65)[:, None, None] * [
-        1,
-        0,
-        0,
-    ]
-    boxes, triangles = plain.build_tree(corners)
-    seen, hit = set(), plain._hit
-
-    def noted(triangle: Array, *ray: object) -> float:
-        seen.add(int(triangle[0]))
-        return float(hit(triangle, *ray))
-
-    monkeypatch.setattr(plain, "_hit", noted)
-    ranges = np.array([math.inf])
-    plain.cast_triangles(
-        boxes, triangles, np.array([x, 0.0, 0.0]), np.array([[ahead, 0.0, 0.0]]), limit, ranges
-    )
-    assert seen == asked
-    assert ranges[0] == min((abs(n - x) for n in asked), default=math.inf)
 
 
 def test_without_meshes_there_is_nothing_to_ask() -> None:

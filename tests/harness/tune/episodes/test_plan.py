@@ -1,6 +1,5 @@
 """Which episodes a sweep drives."""
 
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
-from harness.tune.episodes.plan import STRATA, Part, plan
+from harness.tune.episodes.plan import MEETINGS, STRATA, Part, plan
 from harness.tune.episodes.store import Store
 
 ROBOTS = ("leo", "rover_zero4wd")
@@ -16,99 +15,42 @@ ROBOTS = ("leo", "rover_zero4wd")
 
 def test_every_robot_drives_in_the_same_worlds() -> None:
     worlds = [
-        [(e.config.terrain, e.config.seed, e.config.difficulty, e.config.driver) for e in planned]
+        [(e.run.world.terrain, e.run.seed, e.run.world.difficulty, e.run.rover.driver) for e in planned]
         for robot in ROBOTS
-        for planned in [[e for e in plan(ROBOTS, 10, 0, 60.0) if e.config.robot == robot]]
+        for planned in [[e for e in plan(ROBOTS, 10, 0, 60.0) if e.run.rover.robot == robot]]
     ]
 
     assert worlds[0] == worlds[1]
     assert len(set(worlds[0])) == 10
 
 
-def test_worlds_alternate_between_train_and_test_and_turn_their_strata_and_difficulties() -> None:
-    planned = plan(ROBOTS, 4 * len(STRATA), 7, 60.0)
-    second = planned[5]  # of the third world
+def test_worlds_come_in_pairs_of_one_stratum_one_to_choose_on_and_one_to_check_on() -> None:
+    planned = plan(ROBOTS, 4 * len(STRATA), 7, 60.0)  # every stratum twice
+    worlds = [one.run.world for one in planned]
 
-    assert [episode.index for episode in planned] == list(range(8 * len(STRATA)))
-    assert second.name == "0005-rover_zero4wd-gravel-roam"
-    assert second.part is Part.TRAIN
-    assert planned[6].part is planned[7].part is Part.TEST
-    assert second.config.duration == 60.0
-    assert second.config.seed == int(np.random.SeedSequence([7, 2]).generate_state(1)[0])
-    difficulties = [episode.config.difficulty for episode in planned[::4]]  # a pair of worlds each
-    expected = [
-        (0.5, 0.2, 0.8)[(turn + stratum) % 3] for turn in range(2) for stratum in range(len(STRATA))
-    ]
-    assert difficulties == expected
-    assert [(e.config.terrain, e.config.driver) for e in planned[::4]] == [*STRATA, *STRATA]
+    assert [one.index for one in planned] == list(range(8 * len(STRATA)))
+    assert planned[5].name == "0005-rover_zero4wd-gravel-roam"
+    assert [one.part for one in planned[:6]] == [*[Part.TRAIN] * 2, *[Part.TEST] * 2, *[Part.TRAIN] * 2]
+    assert [(one.run.world.terrain, one.run.rover.driver) for one in planned[::4]] == [*STRATA * 2]
+    assert worlds[0::4] == worlds[2::4]  # of a pair
+    assert [world.difficulty for world in worlds[:12:4]] == [0.5, 0.2, 0.8]
+    assert {one.run.duration for one in planned} == {60.0}
+    seeds = {part: {one.run.seed for one in planned if one.part is part} for part in Part}
+    others = {one.run.seed for one in plan(ROBOTS, 4 * len(STRATA), 8, 60.0)}
+    assert len(seeds[Part.TRAIN] | seeds[Part.TEST] | others) == 8 * len(STRATA)
 
 
-def test_hazards_of_every_kind_and_grounds_of_every_kind_are_driven() -> None:
-    meetings = {"ram", "graze", "reverse_into", "swing", "pass_by"}
-    drivers = {terrain: {d for t, d in STRATA if t == terrain} for terrain in ("posts", "rocky", "maze")}
+def test_hazards_and_grounds_of_every_kind_are_driven_and_alternate() -> None:
+    drivers = {kind: {driver for terrain, driver in STRATA if terrain == kind} for kind in dict(STRATA)}
 
-    assert drivers == {
-        "posts": meetings | {"roam"},
-        "rocky": meetings | {"roam"},
-        "maze": (meetings | {"roam"}) - {"swing"},
-    }
-    grounds = {t for t, driver in STRATA if driver == "roam"}
-    assert grounds == {
-        "gravel",
-        "flat",
-        "rocky",
-        "washboard",
-        "rolling",
-        "marsyard",
-        "dunes",
-        "maze",
-        "posts",
-    }
-    assert ("gravel", "wander") in STRATA
-    assert len(set(STRATA)) == len(STRATA) == 24
-    # Contacts and grounds alternate, so that a short plan has some of each.
-    assert STRATA[:5] == (
-        ("posts", "ram"),
-        ("gravel", "roam"),
-        ("posts", "graze"),
-        ("posts", "reverse_into"),
-        ("flat", "roam"),
-    )
-
-
-def test_no_seed_is_used_for_training_and_testing() -> None:
-    planned = plan(ROBOTS, 64, 0, 60.0)
-    seeds = {part: {e.config.seed for e in planned if e.part is part} for part in Part}
-
-    assert len(seeds[Part.TRAIN]) == len(seeds[Part.TEST]) == 32
-    assert not seeds[Part.TRAIN] & seeds[Part.TEST]
-
-
-def test_both_parts_have_the_same_strata() -> None:
-    planned = plan(("leo",), 64, 0, 60.0)
-    kinds = {
-        part: Counter(
-            (e.config.terrain, e.config.driver, e.config.difficulty) for e in planned if e.part is part
-        )
-        for part in Part
-    }
-
-    assert kinds[Part.TRAIN] == kinds[Part.TEST]
-
-
-def test_a_full_plan_has_every_stratum_and_a_short_one_contacts_and_ground() -> None:
-    full = {(e.config.terrain, e.config.driver) for e in plan(("leo",), 2 * len(STRATA), 0, 60.0)}
-    short = {e.config.driver for e in plan(("leo",), 8, 0, 60.0)}
-
-    assert full == set(STRATA)
-    assert "roam" in short
-    assert short - {"roam"}
-
-
-def test_another_seed_gives_other_worlds() -> None:
-    first, second = ({e.config.seed for e in plan(("leo",), 8, seed, 60.0)} for seed in (0, 1))
-
-    assert not first & second
+    assert drivers["posts"] == drivers["rocky"] == {*MEETINGS, "roam"}
+    assert drivers["maze"] == {*MEETINGS, "roam"} - {"swing"}
+    assert drivers["gravel"] == {"roam", "wander"}
+    for ground in ("flat", "washboard", "rolling", "marsyard", "dunes"):
+        assert drivers[ground] == {"roam"}
+    assert len(set(STRATA)) == len(STRATA)
+    short = {one.run.rover.driver for one in plan(("leo",), 8, 0, 60.0)}
+    assert {"roam"} < short
 
 
 @pytest.mark.parametrize(
@@ -128,7 +70,9 @@ def test_bad_values_are_refused(
         plan(robots, episodes, seed, duration)
 
 
-def test_another_driver_takes_the_open_ground_and_is_told_goals_if_it_needs_them(tmp_path: Path) -> None:
+def test_another_driver_takes_the_open_ground_and_gets_goals_if_it_needs_them(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "still.npz"
     layer = np.zeros((BESIDE_LIDAR + 640, 2), np.float32), np.zeros(2, np.float32)
     write_policy(path, Policy((layer,)))
@@ -136,16 +80,16 @@ def test_another_driver_takes_the_open_ground_and_is_told_goals_if_it_needs_them
     for driver in ("straight", f"policy:{path}"):
         planned = plan(ROBOTS, 2 * len(STRATA), 3, 40.0, driver)
         for ours, theirs in zip(planned, usual, strict=True):
-            other = theirs.config.driver in ("roam", "wander")
-            assert ours.config.driver == (driver if other else theirs.config.driver)
-            times = [time for time, *_ in ours.config.goals]
+            other = theirs.run.rover.driver in ("roam", "wander")
+            assert ours.run.rover.driver == (driver if other else theirs.run.rover.driver)
+            times = [time for time, *_ in ours.run.plan.goals]
             assert times == ([0.0, 15.0, 30.0] if other and driver != "straight" else [])
             assert "/" not in ours.name
-        goals = {one.config.goals for one in planned if one.config.robot == "leo"}
+        goals = {one.run.plan.goals for one in planned if one.run.rover.robot == "leo"}
         assert len(goals) == (
             1 if driver == "straight" else 1 + 2 * sum(d in ("roam", "wander") for _, d in STRATA)
         )
-    assert all(max(map(abs, goal[1:3])) <= 12.0 for one in planned for goal in one.config.goals)
+    assert all(max(map(abs, goal[1:3])) <= 12.0 for one in planned for goal in one.run.plan.goals)
 
     folder = tmp_path / "sweep"
     Store(folder, planned)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from harness.config import EpisodeConfig
 from numpy.lib.stride_tricks import sliding_window_view
 
 from harness.base.errors import Diverged, RunFailed
@@ -15,6 +14,7 @@ from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.samples import Imu, LaserScan, Pose, Sample, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from harness.tune.episodes import sweep
 from harness.tune.episodes.recompute import Collected
@@ -126,9 +126,9 @@ def test_a_scan_stands_at_the_pose_nearest_in_time() -> None:
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_rows_tell_of_any_threshold_what_a_metrics_session_with_it_counts(robot: str) -> None:
     """What the scoring compares with thresholds is what the node compares, drive by drive."""
-    config = EpisodeConfig(robot=robot, terrain="rocky", driver="ram", seed=3, duration=12.0)
-    ticks = [tick for one in Episode(config).batches() for tick in one.ticks]
-    record = sweep.drive(config)
+    run = Run.of(robot=robot, terrain="rocky", driver="ram", seed=3, duration=12.0)
+    ticks = [tick for one in Episode(run).batches() for tick in one.ticks]
+    record = sweep.drive(run)
     scans, windows = record.scans, record.windows
     smoothness = sliding_window_view(windows["mean_smoothness"], 5).mean(axis=1)
     rover = {"leo": LEO, "rover_zero4wd": ROVER_ZERO4WD}[robot]
@@ -191,6 +191,6 @@ def test_an_episode_is_kept_up_to_its_end_with_how_it_ended(
 
     monkeypatch.setattr(sweep, "together", scripted)
 
-    record = sweep.drive(EpisodeConfig(terrain="flat", duration=1.0))
+    record = sweep.drive(Run.of(terrain="flat", duration=1.0))
 
     assert (record.ending, len(record.scans)) == (ending, scans)

@@ -1,27 +1,29 @@
 """Drawings and curves of the tuning report, against what can be worked out by hand."""
 
 import math
-import re
 from pathlib import Path
-from xml.etree import ElementTree as ET
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 import trimesh
 
-from harness.robots import ROVERS, RoverSpec
-from harness.tune.page.drawing import HAZARDS, Distances, drawings
-from harness.tune.page.outline import ABOVE, SIDE, shares, silhouette, untold_strips
+from harness.page.figure import Plot
+from harness.robots import ROVERS, RoverSpec, find_rover
+from harness.tune.page.drawing import drawings
+from harness.tune.page.outline import ABOVE, SIDE, shares, silent_strips, silhouette
 from harness.tune.page.scan_figures import MOST_POINTS, has_both_classes, precision_recall, roc
 from tests.harness.frames.made_rover import made_rover
-from tests.support.rovers import LEO, ROVER_ZERO4WD
+from tests.support.rovers import LEO
+
+if TYPE_CHECKING:
+    from tests.harness.tune.conftest import Sweep
 
 SQUARE = LEO.but(footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
-AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
 
 
 @pytest.mark.parametrize(
-    ("threshold", "told"),
+    ("threshold", "covering"),
     [
         (1.5, 1.0),  # beyond the corners
         (math.sqrt(1.25), 0.5),  # half of each side
@@ -29,15 +31,15 @@ AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
     ],
 )
 def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
-    threshold: float, told: float
+    threshold: float, covering: float
 ) -> None:
     near, covered, far = shares(SQUARE, (0.15, threshold))
-    assert covered == pytest.approx(told, abs=2e-3)
-    assert far == pytest.approx(1.0 - told, abs=2e-3)
+    assert covered == pytest.approx(covering, abs=2e-3)
+    assert far == pytest.approx(1.0 - covering, abs=2e-3)
     assert near == 0.0
 
 
-def test_what_is_nearer_than_range_min_is_not_told() -> None:
+def test_what_is_nearer_than_range_min_raises_no_alarm() -> None:
     near, covered, _ = shares(SQUARE, (math.sqrt(1.25), 1.5))
     assert near == pytest.approx(0.5, abs=2e-3)
     assert covered == pytest.approx(0.5, abs=2e-3)
@@ -45,7 +47,7 @@ def test_what_is_nearer_than_range_min_is_not_told() -> None:
 
 
 def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are_too_near() -> None:
-    far = list(untold_strips(SQUARE, (0.0, math.sqrt(1.25)), 0.1, 0.2))
+    far = list(silent_strips(SQUARE, (0.0, math.sqrt(1.25)), 0.1, 0.2))
     assert len(far) == 8  # both ends of each side
     for strip in far:
         inner, outer = np.abs(strip).max(axis=1)[:2], np.abs(strip).max(axis=1)[2:]
@@ -53,10 +55,10 @@ def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are
         assert outer == pytest.approx([1.3, 1.3])
         along = np.sort(np.abs(strip).min(axis=1))
         assert along == pytest.approx([0.5, 0.5, 1.0, 1.0], abs=2e-3)
-    near = list(untold_strips(SQUARE, (math.sqrt(1.25), 1.5), 0.0, 0.2))
+    near = list(silent_strips(SQUARE, (math.sqrt(1.25), 1.5), 0.0, 0.2))
     assert len(near) == 4
     assert all(np.ptp(strip, axis=0).max() == pytest.approx(1.0, abs=4e-3) for strip in near)
-    assert list(untold_strips(SQUARE, (0.0, 1.5), 0.0, 0.2)) == []
+    assert list(silent_strips(SQUARE, (0.0, 1.5), 0.0, 0.2)) == []
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
@@ -80,46 +82,89 @@ def test_a_silhouette_has_meshes_as_their_boxes_and_balls_as_balls(tmp_path: Pat
     assert np.ptp(ball, axis=0) == pytest.approx([1.0, 1.0])
 
 
-def test_what_a_lidar_sees_of_a_hazard_depends_on_its_height() -> None:
-    seen = {
-        rover.name: [hazard.seen(rover.lidar_height) for hazard in HAZARDS]
-        for rover in (LEO, ROVER_ZERO4WD)
+@pytest.fixture
+def pictures(small_sweep: "Sweep") -> dict[str, tuple[Plot, Plot]]:
+    """Of both rovers, by name; the Leo's threshold is tuned."""
+    studies = small_sweep[0]
+    drawn = drawings([(one.name, find_rover(one.robot), one.collision) for one in studies])
+    return {study.name: pair for study, pair in zip(studies, drawn, strict=True)}
+
+
+def traces(plot: Plot) -> dict[str, np.ndarray]:
+    """The points of each trace, shape (n, 2), by the start of its name."""
+    return {
+        trace["name"].split(":")[0]: np.array([trace["x"], trace["y"]], np.float64).T
+        for trace in plot.figure["data"]
     }
+
+
+def test_thresholds_are_circles_about_the_lidar_and_the_clearance_surrounds_the_outline(
+    pictures: dict[str, tuple[Plot, Plot]], small_sweep: "Sweep"
+) -> None:
+    study, drawn = small_sweep[0][0].collision, traces(pictures["leo"][0])
+    assert study.verdict.tuned is not None
+    tuned = study.verdict.tuned.value
+    lidar = (LEO.lidar_x, LEO.lidar_y)
+    rings = {
+        "range_min 0.15 m": 0.15,
+        "default collision_threshold 0.2 m": 0.2,
+        f"tuned collision_threshold {tuned:g} m": tuned,
+    }
+    for name, radius in rings.items():
+        assert np.hypot(*(drawn[name] - lidar).T) == pytest.approx(radius, abs=1e-3), name
+    (clearance,) = [name for name in drawn if name.startswith("best footprint clearance")]
+    away = float(clearance.split()[-2])
+    x_min, x_max, y_min, y_max = LEO.footprint
+    nearest = drawn[clearance].clip((x_min, y_min), (x_max, y_max))
+    assert np.hypot(*(drawn[clearance] - nearest).T) == pytest.approx(away, abs=1e-3)
+    assert drawn["footprint, 0.43 \N{MULTIPLICATION SIGN} 0.43 m"].max(axis=0) == pytest.approx(
+        [x_max, y_max], abs=1e-3
+    )
+
+
+def test_strips_without_an_alarm_stand_beside_the_outline_one_behind_the_other(
+    pictures: dict[str, tuple[Plot, Plot]],
+) -> None:
+    plot = pictures["leo"][0]
+    strips = [trace for trace in plot.figure["data"] if "fillpattern" in trace]
+    assert [(key.swatch, key.name.split(":")[0]) for key in plot.legend][1:3] == [
+        ("hatch", "no alarm below 0.2 m"),
+        ("cross", strips[1]["name"].split(":")[0]),
+    ]
+    x_min, x_max, y_min, y_max = LEO.footprint
+    for number, strip in enumerate(strips):
+        points = np.array([strip["x"], strip["y"]], np.float64).T
+        points = points[~np.isnan(points[:, 0])]
+        outside = np.abs(points - points.clip((x_min, y_min), (x_max, y_max))).max(axis=1)
+        assert set(np.round(outside / 0.035).tolist()) == {number, number + 1}
+
+
+def test_all_rovers_are_drawn_to_one_scale_with_what_their_lidar_sees_of_each_hazard(
+    pictures: dict[str, tuple[Plot, Plot]],
+) -> None:
+    seen = {}
+    for name, pair in pictures.items():
+        for mine, first in zip(pair, pictures["leo"], strict=True):
+            layout = mine.figure["layout"]
+            assert layout["yaxis"]["scaleanchor"] == "x"
+            for axis in ("xaxis", "yaxis"):
+                assert layout[axis]["range"] == first.figure["layout"][axis]["range"]
+        seen[name] = [label.split("<br>")[-1] for label in layout["xaxis"]["ticktext"]]
+        assert f"{find_rover(name).lidar_height:.2f} m up" in pair[1].summary
     assert seen["leo"] == ["not seen", "some seen", "seen"]  # cube, boulder, post
     assert seen["rover_zero4wd"] == ["seen", "seen", "seen"]
 
 
-def test_drawings_are_well_formed_and_to_one_scale() -> None:
-    rovers = (LEO, ROVER_ZERO4WD)
-    pictures = drawings([(rover, AROUND) for rover in rovers])
-    assert pictures == drawings([(rover, AROUND) for rover in rovers])
-    first, second = (ET.fromstring(_named(picture)) for picture in pictures)  # noqa: S314 - ours
-    assert first.attrib["viewBox"] == second.attrib["viewBox"]
-    assert "leo to scale" in first.attrib["aria-label"]
-    assert "cube of 0.5 m: not seen" in first.attrib["aria-label"]
-    rings = [_width(path) for path in first.iter("path") if "C" in path.attrib["d"]]
-    ratio = AROUND.tuned / AROUND.default  # type: ignore[operator]  # given
-    assert any(one / other == pytest.approx(ratio, rel=1e-3) for one in rings for other in rings)
-
-
-def test_drawings_take_their_colours_from_the_page_and_share_no_names() -> None:
-    pictures = drawings([(rover, AROUND) for rover in (LEO, ROVER_ZERO4WD)])
-    names = [name for picture in pictures for name in re.findall(r' id="([^"]+)"', picture)]
-    assert len(names) == len(set(names))
-    for picture in pictures:
-        assert not re.search(r"https?:|<style|#[0-9a-f]{6}", picture)
-        assert "fill: var(--ink)" in picture
-        assert set(re.findall(r"#([^)\"]+)", picture)) <= set(names)
-
-
-def _named(picture: str) -> str:
-    """A picture as XML, where the prefix of links has a name."""
-    return str(picture).replace("<svg ", '<svg xmlns:xlink="links" ', 1)
-
-
-def _width(path: ET.Element) -> float:
-    x = [float(number) for number in re.findall(r"(-?[\d.]+) -?[\d.]+", path.attrib["d"])]
-    return max(x) - min(x)
+def test_what_stands_in_front_of_a_rover_is_as_high_as_its_label_says(
+    pictures: dict[str, tuple[Plot, Plot]],
+) -> None:
+    drawn = traces(pictures["leo"][1])
+    middles = pictures["leo"][1].figure["layout"]["xaxis"]["tickvals"]
+    for name, heights in (("least", (0.5, 0.5)), ("largest", (0.5, 0.85))):
+        points = drawn[f"hazards of the {name} height"]
+        for middle, height in zip(middles, heights, strict=False):
+            near = points[np.abs(points[:, 0] - middle) < 0.46]
+            assert near[:, 1].max() == pytest.approx(height, abs=1e-3)
 
 
 def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() -> None:

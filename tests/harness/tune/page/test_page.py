@@ -4,8 +4,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from html import unescape
-from html.parser import HTMLParser
-from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -16,12 +14,14 @@ from harness.tune.episodes.plan import Part
 from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
-from harness.tune.page.subject import Subject, levels, mark
-from harness.tune.page.tables import _text
+from harness.tune.page.scan_figures import scan_figures
+from harness.tune.page.subject import Subject, levels
+from harness.tune.page.tables import _text, clearance
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
 from harness.tune.scoring.imu_events import SIGNALS
 from harness.tune.scoring.study import scored_records
+from tests.support.pages import Outline, without_plotly
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
@@ -30,35 +30,13 @@ if TYPE_CHECKING:
 @pytest.fixture(scope="module")
 def page(small_page: str) -> str:
     """The page without plotly."""
-    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
-    return small_page.replace(bundle.read_text(encoding="utf-8"), "")
+    return without_plotly(small_page)
 
 
 @pytest.fixture
 def command(page: str) -> str:
     """What the page says that it was made with."""
     return unescape(re.findall(r"<pre tabindex=\"0\">([^<]*)</pre>", page)[0])
-
-
-class Outline(HTMLParser):
-    """Levels of the headings, and whether all that is opened is closed."""
-
-    VOID = ("meta", "link")
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.levels: list[int] = []
-        self.open: list[str] = []
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, _: list[tuple[str, str | None]]) -> None:
-        if re.fullmatch("h[1-6]", tag):
-            self.levels.append(int(tag[1]))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
 
 
 def cells_of(page: str, threshold: str) -> list[str]:
@@ -100,6 +78,11 @@ def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_swee
     assert told[5].startswith("+")
 
 
+def test_the_safe_clearance_is_the_sum_of_its_parts(small_sweep: "Sweep") -> None:
+    lengths = [float(length.split()[0]) for _, length in clearance(small_sweep[0][0]).rows]
+    assert sum(lengths[:4]) == pytest.approx(lengths[4], abs=0.002)
+
+
 def test_a_threshold_without_support_says_why(page: str) -> None:
     second = page[page.index('<th scope="row">distance_threshold</th>') :]
     assert cells_of(second, "collision_threshold")[-1].startswith(
@@ -121,13 +104,6 @@ def test_parameter_files_stand_on_the_page_as_they_are(
 def test_the_command_is_text_and_never_markup(page: str) -> None:
     assert "<b>" not in page
     assert page.count("&lt;b&gt;tuning") == 3  # both files and the way to repeat it
-
-
-def test_the_method_takes_five_sentences(page: str) -> None:
-    (method,) = re.findall(r'<ol class="sentences">(.*?)</ol>', page, re.DOTALL)
-    sentences = re.findall(r"<li>(.*?)</li>", method, re.DOTALL)
-    assert [sentence.count(". ") for sentence in sentences] == [0] * 5
-    assert all(sentence.endswith(".") for sentence in sentences)
 
 
 @pytest.mark.parametrize(
@@ -152,10 +128,6 @@ def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
     assert recall.tolist() == [0.1, 0.4, 0.7]
 
 
-def test_an_open_mark_shows_in_its_colour() -> None:
-    assert mark("", 0.0, 0.0, tuned="--metric")["marker"]["color"] == "--metric"
-
-
 def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:
     proven = small_sweep[0][0].collision.verdict
     doubtful = replace(proven, gain={"F1": Estimate(0.1, -0.1, 0.3)})
@@ -170,3 +142,25 @@ def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sw
     plot = ground_figures(leo)[f"{signal.parameter}-classes"]
     assert not isinstance(plot, str)
     assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["roc", "rough_terrain_threshold-roc"])
+def test_values_of_thresholds_stand_on_the_curve_of_what_they_are_compared_with(
+    name: str, small_sweep: "Sweep"
+) -> None:
+    studies, records = small_sweep
+    leo = Subject(studies[0], scored_records("leo", records))
+    plot = (scan_figures(leo) | ground_figures(leo))[name]
+    assert not isinstance(plot, str)
+    curves, marks = list[list[float]](), list[list[float]]()
+    for trace in plot.figure["data"]:
+        if not trace["name"].startswith("chance"):
+            (marks if trace["mode"] == "markers" else curves).append([trace["x"], trace["y"]])
+    assert len(marks) >= 2
+    points = [np.array(curve, np.float64) for curve in curves]
+    between = np.linspace(0.0, 1.0, 50)[:, None, None]  # of two points that follow each other
+    each = [one[:, :-1].T * (1.0 - between) + one[:, 1:].T * between for one in points]
+    dense = np.concatenate([one.reshape(-1, 2) for one in each])
+    for place in marks:
+        assert np.hypot(*(dense.T - place)).min() < 0.02
+    assert all(np.trapezoid(y, x) > 0.5 for x, y in points)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.scoring.choose import Scoring, judged
-from harness.tune.scoring.estimate import Sums, estimate
+from harness.tune.scoring.estimate import Sums
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 MakeRecord = Callable[..., EpisodeRecord]
@@ -63,40 +62,6 @@ def test_the_best_value_is_the_middle_of_those_with_the_highest_score(
     episodes: list[EpisodeRecord], scores: tuple[float, ...], best: float
 ) -> None:
     assert scoring(scores).best(episodes) == best
-
-
-def test_a_value_is_scored_over_all_episodes_of_each_part_by_every_measure(
-    episodes: list[EpisodeRecord],
-) -> None:
-    some = {Part.TRAIN: episodes[:4], Part.TEST: episodes}
-    candidate = scoring((0.0, 1.0, 2.0, 3.0, 4.0, 5.0)).candidate(some, 0.4)
-
-    values = {
-        (part, name): score.value
-        for part, scores in candidate.scores.items()
-        for name, score in scores.items()
-    }
-    assert candidate.value == 0.4
-    assert values == pytest.approx(
-        {
-            (Part.TRAIN, "mean"): 3.125,
-            (Part.TRAIN, "doubled"): 6.25,
-            (Part.TEST, "mean"): 3.275,
-            (Part.TEST, "doubled"): 6.55,
-        }
-    )
-
-
-@pytest.mark.parametrize("stratum", [None, "terrain"])
-def test_episodes_are_resampled_within_their_strata_drivers_unless_told_otherwise(
-    episodes: list[EpisodeRecord], stratum: Literal["driver", "terrain"] | None
-) -> None:
-    plain = scoring((0.0,) * 6)
-    chosen = plain if stratum is None else Scoring(plain.count, plain.measures, "mean", GRID, stratum)
-    labels = [(e.terrain if stratum == "terrain" else e.driver) for e in episodes]
-    counts = np.array([(e.path_length, 1.0) for e in episodes])
-
-    assert chosen.scores(episodes, 0.1)["mean"] == estimate(counts, mean, labels)
 
 
 def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(

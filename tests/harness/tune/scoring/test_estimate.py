@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from harness.tune.scoring.estimate import Estimate, _weights, estimate, ratio
+from harness.tune.scoring.estimate import Estimate, estimate, ratio
 
 
 def share(sums: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -58,14 +58,6 @@ def test_a_sum_has_the_standard_error_of_a_stratified_sample(
     assert found.value == pytest.approx(values.sum())
     assert found.high - found.low == pytest.approx(2 * norm.ppf(0.975) * error, rel=0.045)
     assert (found.high + found.low) / 2 == pytest.approx(found.value, abs=0.25 * error)
-
-
-def test_the_same_counts_give_the_same_interval() -> None:
-    values = counts(np.random.default_rng(0), 20)
-    first = estimate(values, share, ["a"] * 20)
-    _weights.cache_clear()
-
-    assert estimate(values, share, ["a"] * 20) == first
 
 
 @pytest.mark.parametrize(("episodes", "has_interval"), [(7, False), (8, True)])

@@ -1,7 +1,5 @@
 """When a tuned value replaces the default, and when it is proven to be better."""
 
-from dataclasses import replace
-
 import pytest
 
 from harness.tune.episodes.plan import Part
@@ -73,12 +71,7 @@ def test_scores_have_a_third_digit_where_two_hide_the_difference(gain: Estimate,
     assert verdict(gain, SOME, SOME).digits == digits
 
 
-def test_without_a_tuned_value_there_is_no_difference_to_show_and_nothing_is_proven() -> None:
-    lacking = replace(verdict(SOME, SOME, SOME), tuned=None, gain={})
-    assert (lacking.digits, lacking.value, lacking.is_proven) == (2, None, False)
-
-
 def test_a_value_is_told_as_it_is_written() -> None:
     some = verdict(SOME, SOME, SOME)
-    assert some.told(candidate(0.250, SOME)) == "0.25 m"
-    assert [some.told(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]
+    assert some.written(candidate(0.250, SOME)) == "0.25 m"
+    assert [some.written(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]

@@ -1,26 +1,37 @@
-"""Helbing and Molnar's forces, written out."""
+"""Helbing and Molnar's forces, written out, and a walker that obeys them."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
-from harness.world.actors.social_force import step
+from harness.spec.actor import ActorOptions
+from harness.world.actors.free_space import FreeSpace
+from harness.world.actors.random_walk import RandomWalk
+from harness.world.actors.social_force import SocialForceWalker, step
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, outline
 
 STILL, WANTED = np.zeros(2), np.array([1.0, 0.0])
-WALL = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, 2.0], [-1.0, 2.0]])
+SQUARE = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, 2.0], [-1.0, 2.0]])
+WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.2, 1.0, 0.5), (3.0, 0.0, 0.5))
+GROUND = Heightfield(np.zeros((201, 201)), 0.1)
+TICK_S = 0.01
+
+Body = tuple[float, float, float]
 
 
 def force(
-    *,
     velocity: np.ndarray = STILL,
-    bodies: tuple[tuple[float, float, float], ...] = (),
-    walls: tuple[np.ndarray, ...] = (),
-) -> list[float]:
+    bodies: Sequence[Body] = (),
+    walls: Sequence[np.ndarray] = (),
+    wanted: np.ndarray = WANTED,
+) -> np.ndarray:
     seconds = 1e-6  # so short that nobody is too fast
-    _, after = step(STILL, velocity, WANTED, radius=0.25, bodies=bodies, walls=walls, seconds=seconds)
-    x, y = ((after - velocity) / seconds).tolist()
-    return [x, y]
+    _, after = step(STILL, velocity, wanted, radius=0.25, bodies=bodies, walls=walls, seconds=seconds)
+    return np.asarray((after - velocity) / seconds)
 
 
 @pytest.mark.parametrize(
@@ -34,36 +45,146 @@ def force(
         ({"bodies": ((2.5, 0.0, 0.3),)}, (2.0 - 7.0 * math.exp(-1.95 / 0.3), 0.0)),
         ({"bodies": ((2.6, 0.0, 0.3),)}, (2.0, 0.0)),  # out of sight
         ({"bodies": ((0.1, 0.0, 0.3),)}, (2.0 - 7.0 * math.exp(0.25 / 0.3), 0.0)),  # not ever more
-        ({"walls": (WALL,)}, (2.0, -50.0 * math.exp(-0.75 / 0.2))),
-        ({"walls": (WALL + np.array([0.0, 1.2]),)}, (2.0, -50.0 * math.exp(-1.95 / 0.2))),
-        ({"walls": (WALL + np.array([0.0, 1.3]),)}, (2.0, 0.0)),
-        ({"walls": (WALL - np.array([0.0, 0.8]),)}, (2.0, 0.0)),  # who is in one is pushed by none
+        ({"walls": (SQUARE,)}, (2.0, -50.0 * math.exp(-0.75 / 0.2))),
+        ({"walls": (SQUARE + np.array([0.0, 1.2]),)}, (2.0, -50.0 * math.exp(-1.95 / 0.2))),
+        ({"walls": (SQUARE + np.array([0.0, 1.3]),)}, (2.0, 0.0)),
+        ({"walls": (SQUARE - np.array([0.0, 0.8]),)}, (2.0, 0.0)),  # who is in one is pushed by none
     ],
 )
-def test_forces_are_those_of_the_paper(given: dict[str, object], expected: tuple[float, float]) -> None:
-    assert force(**given) == pytest.approx(expected, rel=1e-6)  # type: ignore[arg-type]
+def test_forces_are_those_of_the_paper(given: dict[str, Any], expected: tuple[float, float]) -> None:
+    assert force(**given) == pytest.approx(expected, rel=1e-6)
 
 
-def pushed(degrees: float, wanted: np.ndarray) -> float:
-    """How strongly one is pushed by a body a metre away, seen from the x axis."""
-    body = (math.cos(math.radians(degrees)), math.sin(math.radians(degrees)), 0.3)
-    _, alone = step(STILL, STILL, wanted, radius=0.25, bodies=(), walls=(), seconds=1e-6)
-    _, after = step(STILL, STILL, wanted, radius=0.25, bodies=(body,), walls=(), seconds=1e-6)
-    return math.dist(after, alone) / 1e-6 / (7.0 * math.exp(-0.45 / 0.3))
+@pytest.mark.parametrize("speed", [1.0, 0.2, 3.0])
+def test_what_is_more_than_100_degrees_aside_counts_half(speed: float) -> None:
+    wanted, pushes = speed * WANTED, []
+    for degrees in (0, 99, -99, 101, -101, 180):
+        angle = math.radians(degrees)
+        body = (math.cos(angle), math.sin(angle), 0.3)
+        pushes.append(np.linalg.norm(force(bodies=[body], wanted=wanted) - force(wanted=wanted)))
+    assert pushes == pytest.approx([share * 7.0 * math.exp(-1.5) for share in (1, 1, 1, 0.5, 0.5, 0.5)])
 
 
-def test_what_is_more_than_100_degrees_aside_counts_half() -> None:
-    for speed in (1.0, 0.2, 3.0):
-        found = [pushed(degrees, speed * WANTED) for degrees in (0, 99, -99, 101, -101, 180)]
-        assert found == pytest.approx([1.0, 1.0, 1.0, 0.5, 0.5, 0.5], rel=1e-6)
+@pytest.mark.parametrize("speed", [1.0, 0.5, 0.0])
+def test_nobody_is_faster_than_in_a_hurry_and_a_step_is_the_speed(speed: float) -> None:
+    fast, wanted = np.array([3.0, 4.0]), speed * WANTED
+    place, velocity = step(STILL, fast, wanted, radius=0.25, bodies=(), walls=(), seconds=0.01)
+    free = fast + 0.01 * (wanted - fast) / 0.5
+    np.testing.assert_allclose(velocity, free * (1.3 * speed / np.linalg.norm(free)))
+    np.testing.assert_allclose(place, 0.01 * velocity)
 
 
-def test_nobody_is_faster_than_in_a_hurry_and_a_step_is_the_speed() -> None:
-    fast = np.array([3.0, 4.0])
-    for speed in (1.0, 0.5, 0.0):
-        wanted = speed * WANTED
-        place, velocity = step(STILL, fast, wanted, radius=0.25, bodies=(), walls=(), seconds=0.01)
-        assert math.hypot(*velocity) == pytest.approx(1.3 * speed)
-        free = fast + 0.01 * (wanted - fast) / 0.5
-        np.testing.assert_allclose(velocity, free * (1.3 * speed / np.linalg.norm(free)))
-        np.testing.assert_allclose(place, 0.01 * velocity)
+class WayPoints(RandomWalk):
+    """Way points that a test gives; `asked` is the number of the last one that was asked for."""
+
+    def __init__(self, *points: tuple[float, float]) -> None:
+        self.given, self.asked = points, 0
+
+    def point(self, index: int) -> tuple[float, float]:
+        self.asked = index
+        return self.given[index]
+
+
+def walker(
+    *points: tuple[float, float], obstacles: Sequence[Obstacle] = (WALL,), **options: float
+) -> SocialForceWalker:
+    space = FreeSpace(GROUND, obstacles)
+    return SocialForceWalker(WayPoints(*points), space, ActorOptions.model_validate(options))
+
+
+def walked(one: SocialForceWalker, seconds: float, bodies: Sequence[Body] = ()) -> np.ndarray:
+    ticks = range(1, round(seconds / TICK_S) + 1)
+    return np.array([(p.x, p.y) for n in ticks for p in [one.walk(n * TICK_S, TICK_S, bodies)]])
+
+
+def test_walls_in_sight_push_a_walker_wherever_it_has_come() -> None:
+    """Against the forces themselves, which are given the walls from the beginning."""
+    other = Obstacle(ObstacleKind.HAZARD, "box", (0.2, 1.0, 0.5), (1.0, -1.6, 0.5))
+    one, goal = walker((0.0, 0.0), (6.0, 0.5), obstacles=(WALL, other)), np.array([6.0, 0.5])
+    place, velocity = np.zeros(2), np.zeros(2)
+    for tick in range(1, 61):
+        wanted = (goal - place) / np.linalg.norm(goal - place)
+        walls = [outline(WALL), outline(other)]
+        place, velocity = step(
+            place, velocity, wanted, radius=0.25, bodies=(), walls=walls, seconds=0.05
+        )
+        found = one.walk(0.05 * tick, 0.05, [])
+        assert (found.x, found.y) == pytest.approx(place, abs=1e-9)
+    assert 1.6 < place[0] < 2.55  # in front of it
+
+
+def test_after_a_restart_a_walk_is_the_same_whatever_was_seen_before() -> None:
+    points = ((1.0, 0.0), (6.0, 0.5))  # the wall ahead is in sight
+    one, new = walker(*points), walker(*points)
+    begin = one.walk(0.0, 0.0, [])
+    for seconds in (1.0, 0.05):
+        walked(one, seconds)
+        one.restart()
+        assert one.walk(0.0, 0.0, []) == begin
+    np.testing.assert_array_equal(walked(one, 1.0), walked(new, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("begin", "limit", "ahead"),
+    [
+        (2.4, 2.8 - 0.25, (1.0, 0.0)),  # the wall begins at 2.8 m
+        *((9.4, 9.5, ahead) for ahead in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))),
+    ],
+)
+def test_who_is_pushed_against_a_wall_or_to_an_edge_stands_there_and_goes_on_from_rest(
+    begin: float, limit: float, ahead: tuple[float, float]
+) -> None:
+    x, y = ahead
+    one = walker((begin * x, begin * y), (-5.0 * x, -5.0 * y))
+    crowd = [((begin - 0.4) * x, (begin - 0.4) * y, 0.3)] * 9
+    way = walked(one, 0.3, crowd) @ ahead
+    assert limit - 0.02 < way[-1] == way.max() <= limit
+    back = one.walk(0.31, TICK_S, [])
+    acceleration = -1.0 / 0.5 - (50.0 * math.exp(-(limit - way[-1]) / 0.2) if limit < 9.0 else 0.0)
+    speed = max(acceleration * TICK_S, -1.3)
+    assert back.x * x + back.y * y - way[-1] == pytest.approx(speed * TICK_S, rel=1e-6)
+
+
+@pytest.mark.parametrize(("distance", "heads_for"), [(0.501, 1), (0.499, 2)])
+def test_a_way_point_is_reached_from_half_a_metre(distance: float, heads_for: int) -> None:
+    points = WayPoints((0.0, 0.0), (distance, 0.0), (9.0, 0.0))
+    one = SocialForceWalker(points, FreeSpace(GROUND, ()), ActorOptions())
+    for time_s in (0.01, 0.02):
+        one.walk(time_s, 0.0, [])
+    assert points.asked == heads_for
+
+
+def test_who_does_not_get_on_heads_for_the_next_point_after_twenty_seconds_more() -> None:
+    points = WayPoints((0.0, 0.0), (5.0, 0.0), (0.0, 5.0), (9.0, 9.0))
+    one = SocialForceWalker(points, FreeSpace(GROUND, ()), ActorOptions(speed=0.5))
+    # Either leg takes 10 s.
+    for time_s, heads_for in ((0.01, 1), (30.0, 1), (30.02, 2), (60.0, 2), (60.04, 3)):
+        one.walk(time_s, 0.0, [])
+        assert points.asked == heads_for
+
+
+def test_a_walker_goes_around_a_rover_that_stands_in_its_way() -> None:
+    one = walker((-6.0, 0.0), (6.0, 0.1), obstacles=())
+    rover = (*walked(one, 4.0)[200].tolist(), 0.3)  # where it would be after 2 s
+    one.restart()
+    gaps = np.linalg.norm(walked(one, 4.0, [rover]) - rover[:2], axis=1) - 0.3 - 0.25
+    assert 0.0 < gaps.min() < 1.0
+
+
+def test_a_walker_looks_where_it_walks_from_five_centimetres_a_second_on() -> None:
+    one, aside = walker((0.0, 0.0), (-3.0, -4.0)), (-1.0, 0.8, 0.3)
+    first, second, third = (one.walk(n * TICK_S, TICK_S, [aside]) for n in (1, 2, 3))
+    heading = math.atan2(third.y - second.y, third.x - second.x)  # 2.1 m/s^2: 0.02, 0.04, 0.06 m/s
+    assert [first.yaw, second.yaw, third.yaw] == pytest.approx([0.0, 0.0, heading])
+    assert heading > math.atan2(-4.0, -3.0) + 0.1  # pushed off its way
+
+
+def test_a_walker_is_as_fast_as_wide_and_as_late_as_its_options_say() -> None:
+    """By its first step: 2 m/s within half a second, and Helbing's push of a body a metre away."""
+    one = walker((0.0, 5.0), (9.0, 5.0), speed=2.0, radius=0.6, delay=1.0)
+    assert (walked(one, 1.0) == (0.0, 5.0)).all()
+    alone = one.walk(1.01, TICK_S, [])
+    assert alone.x == pytest.approx(4.0 * TICK_S**2)
+    one.restart()
+    pushed = one.walk(1.01, TICK_S, [(1.0, 5.0, 0.3)])
+    assert (alone.x - pushed.x) / TICK_S**2 == pytest.approx(7.0 * math.exp(-(1.0 - 0.3 - 0.6) / 0.3))

@@ -1,37 +1,33 @@
+"""Worlds from heightmaps that tifffile, Pillow and numpy have written, and files that are none."""
+
 import logging
 import math
-import re
 import struct
 import zlib
 from collections.abc import Callable
-from contextlib import nullcontext
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import tifffile
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from PIL import Image
-from scipy.ndimage import map_coordinates, uniform_filter1d
 
 from harness.base.errors import UsageError
+from harness.spec.value import made
+from harness.spec.world import WorldSpec
 from harness.world.files import file_world
-from harness.world.heightfield import filled, resampled
-from harness.world.heightmap import raster as raster_module
 from harness.world.heightmap.raster import read_raster
 from harness.world.statistics import slopes
-from harness.world.terrain_file import TerrainFile
-from harness.world.world import World, terrain_hash
-
-Array = NDArray[np.float64]
+from harness.world.world import RoverNeeds, World, terrain_hash
 
 MARSYARD = Path(__file__).parents[5] / "shared/data/marsyard/marsyard2021_terrain_hm.tif"
 needs_marsyard = pytest.mark.skipif(not MARSYARD.exists(), reason=f"there is no {MARSYARD}")
 
-PIXEL_SCALE, TIE_POINT, GEO_KEYS = 33550, 33922, 34735
-UNKNOWN_SIZE = "does not say how large it is; give --terrain-size"
+PIXEL_SCALE, TIE_POINT, GEO_KEYS, METADATA, NODATA = 33550, 33922, 34735, 42112, 42113
 
 
 def hills(rows: int = 101, columns: int = 101) -> NDArray[np.float32]:
@@ -41,10 +37,9 @@ def hills(rows: int = 101, columns: int = 101) -> NDArray[np.float32]:
     return np.asarray(bumps + 1e-3 * (x + y), np.float32)
 
 
-def world_of(path: Path, size: float | None = 20.0, relief: float | None = None) -> World:
-    return file_world(
-        TerrainFile(path=path, size=None if size is None else (size, size), relief=relief), 0
-    )
+def world_of(path: Path, *, needs_start: bool = True, seed: int = 0, **fields: Any) -> World:  # noqa: ANN401 - as the fields are
+    spec = made(WorldSpec, {"terrain": str(path), "terrain_size": 20.0} | fields)
+    return file_world(spec, RoverNeeds(needs_start=needs_start), seed)
 
 
 def saved(path: Path, values: NDArray[np.generic]) -> Path:
@@ -52,19 +47,11 @@ def saved(path: Path, values: NDArray[np.generic]) -> Path:
     return path
 
 
-def write_geotiff(
-    path: Path,
-    values: NDArray[np.generic],
-    pixel: float,
-    *,
-    depth: float | None = None,
-    model_type: int = 1,
-    unit: int = 9001,
-) -> Path:
-    """Of pixels `pixel` wide along x and `depth` along y; the unit is EPSG's number of it."""
-    keys = (1, 1, 0, 2, 1024, 0, 1, model_type, 3076, 0, 1, unit)
+def write_geotiff(path: Path, values: NDArray[np.generic], *pixel: float, model_type: int = 1) -> Path:
+    """Of pixels that wide and that deep, in metres or, of model type 2, in degrees."""
+    keys = (1, 1, 0, 2, 1024, 0, 1, model_type, 3076, 0, 1, 9001)
     tags = [
-        (PIXEL_SCALE, "d", 3, (pixel, pixel if depth is None else depth, 0.0), True),
+        (PIXEL_SCALE, "d", 3, (pixel[0], pixel[-1], 0.0), True),
         (TIE_POINT, "d", 6, (0.0, 0.0, 0.0, 500.0, 900.0, 0.0), True),
         (GEO_KEYS, "H", len(keys), keys, True),
     ]
@@ -74,7 +61,7 @@ def write_geotiff(
 
 @needs_marsyard
 def test_the_whole_marsyard_dem_is_driven_as_it_was_measured() -> None:
-    world = file_world(TerrainFile(path=MARSYARD), 0)
+    world = world_of(MARSYARD, terrain_size=None)
     raw = tifffile.imread(MARSYARD)
     assert world.ground.cell == pytest.approx(0.094)
     np.testing.assert_allclose(world.ground.heights[::-1], raw - raw.min(), atol=2e-6)
@@ -88,74 +75,30 @@ def test_the_whole_marsyard_dem_is_driven_as_it_was_measured() -> None:
     )
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("compression", [None, "zlib"])
-def test_float_tiff_is_read_in_metres(tmp_path: Path, dtype: type, compression: str | None) -> None:
-    tifffile.imwrite(tmp_path / "a.tif", hills().astype(dtype), compression=compression)
-    heights = world_of(tmp_path / "a.tif").ground.heights
-    np.testing.assert_allclose(heights[::-1], hills() - hills().min(), atol=2e-6)
+KINDS = (np.uint8, np.int8, np.uint16, np.int16, np.float32, np.float64)
+TIFFS: list[dict[str, Any]] = [
+    *({"byteorder": ">"}, {"compression": "zlib"}, {"compression": tifffile.COMPRESSION.DEFLATE}),
+]
 
 
-@pytest.mark.parametrize(("dtype", "step"), [(np.uint8, 1 / 255), (np.uint16, 1 / 65535)])
-def test_png_is_scaled_to_the_relief(tmp_path: Path, dtype: type, step: float) -> None:
-    unit = (hills() - hills().min()) / np.ptp(hills())
-    Image.fromarray((unit * np.iinfo(dtype).max).astype(dtype)).save(tmp_path / "a.png")
-    world = world_of(tmp_path / "a.png", relief=0.5)
-    np.testing.assert_allclose(world.ground.heights[::-1], 0.5 * unit, atol=step)
-    assert "scaled to 0.5 m of relief" in world.notes[0]
-
-
-def test_georeference_gives_the_size_and_the_flag_overrides_it(tmp_path: Path) -> None:
-    path = write_geotiff(tmp_path / "a.tif", hills(), 0.2)
-    assert world_of(path, size=None).ground.half_size == pytest.approx((10.0, 10.0))
-    assert world_of(path, size=30.0).ground.half_size == pytest.approx((15.0, 15.0))
-    write_geotiff(path, hills(), 1e-5, model_type=2)
-    with pytest.raises(UsageError, match=r"pixels are degrees .*; give --terrain-size"):
-        world_of(path, size=None)
-    assert world_of(path).ground.half_size == pytest.approx((10.0, 10.0))
-
-
-@pytest.mark.parametrize(
-    ("width", "depth", "driven"),
-    [(20.0, 9.0, False), (9.0, 20.0, False), (6e4, 20.0, False), (10.0, 10.0, True), (5e4, 5e4, True)],
-)
-def test_maps_of_ten_metres_to_fifty_kilometres_are_driven(
-    tmp_path: Path, width: float, depth: float, *, driven: bool
+@pytest.mark.parametrize("options", TIFFS, ids=str)
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_tiff_is_read_as_tifffile_wrote_it(
+    tmp_path: Path, kind: type, options: dict[str, Any]
 ) -> None:
-    path = write_geotiff(tmp_path / "a.tif", np.zeros((129, 129)), width / 128, depth=depth / 128)
-    said = re.escape(f"it is {width:g} x {depth:g} m; between 10 and 50000 m can be driven")
-    with nullcontext() if driven else pytest.raises(UsageError, match=said):
-        assert world_of(path, size=None).ground.half_size == (width / 2, depth / 2)
-
-
-def test_whole_numbers_are_metres_if_the_file_is_georeferenced(tmp_path: Path) -> None:
-    values = np.arange(101, dtype=np.uint16)[None] + np.zeros((101, 1), np.uint16)
-    path = write_geotiff(tmp_path / "a.tif", values, 5.0)
-    assert np.ptp(world_of(path, size=None).ground.heights) == 100.0
-    tifffile.imwrite(tmp_path / "b.tif", values)
-    with pytest.raises(
-        UsageError, match="does not say that its values are metres; give --terrain-height"
-    ):
-        world_of(tmp_path / "b.tif")
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"byteorder": ">"},
-        {"compression": tifffile.COMPRESSION.DEFLATE},
-        {"compression": "zlib", "predictor": True, "dtype": np.uint16},
-        {"compression": "zlib", "predictor": True, "dtype": np.int8},  # which Pillow has not
-    ],
-)
-def test_every_byte_order_and_deflate_is_read(tmp_path: Path, options: dict[str, Any]) -> None:
-    values = np.arange(-32, 32).astype(options.pop("dtype", np.float32)).reshape(8, 8)
-    tifffile.imwrite(tmp_path / "a.tif", values, **options)
-    np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, values)
+    values: NDArray[Any] = np.random.default_rng(0).integers(0, 100, (12, 9)).astype(kind)
+    predictor = "compression" in options and np.issubdtype(kind, np.integer)
+    tifffile.imwrite(tmp_path / "a.tif", values, **options, predictor=predictor)
+    raster = read_raster(tmp_path / "a.tif")
+    np.testing.assert_array_equal(raster.values, values)
+    assert raster.in_metres is np.issubdtype(kind, np.floating)
+    array = read_raster(saved(tmp_path / "a.npy", values))
+    np.testing.assert_array_equal(array.values, values)
+    assert array.in_metres is raster.in_metres
 
 
 @pytest.mark.parametrize("mode", ["1", "L", "I;16"])
-def test_grey_pictures_are_read_as_they_are(tmp_path: Path, mode: str) -> None:
+def test_a_grey_png_is_read_as_pillow_wrote_it(tmp_path: Path, mode: str) -> None:
     picture = Image.new(mode, (9, 8))
     picture.putpixel((5, 2), 1)
     picture.save(tmp_path / "a.png")
@@ -166,45 +109,117 @@ def test_grey_pictures_are_read_as_they_are(tmp_path: Path, mode: str) -> None:
 
 
 @pytest.mark.parametrize("rows", [1, 200])  # of a strip; 200 are more than a SHORT counts bytes
-def test_lzw_by_another_writer_is_read(tmp_path: Path, rows: int) -> None:
+def test_lzw_is_read_as_pillow_wrote_it(tmp_path: Path, rows: int) -> None:
     heights = np.linspace(0.0, 1.0, 200 * 150, dtype=np.float32).reshape(200, 150)
     Image.fromarray(heights).save(tmp_path / "a.tif", compression="tiff_lzw", tiffinfo={278: rows})
     np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, heights)
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.float32])
-def test_only_floats_of_an_array_are_metres(tmp_path: Path, dtype: type) -> None:
-    raster = read_raster(saved(tmp_path / "a.npy", np.ones((9, 8), dtype)))
-    assert raster.in_metres is (dtype is np.float32)
-    assert (raster.values == 1.0).all()
+def test_size_is_as_the_file_says_unless_the_option_overrides_it(tmp_path: Path) -> None:
+    path = write_geotiff(tmp_path / "a.tif", hills(), 0.2)
+    assert world_of(path, terrain_size=None).ground.half_size == pytest.approx((10.0, 10.0))
+    assert world_of(path, terrain_size=30.0).ground.half_size == pytest.approx((15.0, 15.0))
+    whole = np.arange(101, dtype=np.uint16)[None] + np.zeros((101, 1), np.uint16)
+    write_geotiff(path, whole, 5.0)  # whole numbers are metres where pixels are
+    assert np.ptp(world_of(path, terrain_size=None).ground.heights) == 100.0
+    write_geotiff(path, hills(), 1e-5, model_type=2)
+    assert world_of(path).ground.half_size == pytest.approx((10.0, 10.0))
 
 
-@pytest.mark.parametrize(("rows", "columns"), [(7, 9), (9, 7)])
-def test_a_side_of_fewer_than_eight_pixels_is_refused(tmp_path: Path, rows: int, columns: int) -> None:
-    values = np.zeros((rows, columns), np.float32)
-    tifffile.imwrite(tmp_path / "a.tif", values)
-    for path in (tmp_path / "a.tif", saved(tmp_path / "a.npy", values)):
-        with pytest.raises(UsageError, match=f"{columns} x {rows} pixels are too few; a side needs 8"):
-            read_raster(path)
-    assert read_raster(saved(tmp_path / "b.npy", np.zeros((8, 8)))).values.shape == (8, 8)
+@settings(max_examples=30, deadline=None)
+@given(
+    rows=st.integers(8, 60),
+    columns=st.integers(8, 60),
+    width=st.floats(10.0, 80.0),
+    depth=st.floats(10.0, 80.0),
+    east=st.floats(-0.1, 0.1),
+    north=st.floats(-0.1, 0.1),
+)
+def test_a_plane_keeps_its_slopes_size_and_middle_whatever_its_pixels(
+    tmp_path_factory: pytest.TempPathFactory,
+    rows: int,
+    columns: int,
+    width: float,
+    depth: float,
+    east: float,
+    north: float,
+) -> None:
+    """The first row is in the north, and square cells are no larger than either side of a pixel."""
+    row, column = np.indices((rows, columns))
+    pixel = width / (columns - 1), depth / (rows - 1)
+    values = east * pixel[0] * column - north * pixel[1] * row
+    path = saved(tmp_path_factory.getbasetemp() / "plane.npy", values)
+    world = world_of(path, terrain_size=(width, depth), needs_start=False, seed=7)
+    ground, cell = world.ground, world.ground.cell
+    assert cell == pytest.approx(min(pixel)) or cell == 0.05 > min(pixel)
+    for half, length in zip(ground.half_size, (width, depth), strict=True):
+        assert length - cell < 2 * half <= length + 1e-6
+    x, y = 0.4 * width, 0.4 * depth
+    rises = (
+        ground.height_at(x, 0) - ground.height_at(-x, 0),
+        ground.height_at(0, y) - ground.height_at(0, -y),
+    )
+    assert rises == pytest.approx(
+        (2 * x * east, 2 * y * north), abs=0.01 * (abs(east) + abs(north)) + 1e-5
+    )
+    assert ground.heights.min() == 0.0
+    assert (world.name, world.seed, world.difficulty, world.obstacles) == ("plane.npy", 7, None, ())
 
 
-def test_sixteen_million_pixels_are_read_and_no_more() -> None:
-    raster_module._check_size(4096, 4096)
-    with pytest.raises(UsageError, match="4096 x 4097 pixels are too many; at most 17 million"):
-        raster_module._check_size(4096, 4097)
+def test_the_north_east_corner_is_at_the_end_of_the_first_row(tmp_path: Path) -> None:
+    values = np.zeros((101, 201))
+    values[0, -1] = 1.0
+    ground = world_of(saved(tmp_path / "a.npy", values), terrain_size=(40.0, 20.0)).ground
+    assert (ground.height_at(20.0, 10.0), ground.heights.sum()) == (1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "expected", "note"),
+    [
+        ((101, 101), (30.0, 20.0), (101, 151), "pixels of 0.3 x 0.2 m resampled to cells of 0.2 m"),
+        ((60, 41), (40.8, 59.0), (60, 41), ", 0.8 m along x and 0 m along y cut off at the edges"),
+        ((41, 60), (59.0, 40.8), (41, 60), ", 0 m along x and 0.8 m along y cut off at the edges"),
+        ((1001, 1001), (20.0, 20.0), (401, 401), "pixels of 0.02 x 0.02 m resampled to cells of 0.05 m"),
+        ((1800, 1800), (1799.0, 1799.0), (1500, 1500), "resampled"),  # what memory holds
+        ((8, 9000), (8999.0, 10.0), (11, 9000), "resampled"),  # long is not huge
+        ((8, 8), (700.0, 10.0), (8, 491), "pixels of 100 x 1.429 m resampled to cells of 1.429 m"),
+    ],
+)
+def test_pixels_are_resampled_to_square_cells_that_can_be_simulated(
+    tmp_path: Path, shape: tuple[int, int], size: tuple[float, float], expected: object, note: str
+) -> None:
+    world = world_of(saved(tmp_path / "a.npy", np.zeros(shape, np.float32)), terrain_size=size)
+    assert world.ground.heights.shape == expected
+    assert note in world.notes[0]
+
+
+def test_missing_heights_are_filled_and_counted(tmp_path: Path) -> None:
+    values = hills()
+    values[10:15, 20:25] = -9999.0
+    values[70, 70] = np.nan
+    tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(NODATA, "s", 0, "-9999", True)])
+    world = world_of(tmp_path / "a.tif")
+    assert world.notes[0] == "26 missing heights (0.25%) filled from their surroundings"
+    np.testing.assert_allclose(world.ground.heights[::-1], hills() - hills().min(), atol=0.05)
+    half = np.where(np.arange(400) < 200, np.nan, 0.0).reshape(20, 20)
+    assert "(50.00%) filled" in world_of(saved(tmp_path / "a.npy", half)).notes[0]
 
 
 @pytest.mark.parametrize(
     ("nodata", "value", "missing"),
-    [("-9999", -9999.005, True), ("-9999", -9998.98, False), ("0", 0.0, True), ("0", 1e-9, False)],
+    [
+        *(("-9999", -9999.005, True), ("-9999", -9998.98, False), ("0", 0.0, True), ("0", 1e-9, False)),
+        *((None, gone, True) for gone in (20_001.0, -20_001.0, math.inf, -math.inf, math.nan)),
+        (None, -20_000.0, False),
+    ],
 )
-def test_no_data_is_what_the_tag_says_but_for_rounding(
-    tmp_path: Path, nodata: str, value: float, *, missing: bool
+def test_missing_is_what_the_tag_says_and_what_is_beyond_any_mountain(
+    tmp_path: Path, nodata: str | None, value: float, *, missing: bool
 ) -> None:
     values = np.full((9, 9), 5.0)
     values[3, 4] = value
-    tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(42113, "s", 0, nodata, True)])
+    tags = [] if nodata is None else [(NODATA, "s", 0, nodata, True)]
+    tifffile.imwrite(tmp_path / "a.tif", values, extratags=tags)
     assert np.argwhere(np.isnan(read_raster(tmp_path / "a.tif").values)).tolist() == [[3, 4]] * missing
 
 
@@ -215,15 +230,15 @@ def test_no_data_is_what_the_tag_says_but_for_rounding(
         *(({"scale": 0.1}, 125.0), ({"offset": -50.0}, 1200.0)),
     ],
 )
-def test_gdals_scale_and_offset_make_heights_of_what_is_stored_but_not_of_no_data(
+def test_gdals_scale_and_offset_apply_to_heights_but_not_to_missing_ones(
     tmp_path: Path, items: dict[str, float], expected: float
 ) -> None:
     values = np.full((9, 9), 1250, np.int16)
     values[3, 4] = -32768
     xml = "".join(f'<Item name="X" sample="0" role="{role}">{n}</Item>\n' for role, n in items.items())
     tags = [
-        (42112, "s", 0, f"<GDALMetadata>{xml}</GDALMetadata>", True),
-        (42113, "s", 0, "-32768", True),
+        (METADATA, "s", 0, f"<GDALMetadata>{xml}</GDALMetadata>", True),
+        (NODATA, "s", 0, "-32768", True),
     ]
     tifffile.imwrite(tmp_path / "a.tif", values, extratags=tags)
     raster = read_raster(tmp_path / "a.tif")
@@ -232,160 +247,16 @@ def test_gdals_scale_and_offset_make_heights_of_what_is_stored_but_not_of_no_dat
     assert np.argwhere(np.isnan(raster.values)).tolist() == [[3, 4]]
 
 
-def test_gdal_nodata_and_nan_are_filled_and_reported(tmp_path: Path) -> None:
-    values = hills()
-    values[10:15, 20:25] = -9999.0
-    values[70, 70] = np.nan
-    tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(42113, "s", 0, "-9999", True)])
-    world = world_of(tmp_path / "a.tif")
-    assert world.notes[0] == "26 missing heights (0.25%) filled from their surroundings"
-    np.testing.assert_allclose(world.ground.heights[::-1], hills() - hills().min(), atol=0.05)
-
-
-def pull_push(values: Array) -> Array:
-    """What `filled` promises, by other means: means of blocks, then back between their middles."""
-    if not np.isnan(values).any():
-        return values
-    coarse = np.full([(size + 1) // 2 for size in values.shape], np.nan)
-    for row, column in np.ndindex(*coarse.shape):
-        block = values[2 * row : 2 * row + 2, 2 * column : 2 * column + 2]
-        if not np.isnan(block).all():
-            coarse[row, column] = np.nanmean(block)
-    middles = (np.indices(values.shape) - 0.5) / 2
-    smooth = map_coordinates(pull_push(coarse), middles, order=1, mode="nearest")
-    return np.where(np.isnan(values), smooth, values)
-
-
-@pytest.mark.parametrize("shape", [(40, 57), (9, 8)])
-def test_gaps_are_filled_by_a_pyramid_of_means(shape: tuple[int, int]) -> None:
-    rng = np.random.default_rng(0)
-    values = rng.normal(size=shape)
-    values[2:7, 3:8] = np.nan
-    values[-1, -1] = values[0, 1] = np.nan
-    np.testing.assert_allclose(filled(values), pull_push(values), atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("step", "shape"),
-    # The last one reaches the edges, with means over five pixels.
-    [((3.0, 3.0), (21, 20)), ((2.6, 1.2), (24, 50)), ((0.5, 4.4), (99, 14)), ((4.0, 4.0), (16, 16))],
-)
-def test_coarser_cells_are_means_around_their_places_in_the_middle(
-    step: tuple[float, float], shape: tuple[int, int]
+@pytest.mark.parametrize(("kind", "step"), [(np.uint8, 1 / 255), (np.uint16, 1 / 65535)])
+def test_values_without_a_unit_are_scaled_from_lowest_to_highest(
+    tmp_path: Path, kind: type, step: float
 ) -> None:
-    values = np.random.default_rng(0).normal(size=(64, 61))
-    expected = values
-    for axis, stride in enumerate(step):
-        expected = uniform_filter1d(expected, 2 * (round(stride) // 2) + 1, axis=axis, mode="nearest")
-    down, across = (np.arange(count) - (count - 1) / 2 for count in shape)
-    places = np.meshgrid(31.5 + step[0] * down, 30.0 + step[1] * across, indexing="ij")
-    expected = map_coordinates(expected, places, order=1, mode="nearest")
-    np.testing.assert_allclose(resampled(values, step, shape), expected, atol=1e-12)
-
-
-def test_fine_pixels_become_cells_of_5_cm(tmp_path: Path) -> None:
-    world = world_of(saved(tmp_path / "a.npy", hills(1001, 1001) * 0.02))
-    assert world.ground.cell == 0.05
-    assert "pixels of 0.02 x 0.02 m resampled to cells of 0.05 m" in world.notes[0]
-
-
-def test_huge_maps_are_kept_to_what_memory_holds(tmp_path: Path) -> None:
-    world = world_of(saved(tmp_path / "a.npy", np.zeros((1800, 1800), np.float32)), size=1799.0)
-    assert world.ground.heights.shape == (1500, 1500)
-    assert world.ground.half_size == pytest.approx((899.5, 899.5))
-    file = TerrainFile(
-        path=saved(tmp_path / "b.npy", np.zeros((8, 9000), np.float32)), size=(8999.0, 10.0)
-    )
-    assert file_world(file, 0).ground.heights.shape == (11, 9000)  # long is not huge
-
-
-def test_oblong_maps_are_driven_whole_with_north_up(tmp_path: Path) -> None:
-    """A plane of its own slope along x and along y, and a mark in the north-east corner."""
-    row, column = np.mgrid[0:101, 0:201]
-    values = 0.02 * column - 0.004 * row
-    values[0, -1] += 1.0
-    path = saved(tmp_path / "a.npy", values)
-    world = file_world(TerrainFile(path=path, size=(40.0, 20.0)), seed=7)
-    ground = world.ground
-    np.testing.assert_allclose(ground.heights[::-1], values - values.min(), atol=1e-6)
-    assert (ground.cell, *ground.half_size) == pytest.approx((0.2, 20.0, 10.0))
-    assert ground.height_at(20.0, 10.0) == pytest.approx(ground.heights.max())
-    assert ground.height_at(19.0, -9.0) - ground.height_at(-19.0, -9.0) == pytest.approx(38 * 0.1)
-    assert ground.height_at(3.0, 9.0) - ground.height_at(3.0, -9.0) == pytest.approx(18 * 0.02)
-    assert world.notes == ("40 m along x, 20 m along y, 201 x 101 heights 0.2 m apart, relief 5.4 m",)
-    assert (world.name, world.seed, world.difficulty, world.obstacles) == ("a.npy", 7, None, ())
-    assert world.start == (0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("shape", "size", "expected", "note"),
-    [
-        ((101, 101), (30.0, 20.0), (101, 151), "pixels of 0.3 x 0.2 m resampled to cells of 0.2 m"),
-        ((60, 41), (40.8, 59.0), (60, 41), "{}, 0.8 m along x and 0 m along y cut off at the edges"),
-        ((41, 60), (59.0, 40.8), (41, 60), "{}, 0 m along x and 0.8 m along y cut off at the edges"),
-        # 100 x 1.43 m: one column of a square of 10 m was left of it
-        ((8, 8), (700.0, 10.0), (8, 491), "pixels of 100 x 1.429 m resampled to cells of 1.429 m"),
-    ],
-)
-def test_pixels_that_are_no_squares_are_resampled_and_what_is_cut_off_is_told(
-    tmp_path: Path,
-    shape: tuple[int, int],
-    size: tuple[float, float],
-    expected: tuple[int, int],
-    note: str,
-) -> None:
-    """A plane keeps its slopes along x and y, in metres, and its middle in the middle."""
-    rows, columns = shape
-    row, column = np.indices(shape)
-    width, depth = size[0] / (columns - 1), size[1] / (rows - 1)
-    values = 0.03 * width * (column - (columns - 1) / 2) - 0.02 * depth * (row - (rows - 1) / 2)
-    ground_file = TerrainFile(path=saved(tmp_path / "a.npy", values), size=size)
-    world = file_world(ground_file, 0)
-    ground = world.ground
-    assert ground.heights.shape == expected
-    half_x, half_y = ground.half_size
-    x, y = 0.8 * half_x, 0.5 * half_y
-    rise_x = ground.height_at(x, 0.0) - ground.height_at(-x, 0.0)
-    rise_y = ground.height_at(0.0, y) - ground.height_at(0.0, -y)
-    assert (rise_x, rise_y) == pytest.approx((2 * x * 0.03, 2 * y * 0.02), rel=1e-3)
-    pixels = f"pixels of {width:.4g} x {depth:.4g} m resampled to cells of {min(width, depth):.4g} m"
-    assert world.notes[0] == note.format(pixels)
-    assert f"relief {np.ptp(ground.heights):.4g} m" in world.notes[1]
-
-
-def test_up_to_half_of_the_heights_may_be_missing(tmp_path: Path) -> None:
-    values = np.where(np.arange(400) < 200, np.nan, 0.0).reshape(20, 20)
-    told = "200 missing heights (50.00%) filled from their surroundings"
-    assert world_of(saved(tmp_path / "a.npy", values)).notes[0] == told
-    values[-1, -1] = np.nan
-    with pytest.raises(UsageError, match=r"50% of its heights are missing; at most 50% are filled"):
-        world_of(saved(tmp_path / "a.npy", values))
-
-
-@pytest.mark.parametrize(
-    ("rest", "corner", "relief", "said"),
-    [
-        (0.0, 10_000.0, 10_000.0, ""),
-        (0.0, 10_001.0, 0.0, "its relief is 10001 m; give --terrain-height if that is no metres"),
-        (19_999.0, 20_000.0, 1.0, ""),
-        *((0.0, gone, 0.0, "") for gone in (20_001.0, -20_001.0, math.inf, -math.inf)),  # filled
-    ],
-)
-def test_heights_beyond_any_mountain_are_refused_or_missing(
-    tmp_path: Path, rest: float, corner: float, relief: float, said: str
-) -> None:
-    values = np.full((41, 41), rest)
-    values[0, 0] = corner
-    with pytest.raises(UsageError, match=said) if said else nullcontext():
-        assert np.ptp(world_of(saved(tmp_path / "a.npy", values)).ground.heights) == relief
-
-
-def test_values_without_a_unit_are_scaled_from_the_lowest_to_the_highest(tmp_path: Path) -> None:
-    values = np.tile(np.linspace(30_000, 60_000, 41).astype(np.uint16), (41, 1))
-    world = world_of(saved(tmp_path / "a.npy", values), relief=2.0)
-    assert world.ground.heights[0, [0, 20, 40]] == pytest.approx((0.0, 1.0, 2.0), abs=1e-4)
-    assert world.notes[0] == "values 30000 to 60000 scaled to 2 m of relief"
-    level = world_of(saved(tmp_path / "b.npy", np.full((41, 41), 7, np.uint8)), relief=0.0)
+    unit = (hills() - hills().min()) / np.ptp(hills())
+    Image.fromarray((unit * np.iinfo(kind).max).astype(kind)).save(tmp_path / "a.png")
+    world = world_of(tmp_path / "a.png", terrain_height=0.5)
+    np.testing.assert_allclose(world.ground.heights[::-1], 0.5 * unit, atol=step)
+    assert "scaled to 0.5 m of relief" in world.notes[0]
+    level = world_of(saved(tmp_path / "b.npy", np.full((41, 41), 7, kind)), terrain_height=0.0)
     assert (level.ground.heights == 0.0).all()
 
 
@@ -394,40 +265,24 @@ def test_values_without_a_unit_are_scaled_from_the_lowest_to_the_highest(tmp_pat
     # 45 deg up to a column, level from there on; no ground within 0.4 m may be steeper than 15 deg.
     [(20.0, 56, 59), (15.0, 56, 60), (20.0, 72, 75), (20.0, 73, None), (20.0, 40, 50)],
 )
+@pytest.mark.parametrize("is_along_x", [True, False])
 def test_the_start_is_the_vertex_next_to_the_middle_with_gentle_ground_around_it(
-    tmp_path: Path, size: float, first_level: int, start: int | None
+    tmp_path: Path, size: float, first_level: int, start: int | None, *, is_along_x: bool
 ) -> None:
     cell = size / 100
-    profile = cell * np.minimum(np.arange(101.0), first_level)
-    path = saved(tmp_path / "a.npy", np.tile(profile, (121, 1)))
-    sideways = saved(tmp_path / "b.npy", np.tile(profile[:, None], (1, 121)))
-    sizes = (size, 1.2 * size), (1.2 * size, size)
-    across, along = (TerrainFile(path=p, size=s) for p, s in zip((path, sideways), sizes, strict=True))
+    profile = np.tile(cell * np.minimum(np.arange(101.0), first_level), (121, 1))
+    sizes = (size, 1.2 * size)
+    path = saved(tmp_path / "a.npy", profile if is_along_x else profile.T)
+    given: dict[str, Any] = {"terrain_size": sizes if is_along_x else sizes[::-1]}
+    assert world_of(path, **given, needs_start=False).start == (0.0, 0.0, 0.0)
     if start is None:
-        for file in (across, along):
-            with pytest.raises(
-                UsageError, match=r"no rover can stand within 5\.05 m .*choose a --start"
-            ):
-                file_world(file, 0)
-            assert file_world(replace(file, needs_start=False), 0).start == (0.0, 0.0, 0.0)
+        with pytest.raises(UsageError, match=r"no rover can stand within 5\.05 m .*choose a --start"):
+            world_of(path, **given)
         return
     moved = round((start - 50) * cell, 3)
-    for file, (width, depth), x, y in (
-        (across, sizes[0], moved, 0.0),
-        (along, sizes[1], 0.0, -moved),  # the first row is in the north
-    ):
-        world = file_world(file, 0)
-        assert world.start == (x, y, 0.0)
-        told = (f"starts at {x:g},{y:g}: in its middle, 0,0, the ground is too steep",)
-        assert world.notes[1:] == (told if moved else ())
-        assert world.ground.half_size == pytest.approx((width / 2, depth / 2))
-
-
-def test_dem_on_which_no_rover_can_stand_is_refused(tmp_path: Path) -> None:
-    steps = np.where(np.arange(101) < 50, 0.2, 0.3)  # [m] from cell to cell of 0.2 m
-    path = saved(tmp_path / "a.npy", np.tile(steps.cumsum(), (101, 1)))
-    with pytest.raises(UsageError, match=r"no rover can stand within 5\.05 m .* 45 deg steep"):
-        world_of(path)
+    world = world_of(path, **given)
+    assert world.start == ((moved, 0.0, 0.0) if is_along_x else (0.0, -moved, 0.0))  # north is first
+    assert len(world.notes) == 1 + bool(moved)
 
 
 def test_zeros_of_either_sign_are_the_same_ground(tmp_path: Path) -> None:
@@ -435,10 +290,6 @@ def test_zeros_of_either_sign_are_the_same_ground(tmp_path: Path) -> None:
     signed[7:20, 7:20] = -0.0
     worlds = [world_of(saved(tmp_path / "a.npy", heights)) for heights in (level, signed)]
     assert terrain_hash(worlds[0]) == terrain_hash(worlds[1])
-
-
-def _nothing(_: Path) -> None:
-    """Leaves the file missing."""
 
 
 def _huge_npy(path: Path) -> None:
@@ -476,10 +327,6 @@ def _png_header(path: Path, columns: int, rows: int) -> None:
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + header + crc + end)
 
 
-def _bands(path: Path) -> None:
-    tifffile.imwrite(path, np.zeros((64, 64, 3), np.uint8), photometric="rgb")
-
-
 def _cut(path: Path) -> None:
     whole = path.with_name("whole" + path.suffix)
     if path.suffix == ".npy":
@@ -497,82 +344,89 @@ def _noise(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:20] + noise)
 
 
+def _array(values: object, **options: Any) -> Callable[[Path], None]:  # noqa: ANN401 - numpy's
+    return lambda path: np.save(path, np.asarray(values), **options)
+
+
+def _tiff(values: NDArray[np.generic], **options: Any) -> Callable[[Path], object]:  # noqa: ANN401
+    return lambda path: tifffile.imwrite(path, values, **options)
+
+
+def _tile(path: Path) -> None:
+    _patched(path, {"TileWidth": 0xFFF0, "TileLength": 0xFFF0}, tile=(16, 16), compression="zlib")
+
+
+def _mapped(*size: float) -> Callable[[Path], object]:
+    return lambda path: write_geotiff(path, np.zeros((129, 129)), *(length / 128 for length in size))
+
+
+STEEP = np.tile(np.where(np.arange(101) < 50, 0.2, 0.3).cumsum(), (101, 1))
+PICTURE = hills().astype(np.uint8)
 BAD: dict[str, tuple[Callable[[Path], object], str]] = {
-    "missing.tif": (_nothing, "cannot be read: No such file"),
-    "nul\0.tif": (_nothing, "cannot be read: embedded null byte"),
-    "folder.tif": (lambda path: path.mkdir(), "Is a directory"),
-    "empty.tif": (lambda path: path.touch(), "is empty"),
+    "missing.tif": (lambda _: None, "cannot be read: No such file"),
+    "nul\0.tif": (lambda _: None, "cannot be read: embedded null byte"),
+    "folder.tif": (Path.mkdir, "Is a directory"),
+    "empty.tif": (Path.touch, "is empty"),
     "text.tif": (lambda path: path.write_text("x,y,z\n1,2,3\n"), "is not a heightmap; readable are"),
-    "cut.tif": (_cut, "damaged or cut short"),
-    "cut.png": (_cut, "damaged or cut short"),
-    "cut.npy": (_cut, "damaged or cut short"),
-    "noise.tif": (_noise, "noise.tif"),
-    "noise.png": (_noise, "damaged or cut short"),
-    "noise.npy": (_noise, "damaged or cut short"),
+    **{f"cut{kind}": (_cut, "damaged or cut short") for kind in (".tif", ".png", ".npy")},
+    **{f"noise{kind}": (_noise, "") for kind in (".tif", ".png", ".npy")},
     "bomb.tif": (_bomb, "unpacks to more than its size"),
     "bomb.png": (lambda path: _png_header(path, 30000, 30000), "too many pixels"),
     "huge.png": (lambda path: _png_header(path, 12500, 8000), "12500 x 8000 pixels are too many"),
+    "more.png": (lambda path: _png_header(path, 4096, 4097), "4096 x 4097 pixels are too many"),
     "huge.npy": (_huge_npy, "10000 x 10000 pixels are too many"),
-    "one.npy": (lambda path: np.save(path, np.zeros((1, 1))), "1 x 1 pixels are too few"),
-    "nan.npy": (lambda path: np.save(path, np.full((50, 50), np.nan)), "holds no height at all"),
-    "half.npy": (lambda path: np.save(path, np.pad(hills(), 60, constant_values=np.nan)), "are missing"),
-    "cube.npy": (lambda path: np.save(path, np.zeros((9, 9, 9))), "a heightmap has 2"),
-    "text.npy": (lambda path: np.save(path, np.full((9, 9), "a")), "heights are numbers"),
+    "low.npy": (_array(np.zeros((7, 9))), "9 x 7 pixels are too few"),
+    "narrow.tif": (_tiff(np.zeros((9, 7))), "7 x 9 pixels are too few"),
+    "nan.npy": (_array(np.full((50, 50), np.nan)), "holds no height at all"),
+    "half.npy": (_array(np.where(np.arange(400) < 201, np.nan, 0.0).reshape(20, 20)), "are missing"),
+    "cube.npy": (_array(np.zeros((9, 9, 9))), "a heightmap has 2"),
+    "text.npy": (_array(np.full((9, 9), "a")), "heights are numbers"),
+    "pickle.npy": (_array(np.full((9, 9), print, object), allow_pickle=True), "damaged or cut short: "),
     "color.png": (lambda path: Image.new("RGB", (50, 50)).save(path), "a colour picture"),
-    "bands.tif": (_bands, "it has 3 bands; a heightmap has one (gdal_translate"),
+    "bands.tif": (_tiff(np.zeros((64, 64, 3), np.uint8), photometric="rgb"), "it has 3 bands"),
     "photo-cd.png": (
         lambda path: path.write_bytes(b"\x89PNG".ljust(2048) + b"PCD_".ljust(2048)),
         "damaged or cut short",
     ),
-    "jpeg.tif": (
-        lambda path: _patched(path, {"Compression": tifffile.COMPRESSION.JPEG}),
-        "float64 values with JPEG compression are not read",
-    ),
-    "tile.tif": (
-        lambda path: _patched(
-            path, {"TileWidth": 0xFFF0, "TileLength": 0xFFF0}, tile=(16, 16), compression="zlib"
-        ),
-        "pixels are too many",
-    ),
+    "jpeg.tif": (lambda path: _patched(path, {"Compression": 7}), "with JPEG compression are not read"),
+    "tile.tif": (_tile, "pixels are too many"),
     "5-bit.tif": (
         lambda path: _patched(path, {"BitsPerSample": 5}),
-        "None values with NONE compression are not read",
+        "None values with NONE compression",
     ),
+    "unit.png": (lambda path: Image.fromarray(PICTURE).save(path), "give --terrain-height"),
+    "unit.tif": (_tiff(PICTURE), "does not say that its values are metres; give --terrain-height"),
+    "deep.npy": (_array(np.linspace(0, 10_001, 1681).reshape(41, 41)), "its relief is 10001 m"),
+    "steep.npy": (_array(STEEP), "the gentlest place is 45 deg steep"),
+    "unknown-size.npy": (_array(hills()), "does not say how large it is; give --terrain-size"),
+    "unknown-degrees.tif": (
+        lambda path: write_geotiff(path, hills(), 1e-5, model_type=2),
+        "pixels are degrees (gdalwarp",
+    ),
+    "unknown-narrow.tif": (_mapped(9.0, 20.0), "it is 9 x 20 m; between 10 and 50000 m"),
+    "unknown-low.tif": (_mapped(20.0, 9.0), "it is 20 x 9 m; between 10 and 50000 m"),
+    "unknown-wide.tif": (_mapped(6e4, 20.0), "it is 60000 x 20 m; between 10 and 50000 m"),
 }
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_file_is_one_line_that_names_it(name: str, tmp_path: Path) -> None:
+def test_a_bad_file_is_one_line_that_names_it(
+    name: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Nor does a decoder say anything beside it."""
     make, expected = BAD[name]
-    path = tmp_path / name
-    make(path)
+    make(path := tmp_path / name)
+    logging.getLogger("tifffile").setLevel(logging.NOTSET)
     with pytest.raises(UsageError) as caught:
-        world_of(path)
+        world_of(path, terrain_size=None if name.startswith("unknown") else 20.0)
     message = str(caught.value)
     assert expected in message
     assert str(path) in message
     assert "\n" not in message
-
-
-def test_what_the_decoder_finds_is_told_in_the_one_line_alone(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    logging.getLogger("tifffile").setLevel(logging.NOTSET)
-    _noise(tmp_path / "a.tif")
-    with pytest.raises(UsageError):
-        read_raster(tmp_path / "a.tif")
     assert caplog.records == []
 
 
-def test_pickles_are_never_loaded(tmp_path: Path) -> None:
-    np.save(tmp_path / "a.npy", np.array([[print] * 9] * 9, dtype=object), allow_pickle=True)
-    with pytest.raises(UsageError, match=r"damaged or cut short: .*object"):
-        read_raster(tmp_path / "a.npy")
-
-
-def test_what_a_file_does_not_say_is_asked_for(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=UNKNOWN_SIZE):
-        world_of(saved(tmp_path / "a.npy", hills()), size=None)
-    Image.fromarray((hills() * 100).astype(np.uint8)).save(tmp_path / "a.png")
-    with pytest.raises(UsageError, match="give --terrain-height"):
-        world_of(tmp_path / "a.png")
+@pytest.mark.parametrize("length", [10.0, 5e4])
+def test_maps_of_ten_metres_to_fifty_kilometres_are_driven(tmp_path: Path, length: float) -> None:
+    _mapped(length)(tmp_path / "a.tif")
+    assert world_of(tmp_path / "a.tif", terrain_size=None).ground.half_size == (length / 2,) * 2

@@ -2,8 +2,6 @@
 
 import io
 import tarfile
-import tracemalloc
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +9,7 @@ import pytest
 import tifffile
 
 from harness.base.errors import UsageError
-from harness.world.heightmap.packed import READABLE, _by_libtiff, _inflated, unpacked
+from harness.world.heightmap.packed import READABLE, unpacked
 
 
 @pytest.fixture(scope="module")
@@ -53,20 +51,6 @@ def test_a_part_that_holds_too_little_is_damaged(files: dict[str, bytes]) -> Non
     page.databytecounts = (9, *page.databytecounts[1:])
     with pytest.raises(ValueError, match=r"reshape|buffer"):
         unpacked(page)
-
-
-def test_a_part_that_holds_too_much_is_not_unpacked_whole() -> None:
-    packed = zlib.compress(bytes(10**7))
-    tracemalloc.start()
-    with pytest.raises(UsageError, match="unpacks to more than its size"):
-        _inflated(packed, 10**3)
-    assert tracemalloc.get_traced_memory()[1] < 10**6
-    tracemalloc.stop()
-
-
-def test_a_part_of_more_bytes_than_sixteen_bits_count_is_unpacked_by_libtiff() -> None:
-    runs = 547  # of PackBits: 257 - 128 = 0x81 says that the next byte stands 128 times
-    assert _by_libtiff(b"\x81\x07" * runs, 128 * runs, 32773) == b"\x07" * 70_016
 
 
 def test_an_unknown_predictor_is_named(files: dict[str, bytes]) -> None:

@@ -11,7 +11,7 @@ from harness.base.errors import UsageError
 from harness.world.sdf import document as module
 from harness.world.sdf.document import Document, read_document
 from harness.world.sdf.resources import Resources
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief
+from harness.world.solid import MeshFile, Plane, Primitive, Relief
 from tests.harness.world.solids.shapes import at
 
 BOX = "<geometry><box><size>2 4 6</size></box></geometry>"
@@ -275,9 +275,19 @@ def wrong(inner: str) -> str:
     return f"<world>{model(inner)}</world>"
 
 
+LAUGHS = '<!DOCTYPE l [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]><sdf>&b;</sdf>'
+
+
 @pytest.mark.parametrize(
-    ("body", "told"),
+    ("body", "said"),
     [
+        (LAUGHS, "a.world: it declares a document type or entities"),
+        ('<!DOCTYPE s SYSTEM "file:///etc/passwd"><sdf/>', "declares a document type"),
+        ("<sdf>&later;</sdf>", "not XML: undefined entity"),
+        ("<sdf><world></sdf>", "not XML: mismatched tag: line 1"),
+        ("<!-- nothing -->", "not XML: no element found"),
+        ("<?xml version='1.0'?>" + "<a>" * 101 + "</a>" * 101, "nested more than 100 deep"),
+        ("<?xml version='1.0'?><urdf/>", "its root is <urdf>, not <sdf>"),
         ("<urdf/>", "neither <world> nor <model>"),
         *(
             (GRAVITY.format(told), "not straight down")
@@ -304,14 +314,15 @@ def wrong(inner: str) -> str:
         (wrong(link("", BOX + MU.format("x"))), "<mu> of m::l::c 'x' is not valid"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line_with_whose_it_is(
-    tmp_path: Path, body: str, told: str
-) -> None:
+def test_what_is_wrong_is_one_line_that_says_where_it_is(tmp_path: Path, body: str, said: str) -> None:
     (tmp_path / "m.obj").touch()
     for name, other in ("bc", "cb"):
         written(tmp_path, model(f"<include><uri>{other}.sdf</uri></include>"), f"{name}.sdf")
-    with pytest.raises(UsageError, match=told) as raised:
-        read_file(tmp_path, body)
+    path = written(tmp_path, body)
+    if body.startswith(("<!", "<?", "<sdf")):
+        path.write_text(body)
+    with pytest.raises(UsageError, match=said) as raised:
+        read_document(path, Resources())
     assert "\n" not in str(raised.value)
 
 

@@ -38,7 +38,7 @@ def test_frames_in_a_circle_or_without_a_name_are_refused() -> None:
     frames = Frames("world")
     frames.add("a", IDENTITY, "b")
     frames.add("b", IDENTITY, "a")
-    with pytest.raises(UsageError, match="told in a circle: a in b in a"):
+    with pytest.raises(UsageError, match="given in a circle: a in b in a"):
         frames.find("a")
     for name in ("c", "c::d", "::a", "a::"):
         with pytest.raises(UsageError, match=f"frame '{name}' does not exist; available: a, b$"):

@@ -1,7 +1,6 @@
 """Where drivers may wander between pits, and where a rover starts, against a search of all places."""
 
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.solids.assembly import _largest_rectangle, _room, _start
 from harness.world.solids.surface import Surface
-from harness.world.terrain_file import TerrainFile
 from harness.world.world import Start, World
 
 
@@ -60,8 +58,7 @@ def start(
     found = Surface(ground, np.zeros(0, bool), np.hypot(x, y) >= floorless)
     notes = list[str]()
     world = World("w", ground, obstacles, 0, None)
-    file = TerrainFile(path=Path("a.world"), clearance=0.0, step_limit=0.1)
-    return _start(world, found, file, notes), notes
+    return _start(world, found, 0.1, notes), notes
 
 
 def post(x: float, y: float, half: float = 0.5) -> Obstacle:

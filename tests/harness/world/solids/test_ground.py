@@ -9,9 +9,9 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
+from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
+from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.mesh_file import Mesh
-from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
 from tests.harness.world.solids.shapes import at, box, flat, write_mesh
 
 UP = (0.0, 0.0, 1.0)
@@ -25,9 +25,9 @@ def cube(pose: np.ndarray, *half_size: float) -> Solid:
     return Solid("cube", Primitive("box", half_size), pose)
 
 
-def sort(*solids: Solid) -> tuple[Sorted, list[str]]:
+def sort(*solids: Solid) -> tuple[Partition, list[str]]:
     notes = list[str]()
-    return sorted_solids(solids, notes), notes
+    return partition(solids, notes), notes
 
 
 def body_of(mesh: Mesh) -> trimesh.Trimesh:

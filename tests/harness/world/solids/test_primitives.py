@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind, Shape
+from harness.world.solid import Primitive, Solid
 from harness.world.solids.primitives import obstacle_of
-from harness.world.solids.solid import Primitive, Solid
 from tests.harness.world.solids.shapes import at
 
 SLOPE = 0.5  # along x

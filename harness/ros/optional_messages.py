@@ -1,0 +1,160 @@
+"""Readings of optional lidars, cameras and depth cameras as LaserScan, PointCloud2, Image, CameraInfo.
+
+Points are made here, in the process that publishes, so that the one that simulates is not kept from it.
+Their layout is that of velodyne_pointcloud: x, y, z and intensity as float32, ring as uint16, time as
+float32. The time is 0: all points of a cloud are of its stamp.
+"""
+
+from array import array
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
+
+from harness.ros.channel import Fill, set_stamp
+from harness.samples import Sample
+from harness.sensors.camera.lens import Lens, Pinhole
+from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.sensors.depth import DepthOptions
+from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.ranging import RangeReading
+
+Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL
+ENCODING, CHANNELS = "rgb8", 3
+# Reflectivities in percent, estimates: dry soil, rock. Neither range nor angle changes them.
+ON_GROUND, ON_OBSTACLE = 25.0, 50.0
+XYZ = ("x", "y", "z")
+POINT = np.dtype([*((name, "<f4") for name in (*XYZ, "intensity")), ("ring", "<u2"), ("time", "<f4")])
+FIELD_TYPES = {"<f4": PointField.FLOAT32, "<u2": PointField.UINT16}
+PIXEL = np.dtype([(name, "<f4") for name in XYZ])
+
+
+def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
+    """Returns what makes scans of readings; scan_time and time_increment are 0, as in /scan."""
+    message.angle_min, message.angle_max = options.angle_min, options.angle_max
+    message.angle_increment = (options.angle_max - options.angle_min) / (options.beams - 1)
+    message.range_min, message.range_max = options.range_min, options.range_max
+    message.intensities = array("f")
+
+    def fill(reading: RangeReading) -> LaserScan:
+        set_stamp(message.header.stamp, reading.stamp_ns)
+        message.ranges = array("f", reading.ranges.tobytes())
+        return message
+
+    return fill
+
+
+def lidar_cloud(message: PointCloud2, options: CloudLidarOptions) -> Fill:
+    """Returns what makes clouds of readings."""
+    shape = (options.rays // options.columns, options.columns) if options.organised else None
+    whole = np.zeros(options.rays, POINT)
+    whole["ring"] = options.ring
+    keeps_misses = options.organised or options.misses == AS_NAN
+    return _cloud(message, options.directions(), whole, shape, keeps_misses=keeps_misses)
+
+
+def depth_cloud(message: PointCloud2, options: DepthOptions) -> Fill:
+    """Returns what makes organised clouds of depth images, as depth_image_proc does."""
+    whole = np.zeros(options.rays, PIXEL)
+    shape = options.height, options.width
+    return _cloud(message, options.directions(), whole, shape, keeps_misses=True)
+
+
+def _cloud(
+    message: PointCloud2,
+    directions: np.ndarray,
+    whole: np.ndarray,
+    shape: tuple[int, int] | None,
+    *,
+    keeps_misses: bool,
+) -> Fill:
+    """What makes clouds.
+
+    Args:
+        message: Is refilled.
+        directions: Shape (n, 3); a range tells how often they fit.
+        whole: All points, with what does not change.
+        shape: Rows and columns of an organised cloud; None for one row.
+        keeps_misses: Whether they are NaN instead of left out.
+    """
+    message.fields = [
+        PointField(name=name, offset=offset, datatype=FIELD_TYPES[kind.str], count=1)
+        for name, (kind, offset, *_) in (whole.dtype.fields or {}).items()
+    ]
+    message.point_step = whole.dtype.itemsize
+    exact = np.ascontiguousarray(directions.astype(np.float32).T)
+
+    def fill(reading: RangeReading) -> PointCloud2:
+        set_stamp(message.header.stamp, reading.stamp_ns)
+        hit = np.isfinite(reading.ranges)
+        chosen = slice(None) if keeps_misses else hit
+        points = whole[chosen] if not keeps_misses else whole
+        ranges = np.where(hit, reading.ranges, np.float32(np.nan))[chosen]
+        for axis, name in enumerate(XYZ):
+            points[name] = ranges * exact[axis][chosen]
+        if whole.dtype == POINT:
+            points["intensity"] = np.where(reading.on_obstacle[chosen], ON_OBSTACLE, ON_GROUND)
+        message.height, message.width = shape or (1, len(points))
+        message.row_step = message.width * message.point_step
+        message.is_dense = bool(hit.all()) or not keeps_misses
+        message.data = array("B", points.tobytes())
+        return message
+
+    return fill
+
+
+def depth_image(message: Image, options: DepthOptions) -> Fill:
+    """Returns what makes images of float32 depths [m], coded as REP-118 and REP-117 say."""
+    message.height, message.width = options.height, options.width
+    message.encoding, message.is_bigendian, message.step = "32FC1", 0, 4 * options.width
+
+    def fill(reading: RangeReading) -> Image:
+        set_stamp(message.header.stamp, reading.stamp_ns)
+        message.data = array("B", reading.ranges.tobytes())
+        return message
+
+    return fill
+
+
+def depth_camera_info(message: CameraInfo, options: DepthOptions) -> Fill:
+    """Returns what makes the calibration that goes with an image: a pinhole without distortion."""
+    return lens_info(message, Pinhole(options.width, options.height, options.fov))
+
+
+def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fill:
+    """Returns a filler that has the image of each sample drawn; None for a message without one."""
+    message.encoding, message.is_bigendian = ENCODING, 0
+    message.width, message.height = options.width, options.height
+    message.step = CHANNELS * options.width
+
+    def fill(state: CameraState) -> Image | None:
+        pixels = None if draw is None else draw(state)
+        if pixels is None:
+            return None
+        set_stamp(message.header.stamp, state.stamp_ns)
+        message.data = array("B", pixels.tobytes())
+        return message
+
+    return fill
+
+
+def camera_info_fill(message: CameraInfo, options: CameraOptions) -> Fill:
+    """Returns a filler of what is known of the camera's lens."""
+    return lens_info(message, options.lens_of())
+
+
+def lens_info(message: CameraInfo, lens: Lens) -> Fill:
+    """Returns a filler of what is known of a lens, which is without further distortion."""
+    message.width, message.height = lens.width, lens.height
+    message.distortion_model = lens.distortion_model
+    message.d = [0.0] * lens.coefficients
+    message.k = lens.matrix.ravel()
+    message.r = np.eye(3).ravel()
+    message.p = np.column_stack([lens.matrix, np.zeros(3)]).ravel()
+
+    def fill(sample: Sample) -> CameraInfo:
+        set_stamp(message.header.stamp, sample.stamp_ns)
+        return message
+
+    return fill

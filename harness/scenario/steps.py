@@ -1,0 +1,127 @@
+"""What a scenario does beside driving: events at simulated times, and commands that it starts."""
+
+import shlex
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag
+
+from harness.scenario.bound import FullName, Point, Text
+from harness.spec.value import Length, Seconds, Value
+
+
+class FaultEvent(Value):
+    """A sensor fault, e.g. `{at: 5, fault: "scan:dropout", for: 3}`.
+
+    Attributes:
+        at: When it begins [s].
+        fault: SENSOR:FAULT[=VALUE].
+        length: How long it lasts [s], in the file `for`; to the end if left out.
+    """
+
+    at: Seconds
+    fault: Annotated[str, StringConstraints(pattern=r"^[^@+]+$")]
+    length: Length | None = Field(default=None, alias="for")
+
+    @property
+    def spec(self) -> str:
+        """Returns the fault as `--fault` takes it."""
+        return f"{self.fault}@{self.at!r}" + ("" if self.length is None else f"+{self.length!r}")
+
+
+class CommandEvent(Value):
+    """A command for `driver: cmd_vel`: speed [m/s] and yaw rate [rad/s] from a time on."""
+
+    at: Seconds
+    command: Point
+
+
+class ResetEvent(Value):
+    """The rover is put back to its start."""
+
+    at: Seconds
+    reset: Literal[True]
+
+
+class PauseEvent(Value):
+    """Time stands still: /clock tells its last time again, every 10 ms of so many seconds."""
+
+    at: Seconds
+    pause: Length
+
+
+EVENTS: dict[str, type[Value]] = {
+    "fault": FaultEvent,
+    "command": CommandEvent,
+    "reset": ResetEvent,
+    "pause": PauseEvent,
+}
+
+
+def _kind(event: Any) -> str | None:  # noqa: ANN401 - anything that stands in a file
+    """Which event it is: the mistakes that are told are those of that one alone."""
+    names = event if isinstance(event, dict) else getattr(type(event), "model_fields", ())
+    return next((name for name in EVENTS if name in names), None)
+
+
+Event = Annotated[
+    Annotated[FaultEvent, Tag("fault")]
+    | Annotated[CommandEvent, Tag("command")]
+    | Annotated[ResetEvent, Tag("reset")]
+    | Annotated[PauseEvent, Tag("pause")],
+    Discriminator(_kind),
+]
+
+
+FOLDER = "{folder}"  # in a word: a folder of the run's own
+
+
+def _splits(line: str) -> str:
+    shlex.split(line)  # ValueError: No closing quotation
+    return line
+
+
+def _form(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return "list"
+    return "one" if isinstance(value, str) else "part"
+
+
+Line = Annotated[Text, AfterValidator(_splits), Tag("one")]
+Words = Annotated[tuple[Text, ...], Field(min_length=1), Tag("list")]
+Command = Annotated[Line | Words, Discriminator(_form)]
+Nodes = Annotated[
+    Annotated[FullName, Tag("one")] | Annotated[tuple[FullName, ...], Tag("list")],
+    Discriminator(_form),
+]
+
+
+class Launch(Value):
+    """A command, and what of it is waited for.
+
+    Attributes:
+        command: Its words, or a line that is split as a shell does; no shell runs it. "{folder}" stands
+            for a folder of the run's own.
+        wait_for: Its nodes that must have handled everything before time goes on, by their full names;
+            if left out, one, whatever its name. An empty list waits for none, and the command may end.
+    """
+
+    command: Command
+    wait_for: Nodes | None = None
+
+    @property
+    def nodes(self) -> tuple[str, ...] | None:
+        """Returns the names of `wait_for`; None if it was left out."""
+        return (self.wait_for,) if isinstance(self.wait_for, str) else self.wait_for
+
+    def words(self, folder: str) -> list[str]:
+        """Returns the words of the command, in the folder of a run."""
+        words = shlex.split(self.command) if isinstance(self.command, str) else self.command
+        return [word.replace(FOLDER, folder) for word in words]
+
+
+Launched = Annotated[Line | Words | Annotated[Launch, Tag("part")], Discriminator(_form)]
+
+
+def launch_of(entry: Launch | str | tuple[str, ...]) -> Launch:
+    """Returns an entry of `launch:`, which may be a command alone."""
+    return entry if isinstance(entry, Launch) else Launch(command=entry)

@@ -1,0 +1,122 @@
+"""Listens to the topics that a scenario expects something of, as soon as somebody publishes them."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
+
+from harness.base.errors import UsageError
+from harness.ros.bridge import Bridge
+from harness.ros.commands import RCLError
+from harness.ros.foreign_type import forget_missing_definition
+from harness.ros.topic_monitor import PLUMBING, message_class
+from harness.scenario.arrivals import Arrivals
+from harness.scenario.topic import AGE, TopicQuantity, check_messages
+from harness.sensors.message_types import typestore
+from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
+from rover_metrics.ros.subscriptions import keep_last
+
+QUEUE = 1000  # messages of a topic that may wait; in lock-step nothing is lost
+
+Record = Callable[[str, Subscription], Callable[[Any], object] | None]
+
+
+class Subscriptions:
+    """The topics of which something is expected, and what has arrived on them.
+
+    Args:
+        bridge: Subscribes.
+        wanted: What is expected of each topic.
+        inputs: Topics from whose stamps latencies count.
+        now: Tells simulation time since the start, and that of the listeners' clock [ns].
+        record: Returns what records the messages of a topic that the bridge does not publish itself.
+
+    Attributes:
+        heard: Of each topic that somebody has published.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        wanted: Mapping[str, Sequence[TopicQuantity]],
+        inputs: Collection[str],
+        *,
+        now: Callable[[], tuple[int, int]],
+        record: Record,
+    ) -> None:
+        self._bridge, self._now, self._record = bridge, now, record
+        self._wanted, self._inputs = wanted, inputs
+        self._missing = {*wanted, *inputs}
+        self._problem: str | None = None
+        self.heard: dict[str, Arrivals] = {}
+
+    @property
+    def known(self) -> list[str]:
+        """Returns all topics that somebody publishes."""
+        found = [topic for topic, _ in self._bridge.get_topic_names_and_types()]
+        return [t for t in found if t not in PLUMBING and self._bridge.count_publishers(t)]
+
+    def look_around(self) -> bool:
+        """Listens to topics that have turned up; returns whether there were any.
+
+        Raises:
+            UsageError: Messages of a topic cannot be heard, or have not what is expected of them.
+        """
+        if self._problem is not None:
+            raise UsageError(self._problem)
+        before = len(self._missing)
+        for topic in sorted(self._missing):
+            publishers = self._bridge.get_publishers_info_by_topic(topic)
+            if publishers:
+                with suppress(RCLError):  # /cmd_vel is heard as another type, not for long
+                    self._listen(topic, publishers)
+                    self._missing.remove(topic)
+        return len(self._missing) < before
+
+    def _listen(self, topic: str, publishers: Sequence[Any]) -> None:
+        name, wanted = publishers[0].topic_type, self._wanted.get(topic, ())
+        kind = message_class(name)
+        if kind is None:
+            raise UsageError(f"{topic} is of the type {name}, which is not installed for this harness")
+        for quantity in wanted:
+            if problem := check_messages(quantity, name):
+                raise UsageError(problem)
+        arrivals = Arrivals(sorted({q.path for q in wanted if q.path}))
+        # Their content counts only where something is expected of it, or of their stamps.
+        is_read = topic in self._inputs or any(q.path or q.what == AGE for q in wanted)
+        is_made = not hasattr(kind, "get_fields_and_field_types")  # for bytes alone
+        record: list[Callable[[Any], object]] = []
+        take = partial(self._take, arrivals, record, name if is_read and is_made else None)
+        raw = kind is not Clock and (is_made or not is_read)
+        heard = self._bridge.create_subscription(kind, topic, take, _quality(publishers), raw=raw)
+        forget_missing_definition()
+        if topic not in (*self._bridge.published(), self._bridge.commands.topic):
+            record += filter(None, [self._record(topic, heard)])
+        self.heard[topic] = arrivals
+
+    def _take(
+        self,
+        arrivals: Arrivals,
+        record: Sequence[Callable[[Any], object]],
+        made: str | None,
+        message: Any,  # noqa: ANN401 - of any type
+    ) -> None:
+        for each in record:
+            each(message)
+        content = message if made is None else typestore().deserialize_cdr(message, made)
+        try:
+            arrivals.take(content, *self._now())
+        except (AttributeError, TypeError, ValueError) as error:  # of a type that rosbags does not know
+            self._problem = f"{made or type(message).__name__} has no such field: {error}"
+
+
+def _quality(publishers: Sequence[Any]) -> QoSProfile:
+    """As much as all publishers of a topic offer."""
+    offered = [publisher.qos_profile for publisher in publishers]
+    reliable = all(each.reliability == ReliabilityPolicy.RELIABLE for each in offered)
+    latched = all(each.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in offered)
+    return keep_last(QUEUE, RELIABLE if reliable else BEST_EFFORT, latched=latched)

@@ -1,0 +1,207 @@
+"""Drives golden runs, without ROS and through it, and keeps all that comes out.
+
+The only place here that knows how a run is described and started.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.base.interrupt import StopRequest
+from harness.cli.options import RunOptions, parse_run
+from harness.episode.assembly import actor_names
+from harness.episode.batch import Batch
+from harness.episode.direct import run_direct
+from harness.episode.fingerprint import StreamHash
+from harness.episode.manifest import manifest
+from harness.episode.result import Outputs, RunResult
+from harness.episode.social_recorder import SocialRecorder
+from harness.robots.urdf.folder import write_folder
+from harness.spec.sensor import SensorChoice
+from tests.golden.table import GoldenRun
+from tests.support.documents import ROOT
+from tests.support.foreign_rovers import FOREIGN
+from tests.support.forked_program import ForkedProgram
+from tests.support.waiting import PATIENCE
+
+PARAMS = "/**:\n  ros__parameters: {collision_threshold: 0.6, distance_threshold: 0.008, gravity: 9.7}\n"
+MODEL = (
+    "<model name='{}'><static>1</static><pose>{}</pose><link name='l'><collision name='c'>"
+    "<geometry>{}</geometry></collision></link></model>"
+)
+BOX = "<box><size>{}</size></box>"
+SDF = (
+    "<sdf version='1.9'><world name='w'><gravity>0 0 -3.72</gravity>"
+    + MODEL.format("ground", "0 0 0.2 0 0 0", "<plane><normal>0 0 1</normal><size>18 16</size></plane>")
+    + "".join(
+        MODEL.format(f"crate{x}", f"{x} {y} 0.5 0 0 0.3", BOX.format("0.6 0.6 1"))
+        for x, y in ((4.5, 1), (-2, 3), (1, -3), (-4, -2))
+    )
+    + MODEL.format("step", "1.2 0.5 0.24 0 0 0.2", BOX.format("0.3 0.8 0.09"))  # for Leo alone a rock
+    + MODEL.format("plank7", "-1 -1.5 0.35 0 0 0", BOX.format("0.2 0.2 0.3"))
+    + "</world></sdf>"
+)
+
+
+def make_files(folder: Path) -> dict[str, Path]:
+    """Writes what the table's words in braces stand for; returns where it is."""
+    x, y = np.meshgrid(np.linspace(-7, 7, 71), np.linspace(6, -6, 61))
+    np.save(folder / "hills.npy", 0.5 * np.sin(0.6 * x) * np.cos(0.5 * y) + 0.02 * np.sin(9 * x))
+    at = np.arange(-700, 701, 100)  # [cm]
+    points = [(a, b, 25 * np.sin(a / 150) + 15 * np.cos(b / 200)) for a in at for b in at]
+    n, corners = len(at), range(len(at) - 1)
+    faces = [
+        (n * i + j, n * i + n + j, n * i + n + j + 1, n * i + j + 1) for i in corners for j in corners
+    ]
+    lines = [f"v {a} {b} {c:.3f}" for a, b, c in points]
+    lines += [f"f {a + 1} {b + 1} {c + 1}\nf {a + 1} {c + 1} {d + 1}" for a, b, c, d in faces]
+    (folder / "valley.obj").write_text("\n".join(lines) + "\n")
+    (folder / "yard.sdf").write_text(SDF)
+    (folder / "params.yaml").write_text(PARAMS)
+    for name, foreign in FOREIGN.items():
+        (folder / f"{name}.urdf").write_text(foreign.urdf)
+        write_folder(name, folder / f"{name}.urdf", folder / name)
+    files = {"dem": "hills.npy", "mesh": "valley.obj", "sdf": "yard.sdf", "params": "params.yaml"}
+    made = {name: folder / file for name, file in files.items()}
+    return made | {name: folder / name for name in FOREIGN} | {"policy": ROOT / "examples/point_nav.npz"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Driven:
+    """What one rover of a run has left behind.
+
+    Attributes:
+        name: Of the rover in a fleet, else "".
+        result: What the run came to.
+        manifest: Its JSON, parsed.
+        csv: The log's text; `social` is that of the log of people, "" without any.
+        stream: Hash of the stream of samples; `samples` is their number.
+    """
+
+    name: str
+    result: RunResult
+    manifest: dict[str, Any]
+    csv: str
+    social: str
+    stream: str
+    samples: int
+
+
+class WithoutSensor(StreamHash):
+    """Hashes a stream as if it had no sensor of that name.
+
+    Args:
+        sensor: Its name; "" for the whole stream.
+    """
+
+    def __init__(self, sensor: str) -> None:
+        super().__init__()
+        self._sensor = sensor
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        ticks = [
+            replace(tick, samples=tuple(s for s in tick.samples if not self._is_left_out(s)))
+            for tick in batch.ticks
+        ]
+        super().take(replace(batch, ticks=tuple(ticks)))
+
+    def _is_left_out(self, sample: object) -> bool:
+        return bool(self._sensor) and getattr(sample, "sensor", "") == self._sensor
+
+
+def run_options(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: str = "") -> RunOptions:
+    """Returns what the command line and the plan of a run ask for.
+
+    Args:
+        run: A line of the table.
+        files: What its words in braces stand for.
+        folder: Gets the logs.
+        sensor: One more that all rovers carry.
+    """
+    options = parse_run([*run.words(files), "--log-dir", str(folder)])
+    assert options is not None
+    more = (SensorChoice(sensor),) if sensor else ()
+    rovers = tuple(
+        rover.but(sensors=(*(rover.sensors or ()), *more) or None) for rover in options.run.rovers
+    )
+    return replace(options, run=options.run.but(rovers=rovers, plan=options.run.plan.but(**run.plan)))
+
+
+def drive_direct(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: str = "") -> list[Driven]:
+    """Drives a run without ROS; the hash of its stream leaves out that one more sensor."""
+    options = run_options(run, files, folder, sensor)
+    with _outputs(options, sensor) as (outputs, observers):
+        results = run_direct(options.run, outputs, options.ros, StopRequest())
+    return [_driven(*each) for each in zip(results, observers, strict=True)]
+
+
+def drive_through_ros(
+    run: GoldenRun, files: dict[str, Path], folder: Path, recording: Path
+) -> list[Driven]:
+    """Drives a run through ROS 2 and records it; its metrics_node is another process if it says so."""
+    from harness.ros.session import run_through_ros  # noqa: PLC0415 - there may be no ROS
+
+    options = run_options(run, files, folder)
+    ros = options.ros.but(record=recording)
+    with _outputs(options) as (outputs, observers):
+        if run.ros != "elsewhere":
+            results = run_through_ros(options.run, outputs, ros, StopRequest())
+            return [_driven(*each) for each in zip(results, observers, strict=True)]
+        ros = ros.but(host_metrics=False, wait_for=("metrics_node",))
+        settings = {**options.settings[0].parameters, "log_dir": str(folder)}
+        words = (f"{name}:={json.dumps(value)}" for name, value in settings.items() if value != [])
+        node = ["--ros-args", "-p", "use_sim_time:=true", *(w for pair in words for w in ("-p", pair))]
+        with ForkedProgram("rover_metrics.metrics_node", node, folder.parent / "node.txt") as program:
+            (result,) = run_through_ros(options.run, outputs, ros, StopRequest())
+            program.terminate()
+            assert program.wait(PATIENCE) == 0, program.said.read_text()
+    (log,) = folder.glob("*.csv")
+    return [_driven(replace(result, log_path=log), observers[0])]
+
+
+Observers = tuple[WithoutSensor, SocialRecorder | None]
+
+
+@contextmanager
+def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outputs], list[Observers]]]:
+    """Where the data of each rover go, and who watches them."""
+    names = actor_names(options.run.world)
+    folders = [options.log_dir(rover) for rover in options.run.rovers]
+    people = [SocialRecorder(names, None, folder) if names else None for folder in folders]
+    watching: list[Observers] = [(WithoutSensor(sensor), recorder) for recorder in people]
+    outputs = [
+        Outputs(log_dir=folder, observers=tuple(filter(None, observers)), settings=settings)
+        for folder, observers, settings in zip(folders, watching, options.settings, strict=True)
+    ]
+    try:
+        yield outputs, watching
+    finally:
+        for recorder in people:
+            if recorder is not None:
+                recorder.close()
+
+
+def _driven(result: RunResult, observers: Observers) -> Driven:
+    stream, people = observers
+    assert result.log_path is not None, result.failure
+    social = None if people is None else people.path
+    return Driven(
+        name=result.rover.name,
+        result=result,
+        manifest=json.loads(json.dumps(manifest(replace(result, social_log=social)))),
+        csv=result.log_path.read_text(),
+        social="" if social is None else social.read_text(),
+        stream=stream.hexdigest(),
+        samples=stream.samples,
+    )
+
+
+def files_below(folder: Path) -> Sequence[str]:
+    """Returns the names of all files below a folder."""
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())

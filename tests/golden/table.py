@@ -1,0 +1,197 @@
+"""The golden runs: the lines of runs.txt as what a user would write on a command line."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from harness.drivers import DRIVERS
+from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
+from harness.sensors.choice import kinds
+from harness.sensors.noise import PRESETS
+from harness.world.terrains import TERRAINS
+
+TABLE = Path(__file__).with_name("runs.txt")
+NONE = "-"
+OWN_ROBOTS = {"leo": "leo", "zero": "rover_zero4wd"}  # others are folders, made for the tests
+STAGED = ("ram", "reverse_into", "graze", "swing", "pass_by")
+AREA = ["--goal-area", "-3,3,-3,3"]
+DRIVER = {
+    "area": ["--driver", "goal", *AREA],
+    "policy": ["--driver", "policy:{policy}", *AREA],
+}
+TERRAIN = {
+    "dem": ["--terrain", "{dem}", "--terrain-size", "14", "12"],
+    "sdf": ["--terrain", "{sdf}", "--rock", "plank*"],
+    "mesh": ["--terrain", "{mesh}", "--mesh-unit", "cm", "--terrain-cell", "0.2"],
+}
+PEOPLE = {
+    "points": ["--actor", "a=3,0/3,3:push=1", "--actor", "b=random:within=4"],
+    "social": ["--actor", "c=social:within=3,speed=0.7"],
+}
+METRICS = {
+    "extended": ["--extended"],
+    "params": ["--params", "{params}"],
+    "both": ["--extended", "--params", "{params}"],
+}
+TF = {
+    "wheels": ["--odom-tf", "wheels"],
+    "none": ["--odom-tf", "none"],
+    "3d": ["--odom-tf-3d", "--map-tf"],
+}
+OTHER_NUMBERS = [
+    "--imu-rate",
+    "100",
+    "--lidar-beams",
+    "90",
+    "--timestep",
+    "0.005",
+    "--datum",
+    "-33.9,18.4,40",
+]
+PLAN: dict[str, dict[str, Any]] = {  # what no command line says
+    "cmd_vel": {"commands": ((0.0, 0.4, 0.3), (1.0, -0.2, -0.5), (2.0, 0.5, 0.0))},
+    "goal": {"goals": ((0.2, 2.0, 1.0, 0.0), (1.6, -1.0, 2.0, 1.5))},
+}
+
+
+@dataclass(frozen=True)
+class GoldenRun:
+    """A line of the table.
+
+    Attributes:
+        values: Its words, by column.
+    """
+
+    values: dict[str, str]
+
+    def __getattr__(self, column: str) -> str:
+        try:
+            return self.values[column]
+        except KeyError:
+            raise AttributeError(column) from None
+
+    @property
+    def name(self) -> str:
+        """What the references know it by."""
+        return "-".join(self.values[column] for column in ("no", "robot", "terrain", "driver"))
+
+    @property
+    def plan(self) -> dict[str, Any]:
+        """What happens when, by the names of the fields of a plan."""
+        return PLAN.get(self.driver, {}) | (
+            {} if self.reset == NONE else {"resets": (float(self.reset),)}
+        )
+
+    @property
+    def is_fleet(self) -> bool:
+        """Whether there are two rovers."""
+        return self.fleet != NONE
+
+    @property
+    def duration(self) -> float:
+        """Simulated seconds: enough for a staged encounter to come about."""
+        return 5.0 if self.driver in STAGED else 3.0
+
+    def words(self, files: dict[str, Path]) -> list[str]:
+        """Returns the arguments of harness.run.
+
+        Args:
+            files: What stands for the names in braces.
+        """
+        robot = OWN_ROBOTS.get(self.robot, f"{{{self.robot}}}")
+        words = ["--duration", str(self.duration), "--seed", str(int(self.no))]
+        words += TERRAIN.get(self.terrain, ["--terrain", self.terrain])
+        words += DRIVER.get(self.driver, ["--driver", self.driver])
+        words += [] if self.sensors == NONE else ["--sensors", self.sensors.replace("+", ",")]
+        words += [] if self.noise == NONE else ["--noise", self.noise]
+        words += [] if self.fault == NONE else ["--fault", self.fault]
+        words += ["--fault", "camera:rate=0.6"] if "camera" in self.sensors else []  # drawing is slow
+        words += PEOPLE.get(self.people, []) + METRICS.get(self.metrics, []) + TF.get(self.tf, [])
+        words += [] if self.numbers == NONE else OTHER_NUMBERS
+        words += ["--namespace", "below"] if self.ros == "namespace" else []
+        words += self._fleet(robot) if self.is_fleet else ["--robot", robot]
+        return [word.format(**files) for word in words]
+
+    def _fleet(self, robot: str) -> list[str]:
+        if self.fleet in ("twin", "close"):
+            behind = (
+                ",x=-1.1,y=0" if self.fleet == "close" else ""
+            )  # drives to where the first one began
+            return ["--rover", f"{robot}:a", "--rover", f"{robot}:b{behind}"]
+        other = "rover_zero4wd" if self.robot == "leo" else "leo"
+        sensors = "gnss" if self.sensors == NONE else self.sensors.replace("gnss+", "") + "+gnss"
+        own = f"driver=straight,noise=white,sensors={sensors},fault=imu:nan=0.5"
+        return ["--rover", f"{robot}:a", "--rover", f"{other}:b,{own}"]
+
+
+def read_table() -> tuple[GoldenRun, ...]:
+    """Returns the runs in their order."""
+    lines = [line.split() for line in TABLE.read_text().splitlines() if not line.startswith("#")]
+    return tuple(GoldenRun(dict(zip(lines[0], line, strict=True))) for line in lines[1:])
+
+
+RUNS = read_table()
+
+
+def kind(column: str, value: str) -> str:
+    """Returns what a value is a case of; pairs of these are covered."""
+    sensor, _, name = value.partition(":")
+    groups = {
+        "terrain": {"posts": "hazards", "maze": "hazards"}
+        | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
+        "robot": {"sojourner": "husky"},
+        "fleet": {"close": "twin"},
+        "reset": {"2.6": "1.3"},
+        "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},
+    }
+    if column == "driver" and value not in ("area", "policy", "goal", "cmd_vel", *STAGED):
+        return "own"
+    if column != "fault" or value == NONE:
+        return groups.get(column, {}).get(value, value)
+    if sensor == "clock" or sensor in kinds():
+        return "clock" if sensor == "clock" else "optional"
+    fault = next(kind for kind in OF_SENSORS if kind.name == name.partition("=")[0].partition("@")[0])
+    return "values" if fault.of_values else "stream"
+
+
+def is_possible(pair: Iterable[tuple[str, str]]) -> bool:
+    """Returns whether two kinds of values can stand in one run."""
+    given = dict(pair)
+    if given.get("driver") == "staged" and given.get("terrain") not in (None, "rocky", "hazards", "sdf"):
+        return False  # there is nothing to meet
+    if given.get("fleet", NONE) != NONE and given.get("ros", NONE) != NONE:
+        return False  # a fleet has its own namespaces
+    return given != {"fault": "optional", "sensors": NONE}
+
+
+def missing_pairs() -> list[tuple[tuple[str, str], ...]]:
+    """Returns the pairs of kinds that no run has."""
+    kinds_of = [[(c, kind(c, v)) for c, v in run.values.items() if c != "no"] for run in RUNS]
+    there = {pair for values in kinds_of for pair in combinations(values, 2)}
+    columns = [sorted({values[index] for values in kinds_of}) for index in range(len(kinds_of[0]))]
+    possible = [
+        (one, other)
+        for first, second in combinations(columns, 2)
+        for one in first
+        for other in second
+        if is_possible((one, other))
+    ]
+    return [pair for pair in possible if pair not in there]
+
+
+def missing_values() -> set[str]:
+    """Returns the registered terrains, drivers, sensors, presets and faults that no run has."""
+    of = {column: {run.values[column] for run in RUNS} for column in RUNS[0].values}
+    sensors = {name for value in of["sensors"] for name in value.split("+")}
+    faults = {name.partition("@")[0].partition("=")[0] for name in of["fault"]}
+    drivers = of["driver"] | {"policy"}
+    return (
+        (set(TERRAINS) - of["terrain"])
+        | (set(DRIVERS) - drivers)
+        | (set(kinds()) - sensors)
+        | (set(PRESETS) - of["noise"])
+        | {kind.name for kind in OF_SENSORS} - {name.partition(":")[2] for name in faults}
+        | {f"clock:{kind.name}" for kind in OF_THE_CLOCK} - faults
+    )

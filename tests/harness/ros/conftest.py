@@ -1,0 +1,56 @@
+"""Nodes in a domain of the test's own, as a run has them."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from harness.sensors.lidar_spec import LidarSpec
+from tests.support.rovers import LEO
+from tests.support.waiting import PATIENCE
+
+Untyped = Any  # rclpy has no types
+
+
+class Ros:
+    """A context with its executor, and what tests make of nodes in it."""
+
+    def __init__(self, at_end: ExitStack) -> None:
+        from harness.ros.context import make_executor, ros_context  # noqa: PLC0415 - see `ros`
+
+        self.at_end = at_end
+        self.context: Untyped = at_end.enter_context(ros_context([]))
+        self.executor: Untyped = at_end.enter_context(make_executor(self.context))
+
+    def node(self, name: str) -> Untyped:
+        """A node that the executor spins."""
+        import rclpy  # noqa: PLC0415 - see `ros`
+
+        return self.added(rclpy.create_node(name, context=self.context, enable_rosout=False))
+
+    def bridge(self, **options: Any) -> Untyped:  # noqa: ANN401 - those of a Bridge
+        """A bridge of a leo that the executor spins."""
+        from harness.ros.bridge import Bridge  # noqa: PLC0415 - see `ros`
+
+        return self.added(Bridge(LEO, LidarSpec(beams=4), context=self.context, **options))
+
+    def added(self, node: Untyped) -> Untyped:
+        """A node, once the executor spins it."""
+        self.at_end.callback(node.destroy_node)
+        self.executor.add_node(node)
+        return node
+
+    def until(self, condition: Any) -> None:  # noqa: ANN401 - a function
+        """Spins until a condition holds, which must be soon."""
+        from harness.ros.context import spin_until  # noqa: PLC0415 - see `ros`
+
+        assert spin_until(self.executor, condition, PATIENCE)
+
+
+@pytest.fixture
+def ros(ros_domain: int) -> Iterator[Ros]:  # noqa: ARG001 - sets the domain
+    """A context, an executor, and nodes on demand."""
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    with ExitStack() as at_end:
+        yield Ros(at_end)

@@ -1,0 +1,169 @@
+"""Every sensor of the table by the same rules: rate, frame, finite values, noise, seed and topics."""
+
+from collections.abc import Sequence
+from functools import cache
+from importlib import import_module
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from harness.base.sim_time import period_ticks
+from harness.episode.assembly import sensor_rows
+from harness.episode.episode import Episode
+from harness.frames.rover_frames import rover_frames
+from harness.robots import ROVERS
+from harness.samples import Imu, LaserScan, Sample, Source, Transforms, TruthState, source
+from harness.sensors.base import EpisodeParts, Sensor
+from harness.sensors.choice import by_default
+from harness.sensors.ranging import RangeReading
+from harness.sensors.suite import SensorSuite
+from harness.sensors.table import SENSORS, SensorRow, by_fault_name
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
+from tests.harness.conftest import MakeSimulation
+from tests.support.rovers import LEO
+from tests.support.rovers import ROVER_ZERO4WD as ZERO
+
+ALL = ("lidar2d", "lidar3d", "depth", "camera=small", "gnss", "magnetometer", "barometer", "height_scan")
+RUN = Run.of(terrain="posts", driver="figure8", lidar_beams=8, duration=0.5, sensors=list(ALL))
+ROWS = sensor_rows(RUN.rover)
+RANGING, CHIPS = {LaserScan, Imu, "lidar2d", "lidar3d", "depth"}, {"gnss", "magnetometer", "barometer"}
+
+each = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.fault or row.sample.__name__)
+
+
+@cache
+def readings(noise: str | None = None, sensors: Sequence[str] = ALL) -> dict[Source, list[Sample]]:
+    """What the sensors of a short run read."""
+    run = RUN.alone(noise=noise, sensors=list(sensors) or ["none"])
+    read: dict[Source, list[Sample]] = {}
+    for batch in Episode(run, frame_options=FrameOptions()).batches():
+        for sample in (sample for tick in batch.ticks for sample in tick.samples):
+            read.setdefault(source(sample), []).append(sample)
+    return read
+
+
+def values(samples: Sequence[Sample]) -> bytes:
+    """Every value of samples."""
+    each = [getattr(sample, name) for sample in samples for name in sample.__dataclass_fields__]
+    return repr([value.tobytes() if isinstance(value, np.ndarray) else value for value in each]).encode()
+
+
+@each
+def test_a_sensor_reads_at_its_rate_from_the_first_period_on(row: SensorRow) -> None:
+    rate = RUN.rover.imu_rate if row.sample is Imu else row.rate_on(LEO)
+    stamps = [sample.stamp_ns for sample in readings()[row.source]]
+    expected = [round(n * 1e9 / rate) for n in range(1, round(0.5 * rate) + 1)]
+    if row.sample is Transforms:  # with every other sample
+        others = {s.stamp_ns for kind, some in readings().items() if kind != Transforms for s in some}
+        expected = sorted(others)
+    assert stamps == expected
+
+
+@each
+def test_what_it_reads_is_never_nan_and_infinite_only_as_a_range(row: SensorRow) -> None:
+    for sample in readings()[row.source]:
+        for name in sample.__dataclass_fields__:
+            value = getattr(sample, name)
+            if isinstance(value, float | tuple | np.ndarray):
+                assert not np.isnan(value).any(), name
+                assert np.isfinite(value).all() or name == "ranges", name
+
+
+@each
+def test_its_frame_is_one_of_the_rovers_and_its_rate_divides_the_clock(row: SensorRow) -> None:
+    for rover in ROVERS.values():
+        mounts = [row.given.frames(rover) for row in ROWS if row.given is not None]
+        links = {link.name for link in rover_frames(rover, sum(mounts, ())).links}
+        assert row.frame_on(rover) in links | {"", "odom", "world"}
+        assert period_ticks(row.rate_on(rover)) >= 1
+
+
+@pytest.mark.parametrize(
+    ("noise", "corrupted"),
+    [("white", RANGING), ("hardware", RANGING | CHIPS), ("gazebo", {Imu})],
+)
+def test_noise_corrupts_these_sensors_and_no_others(noise: str, corrupted: set[Source]) -> None:
+    exact, noisy = readings(), readings(noise)
+    assert {kind for kind in exact if values(exact[kind]) != values(noisy[kind])} == corrupted
+
+
+@pytest.mark.parametrize("sensors", [(), ("gnss",), ("barometer", "lidar3d", "camera=small")])
+def test_a_sensor_reads_the_same_bytes_whatever_else_is_carried(sensors: tuple[str, ...]) -> None:
+    few, many = readings("hardware", sensors), readings("hardware")
+    assert len(few) == len(SENSORS) - len(ALL) + len(sensors)
+    assert all(values(few[kind]) == values(many[kind]) for kind in few)
+
+
+@pytest.mark.parametrize("noise", [None, "white"])
+def test_the_errors_of_a_range_are_those_of_the_runs_noise(noise: str | None) -> None:
+    exact, read = readings()["lidar3d"][0], readings(noise)["lidar3d"][0]
+    assert isinstance(exact, RangeReading)
+    assert isinstance(read, RangeReading)
+    seen = np.isfinite(exact.ranges) & np.isfinite(read.ranges)
+    assert (read.ranges[seen] - exact.ranges[seen]).std() == pytest.approx(
+        0.01 if noise else 0.0, rel=0.05
+    )
+
+
+# docs/design.md, "Contracts": type, rate [Hz] and frame, of Leo and of rover_zero4wd where they differ.
+PROMISED: dict[str, tuple[object, ...]] = {
+    "tf": ("tf2_msgs/msg/TFMessage", (100, "")),
+    "scan": ("sensor_msgs/msg/LaserScan", (20, "lidar_link")),
+    "imu/data": ("sensor_msgs/msg/Imu", (20, "imu_frame"), (20, "imu_link")),
+    "rover/pose_array": ("geometry_msgs/msg/PoseArray", (50, "world")),
+    "odometry/wheels": ("nav_msgs/msg/Odometry", (20, "odom"), (50, "odom")),
+    "odom_ground_truth": ("nav_msgs/msg/Odometry", (50, "odom")),
+    "joint_states": ("sensor_msgs/msg/JointState", (50, "")),
+    "rover/truth/contact": ("std_msgs/msg/Bool", (20, "")),
+    "rover/truth/traversal": ("std_msgs/msg/Float64MultiArray", (20, "")),
+}
+
+
+def test_every_rover_publishes_these_topics_in_this_order_and_with_this_quality_of_service() -> None:
+    rows = [(topic, row) for row in SENSORS if row.options is None for topic in row.topics]
+    given = {
+        t.name: (t.message_type, *((r.rate_on(v), r.frame_on(v)) for v in (LEO, ZERO))) for t, r in rows
+    }
+    assert given == {name: (kind, of[0], of[-1]) for name, (kind, *of) in PROMISED.items()}
+    assert list(given) == list(PROMISED)
+    topics = [topic for row in by_default() for topic in row.topics]
+    assert [topic.name for topic in topics if topic.best_effort] == ["rover/pose_array"]
+    assert {topic.name: topic.depth for topic in topics if topic.depth != 10} == {"tf": 100}
+    assert [topic.name for topic in topics if topic.on_demand] == ["camera/image_raw"]
+    assert not any(topic.latched for topic in topics)
+
+
+@each
+def test_faults_of_values_and_of_attitudes_change_fields_apart_in_the_samples_order(
+    row: SensorRow,
+) -> None:
+    """Attitudes are changed only where a user says so; images are drawn from what no fault may touch."""
+    names = [*row.sample.__dataclass_fields__]
+    places = [names.index(name) for name in row.measured]
+    assert all(one < other for one, other in pairwise(places)), "the order of the random draws"
+    attitudes = {name for name in names if name in ("orientation", "yaw")} if not row.options else set()
+    assert set(row.attitude) == attitudes
+    assert not {*row.measured} & {*row.attitude, "stamp_ns", "sensor", "x" if row.options else ""}
+    assert bool(row.measured) == (row.fault not in (None, "camera"))
+
+
+def test_all_but_the_truth_can_have_faults_and_every_factory_is_where_the_table_says() -> None:
+    assert [row.sample for row in by_default() if row.fault is None] == [TruthState]
+    assert by_fault_name(()) == {}
+    for module, _, name in (row.factory.partition(":") for row in SENSORS):
+        assert issubclass(getattr(import_module(module), name), Sensor)
+
+
+def test_an_episode_without_a_part_does_without_the_sensors_that_need_it(
+    make_simulation: MakeSimulation,
+) -> None:
+    simulation = make_simulation("leo")
+    suite = SensorSuite(EpisodeParts(simulation=simulation), LEO, {Imu: 50}, rows=ROWS)
+    simulation.tick()
+    made = {source(sample) for sample in suite.tick(100)}
+    lacking = {Transforms, LaserScan, TruthState, *(row.given.name for row in ROWS if row.given)}
+    assert made == {row.source for row in ROWS} - lacking
+    suite.tick(101)
+    assert [type(sample) for sample in suite.tick(102)][:1] == [Imu]  # at the rate that is asked for

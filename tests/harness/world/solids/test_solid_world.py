@@ -1,0 +1,172 @@
+"""Worlds from SDF files and meshes, whole: ground, obstacles, start, what is told and what refused."""
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.base.errors import UsageError
+from harness.spec.value import made
+from harness.spec.world import WorldSpec
+from harness.world.files import file_world
+from harness.world.obstacles import ObstacleKind, top
+from harness.world.solids.assembly import BUILT
+from harness.world.world import ORIGIN, RoverNeeds, World
+from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
+
+WORLDS = Path(__file__).parents[5] / "shared/data/roboterrain/worlds"
+needs_worlds = pytest.mark.skipif(not WORLDS.is_dir(), reason=f"there is no {WORLDS}")
+
+PLANE = "<plane><normal>0 0 1</normal><size>40 30</size></plane>"
+
+
+def solid(name: str, geometry: str, pose: str = "0 0 0 0 0 0", mu: float = 1.0, looks: str = "") -> str:
+    friction = f"<surface><friction><ode><mu>{mu}</mu></ode></friction></surface>"
+    return (
+        f"<model name='{name}'><static>1</static><pose>{pose}</pose><link name='l'>{looks}"
+        f"<collision name='c'><geometry>{geometry}</geometry>{friction}</collision></link></model>"
+    )
+
+
+def cube(name: str, pose: str, size: str = "1 1 1") -> str:
+    return solid(name, f"<box><size>{size}</size></box>", pose)
+
+
+def of_file(path: Path, *, needs_start: bool = True, **fields: object) -> World:
+    spec = made(WorldSpec, {"terrain": str(path)} | fields)
+    return file_world(spec, RoverNeeds(needs_start=needs_start), 7)
+
+
+def world_of(folder: Path, body: str, **fields: Any) -> World:  # noqa: ANN401 - of several fields
+    path = folder / "a.World"
+    path.write_text(f"<sdf version='1.9'><world name='w'>{body}</world></sdf>")
+    return of_file(path, **fields)
+
+
+def kinds(world: World) -> list[str]:
+    return [obstacle.kind.name for obstacle in world.obstacles]
+
+
+def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) -> None:
+    for name in "ab":
+        write_mesh(tmp_path / f"{name}.obj", box((0, 0, 0), (1, 1, 1)))
+    (tmp_path / "gone.sdf").write_text(f"<sdf>{cube('gone', '3 3 -0.1 0 0 0')}</sdf>")
+    red = "<visual name='v'><material><diffuse>1 0 0 1</diffuse></material></visual>"
+    body = (
+        "<gravity>0 0 -1.62</gravity><actor name='ann'/><actor name='ben'/><road/>"
+        + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.0)
+        + cube("low", "5 0 0.1 0 0 0")
+        + cube("high", "0 0 0.2 0 0 0")
+        + "<include><uri>gone.sdf</uri></include>" * 2
+        + cube("above", "5 0 1.5 0 0 0")
+        + solid("mesh", "<mesh><uri>b.obj</uri></mesh>", "-9 0 0.5 0 0 0", looks=red)
+        + solid("deep", "<mesh><uri>a.obj</uri></mesh>", "0 0 -5 0 0 0")
+    )
+    world = world_of(tmp_path, body)
+    assert kinds(world) == ["ROCK", "HAZARD", "HAZARD", "HAZARD"]
+    built = [BUILT[obstacle.kind] for obstacle in world.obstacles[:3]]
+    assert [obstacle.color for obstacle in world.obstacles] == [*built, (1.0, 0.0, 0.0, 1.0)]
+    assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.0, 7, None)
+    assert world.ground.bounds() == (-19.0, 21.0, -13.0, 17.0)
+    assert np.unique(world.ground.heights).tolist() == [0.5]
+    assert world.notes == (
+        "left out: <road>",
+        "actors: ann, ben",
+        "40 m along x, 30 m along y, 401 x 301 heights 0.1 m apart, relief 0 m, middle at 1,2",
+        "2 solids lie in the ground or off the map: left out",
+        "1 rocks (no higher than 0.1 m above the ground), 3 hazards, 0 facets of decks",
+        f"starts at {world.start[0]:g},{world.start[1]:g}, the free and gentle place next to its middle",
+    )
+    x, y, _ = world.start
+    assert 1.0 < np.hypot(x, y) < 2.5  # beside the box on 0,0
+    paths = (tmp_path / name for name in ("a.World", "gone.sdf", "a.obj", "b.obj"))
+    assert world.files == tuple((str(p), hashlib.sha256(p.read_bytes()).hexdigest()) for p in paths)
+
+
+def test_options_override_what_is_a_rock_and_what_a_hazard(tmp_path: Path) -> None:
+    """A platform above the ground and a block on it are too thick for decks, however high rocks are."""
+    write_mesh(
+        tmp_path / "m.obj", both(flat(), box((0, 0, 2.5), (12, 12, 1)), box((0, 0, 6), (2, 2, 1)))
+    )
+    body = solid("ground", PLANE) + solid("m", "<mesh><uri>m.obj</uri></mesh>")
+    body += "".join(cube(name, f"{x} 0 0 0 0 0") for name, x in (("a1", 0), ("a2", 8), ("b", 11)))
+    every = world_of(tmp_path, body, terrain_cell=0.5, rock_height=9.0)
+    assert (kinds(every), every.start == ORIGIN) == (["ROCK"] * 5, False)
+    names = {"rock": ("a?", "m"), "hazard": ("a2::l::c",)}
+    named = world_of(tmp_path, body, terrain_cell=0.5, needs_start=False, **names)
+    assert (kinds(named), named.start) == (["ROCK", *["HAZARD"] * 3, "ROCK"], ORIGIN)
+
+
+def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
+    hills = sheet(lambda x, y: 0.02 * x * y, 15.0, 12.0)
+    write_dae(tmp_path / "m.dae", both(hills, box((0, 0, 2.0), (6, 2, 0.08))))
+    mesh = "<mesh><uri>m.dae</uri><scale>1 1 1</scale></mesh>"
+    world = world_of(tmp_path, solid("t", mesh, "100 50 0 0 0 0"))
+    (deck,) = world.obstacles
+    assert deck.kind is ObstacleKind.DECK
+    assert any(note.endswith(" 0 hazards, 1 facets of decks") for note in world.notes)
+    assert top(deck) == pytest.approx(2.54)
+    assert world.ground.middle == pytest.approx((100.0, 50.0))
+    assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
+    assert world.start == (100.0, 50.0, 0.0)
+    assert [Path(name).name for name, _ in world.files] == ["a.World", "m.dae"]
+
+
+def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> None:
+    ground = both(sheet(lambda x, _: 0.1 * x, 8.0, 6.0), box((0, 0, 1), (1, 1, 1)))
+    path = write_mesh(tmp_path / "t.obj", ground)
+    world = of_file(path, terrain_cell=0.5)
+    assert (world.name, world.ground.cell, world.friction) == ("t.obj", 0.5, None)
+    assert world.ground.half_size == (8.0, 6.0)
+    assert [obstacle.color for obstacle in world.obstacles] == [BUILT[ObstacleKind.HAZARD]]
+    turned = ground.moved(
+        np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]), (1000.0,) * 3
+    )
+    path = write_mesh(tmp_path / "u.obj", turned)
+    again = of_file(path, terrain_cell=0.5, mesh_unit="mm", mesh_up="y")
+    np.testing.assert_allclose(again.ground.heights, world.ground.heights, atol=1e-6)
+
+
+def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
+    path = write_mesh(tmp_path / "t.obj", both(flat(0.0, 15.0, 10.0), flat(0.0, 6.0, 15.0)))
+    world = of_file(path)
+    assert world.ground.half_size == pytest.approx((15.0, 15.0), abs=0.1)
+    middle, half = world.roaming
+    assert middle == pytest.approx((0.0, 0.0), abs=1.0)
+    assert half[0] * half[1] == pytest.approx(15.0 * 10.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("", "nothing in it can be collided with; give its models a <collision>"),
+        (cube("b", "0 0 0 0 0 0", "3 4 5"), "it has no ground: neither a plane nor a heightmap"),
+        (solid("m", "<mesh><uri>m.obj</uri></mesh>"), r"\(the widest is 2 x 3 m\); add a ground plane"),
+        (solid("m", "<mesh><uri>n.obj</uri></mesh>"), "1 of its vertices are NaN or infinite"),
+    ],
+)
+def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, said: str) -> None:
+    write_mesh(tmp_path / "m.obj", box((0, 0, 0), (2, 3, 4)))
+    (tmp_path / "n.obj").write_text("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
+    with pytest.raises(UsageError, match=said) as raised:
+        world_of(tmp_path, body)
+    assert str(raised.value).count("a.World") == 1
+    assert "\n" not in str(raised.value)
+
+
+@needs_worlds
+def test_the_inspection_world_is_met_to_a_decimetre() -> None:
+    world = of_file(WORLDS / "inspection_boxes_x10_v2.world", terrain_cell=0.4)
+    assert world.gravity == 9.8
+    assert world.ground.bounds() == pytest.approx((-31.15, 33.28, -31.65, 67.98), abs=0.4)
+    assert sum(obstacle.shape == "box" for obstacle in world.obstacles) == 17
+    assert 300 < len(world.obstacles) < 700
+    text = "\n".join(world.notes)
+    assert "2 holes without any surface" in text
+    assert float(text.split("differ from the mesh by ")[1].split()[0]) < 0.5
+    (middle_x, middle_y), (half_x, half_y) = world.roaming
+    assert middle_x + half_x < 31.0
+    assert middle_y + half_y < 31.0
+    assert min(half_x, half_y) > 28.0
