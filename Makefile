@@ -20,7 +20,7 @@ golden: setup  ## what a change does to whole runs, field by field; ARGS=--accep
 test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
 	tools/test_jazzy.sh $(ARGS)
 
-test-cluster:  ## sweeps on a real local Ray and a real local Dask cluster: same bytes, killed workers
+test-cluster:  ## sweeps and scenarios on a real local Ray and a real local Dask cluster: same bytes, killed workers
 	tools/test_cluster.sh $(ARGS)
 
 mutants: setup  ## small changes of the modules that differ from main, or ARGS="--all" or files: which does no test notice?

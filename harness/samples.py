@@ -146,7 +146,7 @@ class ActorPoses:
 
 @plain_value
 class Transforms:
-    """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
+    """Poses of frames in their parents, in the order of harness.frames.tree.Description.
 
     Attributes:
         translation: x, y, z of each frame [m], one after the other.
@@ -163,7 +163,8 @@ class TruthState:
     """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
 
     Attributes:
-        hazard_contact: Whether any part touched a hazard since the last one; likewise `rock_contact`.
+        hazard_contact: Whether any part touched a hazard since the last one.
+        rock_contact: Whether any part touched a rock since the last one.
         scrape: Whether anything but a wheel touched the ground since the last one.
         contact_force: Largest normal force at one contact point with a hazard since the last one [N].
         speed: True forward speed of the model frame, negative backwards [m/s].

@@ -17,7 +17,6 @@ from harness.faults.injector import FaultInjector
 from harness.faults.lookup import find_faults
 from harness.robots import RoverSpec, find_rover
 from harness.sensors.choice import chosen
-from harness.sensors.geodesy import Datum
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
@@ -38,7 +37,6 @@ def check(run: Run) -> None:
     for rover in run.rovers:
         find_rover(rover.robot)
     check_terrain(run.world)
-    Datum(*run.world.datum).check()
     people(run.world)
     for rover in run.rovers:
         _check_rover(rover)

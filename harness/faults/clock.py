@@ -23,30 +23,30 @@ class FaultyClock:
 
     Attributes:
         stamp_ns: What readings of this tick are stamped with.
-        told_ns: What /clock says with this tick.
-        tells: Whether /clock says anything with this tick.
+        clock_ns: The time on /clock with this tick.
+        is_sent: Whether /clock is sent with this tick.
         step_ns: By how much the stamps advance with this tick.
         frozen: Whether /clock repeats its last time.
     """
 
     def __init__(self, faults: Sequence[tuple[Fault[ClockAct], np.random.Generator]]) -> None:
         self._faults = faults
-        self._time_ns = self.stamp_ns = self.told_ns = 0
+        self._time_ns = self.stamp_ns = self.clock_ns = 0
         self.step_ns = 0.0
-        self.frozen, self.tells = False, True
+        self.frozen, self.is_sent = False, True
 
     def advance(self, time_ns: int) -> None:
         """Goes on to a simulation time."""
         before_ns, self._time_ns = self._time_ns, time_ns
         self.step_ns = float(time_ns - before_ns)
-        self.frozen, self.tells = False, True
+        self.frozen, self.is_sent = False, True
         for fault, rng in self._faults:
             begins = before_ns < fault.start_ns <= time_ns
             if begins if fault.kind.momentary else fault.active(time_ns):
                 fault.kind.act(self, fault.value, rng)
         self.stamp_ns = min(self.stamp_ns + round(self.step_ns), LATEST_NS)
         if not self.frozen:
-            self.told_ns = self.stamp_ns
+            self.clock_ns = self.stamp_ns
 
     def jump(self, seconds: float) -> None:
         """Moves the stamps [s], not below 0."""
@@ -66,4 +66,4 @@ class FaultyClock:
 
     def silence(self, share: float, rng: np.random.Generator) -> None:
         """Keeps a share of /clock from being sent."""
-        self.tells &= rng.random() >= share
+        self.is_sent &= rng.random() >= share

@@ -73,7 +73,7 @@ class FaultInjector:
             for effect in effects:
                 readings = effect(readings, tick.stamp_ns)
             sent.extend(readings)
-        return Tick(clock.told_ns, (*sent, *others), clock.tells)
+        return Tick(clock.clock_ns, (*sent, *others), clock.is_sent)
 
 
 def _stamped(sample: Sample, stamp_ns: int) -> Sample:

@@ -16,7 +16,9 @@ SPIKE_SHARE = 0.1
 
 Values = NDArray[np.float64]
 Change = Callable[[Sample, float, np.random.Generator], Readings]  # what is sent, by the fault's value
-Hit = Callable[[Values, float, np.random.Generator], Values]  # a field's values, shape (n,), likewise
+Hit = Callable[
+    [Values, float, np.random.Generator], Values
+]  # a field's values, shape (n,), by the fault's
 
 
 def each(change: Change) -> SensorAct:

@@ -50,7 +50,7 @@ class RoverFrames:
     """All frames of a rover, the base first, every parent before its children.
 
     Attributes:
-        name: Of the rover.
+        name: Name of the rover.
         model: The rover alone, with what is only to be seen.
         data: Its state at the origin, all joints at 0.
     """
@@ -62,7 +62,7 @@ class RoverFrames:
 
     @property
     def base(self) -> str:
-        """The frame whose pose is told in the frame odom."""
+        """The frame whose pose in odom is published."""
         return self.links[0].name
 
     @property

@@ -1,8 +1,8 @@
-"""What is told of a rover's frames: what is fixed, once; what moves, before the samples of its tick.
+"""What is published of a rover's frames: the fixed ones once, the moving ones before a tick's samples.
 
-odom -> base is told with every tick that has samples, so that each of them can be transformed at its
-stamp as it comes; joints 20 times a second, as often as robot_state_publisher does unless told
-otherwise (its publish_frequency).
+odom -> base comes with every tick that has samples, so that each of them can be transformed at its
+stamp as it arrives; joints 20 times a second, as often as robot_state_publisher does by default
+(its publish_frequency).
 """
 
 import math
@@ -31,7 +31,7 @@ Values = NDArray[np.float64]
 
 
 def describe(frames: RoverFrames, options: FrameOptions) -> Description:
-    """Returns what is told of a rover before its first tick."""
+    """Returns what is published of a rover before its first tick."""
     fixed = [frames.edge(link) for link in frames.links[1:] if link.joint < 0]
     moving = [(link.parent, link.name) for link in frames.moving]
     if options.map_tf:
@@ -45,8 +45,8 @@ class TransformSensor(Sensor):
     """Where the rover is in odom, and its moving parts in their parents.
 
     Args:
-        simulation: Is looked at.
-        frames: Of the rover.
+        simulation: The rover in its world.
+        frames: The frames of the rover.
         options: Who owns odom -> base.
         sensors: All of the episode; they may be made later.
         period_ticks: At most one sample in so many ticks.
@@ -74,7 +74,7 @@ class TransformSensor(Sensor):
         return cls(parts.simulation, frames, options, parts.sensors, period_ticks)
 
     def due(self, tick: int) -> bool:
-        """Returns whether there is anything to tell: the joints, or odom -> base for other samples."""
+        """Returns whether the joints are due, or odom -> base for other samples."""
         if self._joints is not None and tick % JOINT_TICKS == 0:
             return True
         others = (sensor for sensor in self._sensors.values() if sensor is not self)

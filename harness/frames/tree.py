@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 
 from harness.base.errors import UsageError
 from harness.samples import Quaternion, Vector3
@@ -21,7 +22,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class Description:
-    """What is told of a rover once, before its first tick.
+    """What is published of a rover once, before its first tick.
 
     Attributes:
         fixed: The frames that do not move in their parents.
@@ -65,15 +66,8 @@ def check_tree(root: str, edges: Iterable[tuple[str, str]], where: object) -> No
                 f"{where}: frame '{child}' has the parent '{parent}', which does not exist; "
                 f"available: {', '.join(known)}"
             )
-        _check_way(root, child, parent_of, where)
-
-
-def _check_way(root: str, frame: str, parent_of: dict[str, str], where: object) -> None:
-    """Goes up from a frame to the root."""
-    way = [frame]
-    while way[-1] != root:
-        above = parent_of.get(way[-1], root)  # one that does not exist is told of by itself
-        if above in way:
-            loop = " -> ".join((*way[way.index(above) :], above))
-            raise UsageError(f"{where}: frames hang in a loop, {loop}; let one hang on '{root}'")
-        way.append(above)
+    try:
+        TopologicalSorter({child: [parent] for child, parent in parent_of.items()}).prepare()
+    except CycleError as error:
+        loop = " -> ".join(error.args[1])
+        raise UsageError(f"{where}: frames hang in a loop, {loop}; let one hang on '{root}'") from error

@@ -7,7 +7,7 @@ given as Python has it or as JSON gives it back, so that a spec can be written t
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, create_model
 
 from harness.base.sim_time import check_duration
 from harness.episode.assembly import check
@@ -24,10 +24,11 @@ def _both_ends(value: object) -> object:
     return (value, value) if isinstance(value, int | float) else as_tuple(value)
 
 
-def _in_order(bounds: tuple[float, float]) -> tuple[float, float]:
+def _in_order(bounds: tuple[float, float], info: ValidationInfo) -> tuple[float, float]:
     low, high = bounds
     if low > high:
-        raise ValueError(f"{low:g} to {high:g} is not valid; give two numbers, the lower first")
+        name = info.field_name
+        raise ValueError(f"{name} {low:g} to {high:g} is not valid; give two numbers, the lower first")
     return bounds
 
 

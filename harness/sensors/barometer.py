@@ -32,7 +32,7 @@ class Pressure:
 
 
 class BarometerOptions(ChipOptions):
-    """Of a barometer.
+    """Options of a barometer.
 
     Attributes:
         preset: Its errors: `none`, `bmp280`. If left out, `--noise hardware` means that chip's, and all

@@ -16,10 +16,10 @@ NO_ERRORS = "none"
 
 
 class ChipOptions(SensorOptions):
-    """Of a sensor with the errors of a chip.
+    """Options of a sensor with the errors of a chip.
 
     Attributes:
-        errors: Of each preset, NO_ERRORS among them.
+        errors: The errors of each preset, NO_ERRORS among them.
         hardware: The preset that --noise hardware stands for.
         preset: Its errors; if left out, those that --noise means.
     """

@@ -1,5 +1,6 @@
 """Which sensors a run has: those of every rover, and the optional ones that are asked for."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -20,7 +21,7 @@ def kinds() -> dict[str, SensorRow]:
 
 
 def by_default() -> tuple[SensorRow, ...]:
-    """Returns all rows, the optional ones as they are without anything that rover.yaml tells them."""
+    """Returns all rows, the optional ones as they are with the defaults of their options."""
     optional = (_carried(name, {"kind": name}, "by default") for name in kinds())
     return (*(row for row in table.SENSORS if row.options is None), *optional)
 
@@ -41,47 +42,49 @@ def chosen(rover: RoverSpec, asked: Sequence[SensorChoice] | None) -> tuple[Sens
         wanted = [(name, entry, f"{where}, '{name}'") for name, entry in listed]
     else:
         wanted = [_asked(choice, dict(listed), where) for choice in asked]
-        names = [name for name, _, _ in wanted]
-        for name in names:
-            if names.count(name) > 1:
-                raise UsageError(f"--sensors has '{name}' twice; leave one out")
-    always = tuple(row for row in table.SENSORS if row.options is None)
-    carried = tuple(_carried(name, entry, told) for name, entry, told in wanted)
-    _check_apart((*always, *carried))
-    return (*always, *carried)
+        if twice := _twice(name for name, _, _ in wanted):
+            raise UsageError(f"--sensors has '{twice}' twice; leave one out")
+    always = (row for row in table.SENSORS if row.options is None)
+    rows = (*always, *(_carried(*sensor) for sensor in wanted))
+    _check_apart(rows)
+    return rows
+
+
+def _twice(names: Iterable[str]) -> str:
+    """The first name that is there more than once; "" if none is."""
+    counts = Counter(names)
+    return next((name for name, count in counts.items() if count > 1), "")
 
 
 def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> list[tuple[str, dict[str, Any]]]:
     """The entries of rover.yaml with their names."""
-    found = []
+    named = []
     for number, entry in enumerate(entries, 1):
         kind = entry.get("kind")
         if kind is None:
             raise UsageError(
                 f"{where} [{number}]: key 'kind' is missing; give one of {', '.join(kinds())}"
             )
-        found.append((str(entry.get("name", kind)), dict(entry)))
-    names = [name for name, _ in found]
-    for name in names:
-        if names.count(name) > 1:
-            raise UsageError(f"{where}: two are named '{name}'; give each a name of its own")
-    return found
+        named.append((str(entry.get("name", kind)), dict(entry)))
+    if twice := _twice(name for name, _ in named):
+        raise UsageError(f"{where}: two are named '{twice}'; give each a name of its own")
+    return named
 
 
 def _asked(
     choice: SensorChoice, listed: Mapping[str, dict[str, Any]], where: str
 ) -> tuple[str, dict[str, Any], str]:
-    """A sensor of --sensors: its name, what it is told, and where that stands."""
+    """A sensor of --sensors: its name, its options, and where these stand."""
     name, preset = choice.name, choice.preset
-    told, there = f"--sensors {choice}", listed.get(name)
+    source, there = f"--sensors {choice}", listed.get(name)
     if there is not None:
-        told = f"{where}, '{name}'"
+        source = f"{where}, '{name}'"
     elif name not in kinds():
         if name == NONE:
             raise UsageError("--sensors none stands alone; leave out the others, or none")
         find_named("sensor", name, dict.fromkeys((*listed, *kinds(), NONE)))
     entry = (there or {"kind": name}) | ({"preset": preset} if preset else {})
-    return name, entry, told
+    return name, entry, source
 
 
 def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
@@ -97,11 +100,11 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
         raise UsageError(f"{where}: {error}") from error
     options = made(row.options, values, where)
     alone = len(row.topics) == 1
-    told = (topic for topic in row.topics if not topic.option or getattr(options, topic.option))
+    topics = (topic for topic in row.topics if not topic.option or getattr(options, topic.option))
     return replace(
         row,
         given=options,
-        topics=tuple(replace(t, name=options.topic_name(t.name, alone=alone)) for t in told),
+        topics=tuple(replace(t, name=options.topic_name(t.name, alone=alone)) for t in topics),
         rate=options.rate,
         frame=options.frame_id,
         fault=options.name,

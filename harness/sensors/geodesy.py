@@ -9,16 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.base.errors import UsageError
 from harness.samples import Vector3
 
 # Dipole terms g10, g11, h11 of the World Magnetic Model 2025 (NOAA NCEI, epoch 2025.0) [T], and the
 # radius that they belong to [m].
 DIPOLE = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])  # along the axes of ECEF
 MAGNETIC_RADIUS = 6_371_200.0
-# Mars Desert Research Station, Utah, where rovers of universities compete.
-DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
-LOWEST, HIGHEST = -500.0, 9000.0  # [m]: of what rovers drive on
 
 
 @dataclass(frozen=True)
@@ -26,30 +22,14 @@ class Datum:
     """The world's origin.
 
     Attributes:
-        latitude: [deg], north positive; likewise `longitude`, east positive.
+        latitude: Degrees, north positive.
+        longitude: Degrees, east positive.
         altitude: Above the WGS-84 ellipsoid [m].
     """
 
     latitude: float
     longitude: float
     altitude: float
-
-    def check(self) -> None:
-        """Checks that it is on the Earth.
-
-        Raises:
-            UsageError: It is not; the message names what is.
-        """
-        for name, value, low, high in (
-            ("latitude", self.latitude, -89.9, 89.9),
-            ("longitude", self.longitude, -180.0, 180.0),
-            ("altitude", self.altitude, LOWEST, HIGHEST),
-        ):
-            if not low <= value <= high:
-                unit = "m" if name == "altitude" else "degrees"
-                raise UsageError(
-                    f"datum: {name} {value:g} is not valid; give {low:g} to {high:g} {unit}"
-                )
 
     def geodetic(self, position: Vector3) -> Vector3:
         """Returns latitude, longitude [deg] and altitude [m] of a point of the world [m]."""

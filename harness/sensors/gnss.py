@@ -24,7 +24,8 @@ class GnssFix:
     """Position of the antenna on WGS-84; names and codes are those of sensor_msgs/NavSatFix.
 
     Attributes:
-        latitude: [deg]; likewise `longitude`.
+        latitude: Degrees, north positive.
+        longitude: Degrees, east positive.
         altitude: Above the ellipsoid [m].
         position_covariance: East, north, up by rows [m^2]; zeros if the type says unknown.
         fix: The status of NavSatStatus.
@@ -63,8 +64,8 @@ class GnssClass:
 
 EXACT = GnssClass(horizontal=AxisErrors(), vertical=1.0, fix=FIX)
 # u-blox ZED-F9P (integration manual UBX-18010802): RTK 0.01 m + 1 ppm of the way to the base CEP, which
-# is near here; as much R50 upwards is retold (docs/sensors.md). How much of it wanders, and how slowly,
-# are estimates: half of the variance, in 10 s.
+# is near here; as much R50 upwards is at second hand (docs/sensors.md). How much of it wanders, and how
+# slowly, are estimates: half of the variance, in 10 s.
 RTK = GnssClass(
     horizontal=AxisErrors(
         white=0.01 * PER_CEP * math.sqrt(0.5),
@@ -74,8 +75,8 @@ RTK = GnssClass(
     vertical=PER_R50 / PER_CEP,
     fix=GROUND_BASED,
 )
-# u-blox NEO-M8N: 2.5 m CEP, retold; its data sheet was not read. Twice that upwards, 0.2 m of white
-# noise and 100 s are estimates: the errors of orbits, ionosphere and paths wander together.
+# u-blox NEO-M8N: 2.5 m CEP, at second hand; its data sheet was not read. Twice that upwards, 0.2 m of
+# white noise and 100 s are estimates: the errors of orbits, ionosphere and paths wander together.
 CONSUMER = GnssClass(
     horizontal=AxisErrors(
         white=0.2, bias=math.sqrt((2.5 * PER_CEP) ** 2 - 0.2**2), correlation_time=100.0
@@ -87,7 +88,7 @@ CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
 
 
 class GnssOptions(ChipOptions):
-    """Of a receiver.
+    """Options of a GNSS receiver.
 
     Attributes:
         preset: Its errors: `none`, `rtk` (u-blox ZED-F9P: 1 cm), `consumer` (NEO-M8: 2.5 m). If left

@@ -34,9 +34,12 @@ class HeightScan:
     """Heights around the rover.
 
     Attributes:
-        heights: Of the cells' middles over the origin of the sensor's frame [m], float32, shape (cells
-            along the first axis, along the second), each from the lowest coordinate up; NaN off the map.
-        x: The grid's middle, which is that origin, in the world [m]; likewise `y`, `z`.
+        heights: Heights of the cells' middles over the origin of the sensor's frame [m], float32,
+            shape (cells along the first axis, along the second), each from the lowest coordinate
+            up; NaN off the map.
+        x: x of the grid's middle, which is that origin, in the world [m].
+        y: y of the grid's middle [m].
+        z: z of the grid's middle [m].
         yaw: Angle from the world's x axis to the grid's first one [rad].
     """
 
@@ -50,7 +53,7 @@ class HeightScan:
 
 
 class HeightScanOptions(SensorOptions):
-    """Of a height scan; without a parent it is mounted on the rover's base.
+    """Options of a height scan; without a parent it is mounted on the rover's base.
 
     Attributes:
         preset: Name of values of the others.

@@ -33,7 +33,7 @@ class PlanarLidarOptions(RangeOptions):
         angle_max: Azimuth of the last [rad].
     """
 
-    # The makers' documents were not read; docs/sensors.md says who tells the numbers.
+    # The makers' documents were not read; docs/sensors.md has the sources of the numbers.
     # RPLIDAR S2: 0.05-30 m, 32,000 samples a second, 10 Hz: 0.1125 deg.
     # Hokuyo UTM-30LX: 270 deg, 0.25 deg, 0.1-30 m, 25 ms a scan; 40 Hz are no whole number of the
     # clock's ticks of 10 ms.
@@ -92,7 +92,7 @@ class CloudLidarOptions(RangeOptions):
             always are in an organised cloud.
     """
 
-    # Of these only Ouster's data sheet was read; docs/sensors.md says who tells the others' numbers.
+    # Of these only Ouster's data sheet was read; docs/sensors.md has the sources of the others.
     # VLP-16: 16 channels from -15 to 15 deg, 100 m, 0.2 deg around at 600 rpm. 0.5 m is an estimate.
     # Ouster, OS1 data sheet (first generation): 64 channels from -16.6 to 16.6 deg, 1024 around, 10 Hz,
     # 0.8-120 m.

@@ -19,9 +19,10 @@ MICRO = 1e-6
 STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
 CHIPS = {
     NO_ERRORS: AxisErrors(),
-    # Bosch BMM150, retold (docs/sensors.md); its data sheet was not read: 0.3 uT RMS at high accuracy,
-    # 0.3 uT resolution, +-1300 uT along x and y (along z more, which the Earth does not need). What is
-    # left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
+    # Bosch BMM150, at second hand (docs/sensors.md); its data sheet was not read: 0.3 uT RMS at high
+    # accuracy, 0.3 uT resolution, +-1300 uT along x and y (along z more, which the Earth does not
+    # need). What is left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard
+    # deviation.
     "bmm150": AxisErrors(white=0.3 * MICRO, bias=2.0 * MICRO, step=0.3 * MICRO, limit=1300 * MICRO),
 }
 
@@ -50,7 +51,7 @@ def _check_field(field: tuple[float, ...]) -> None:
 
 
 class MagnetometerOptions(ChipOptions):
-    """Of a magnetometer.
+    """Options of a magnetometer.
 
     Attributes:
         preset: Its errors: `none`, `bmm150`. If left out, `--noise hardware` means that chip's, and all

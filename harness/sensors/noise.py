@@ -47,7 +47,8 @@ HARDWARE = NoisePreset(
     name="hardware",
     summary="MPU-9250 at +-4 g and 500 deg/s with bias, walk, 16 bits; RPLIDAR S2 with lost returns",
     # InvenSense PS-MPU-9250A-01 rev. 1.0, table 2: total RMS noise 8 mg, bias tolerance 60 mg (z: 80 mg)
-    # taken as three deviations, 8192 LSB/g; table 1: 0.1 deg/s, 5 deg/s likewise, 65.5 LSB/(deg/s).
+    # taken as three deviations, 8192 LSB/g; table 1: 0.1 deg/s, 5 deg/s as
+    # three deviations, 65.5 LSB/(deg/s).
     # Ranges as Leo's firmware sets them (imu.cpp). The walks are estimates.
     acceleration=AxisErrors(
         white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4.0 * G

@@ -44,7 +44,7 @@ def _check_topic(topic: str) -> None:
 
 
 class SensorOptions(Value):
-    """What every optional sensor can be told; a kind adds its own fields and defaults.
+    """Options that every optional sensor has; a kind adds its own fields and defaults.
 
     Attributes:
         name: As in --sensors and --fault; no other sensor of the rover has it.

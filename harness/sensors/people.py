@@ -1,4 +1,4 @@
-"""Where people are, as RoboTerrain's plugin tells it: 30 times a second of simulation time.
+"""Where people are, as RoboTerrain's plugin publishes it: 30 times a second of simulation time.
 
 30 Hz do not divide the clock's 100: of each 10 ticks the 4th, the 7th and the 10th have a sample,
 that is each tick by which another thirtieth of a second is full: 40, 30 and 30 ms apart.
@@ -19,8 +19,8 @@ class PeopleSensor(Sensor):
     """Positions and headings of everybody.
 
     Args:
-        simulation: Whose time it is.
-        crowd: Its people.
+        simulation: Has the time of the readings.
+        crowd: The people.
     """
 
     def __init__(self, simulation: Simulation, crowd: Crowd) -> None:

@@ -35,7 +35,7 @@ class RangeReading:
 
 
 class RangeOptions(SensorOptions):
-    """What can be told to all that measure along rays.
+    """Options of all that measure along rays.
 
     Attributes:
         range_min: Nearest reading [m].

@@ -76,13 +76,13 @@ class SensorRow:
         topics: Where the sample is published, in this order; of an optional one, as its options complete
             the names.
         rate: Samples a second of simulation time, of every rover or by rover [Hz]; an optional one has
-            those of its options, and likewise their frame.
-        frame: Of the messages' headers, of every rover or by rover.
+            the rate and the frame of its options.
+        frame: Frame of the messages' headers, of every rover or by rover.
         fault: Its name in --fault, and in --sensors; None if no fault touches it.
         measured: The fields of the sample that faults of values change.
-        attitude: Those that they change if they are told to, with ATTITUDE behind the fault's name.
-        options: What an optional one can be told; None if every rover has it.
-        given: What one that is carried has been told.
+        attitude: The fields that faults of values change with ATTITUDE behind the sensor's name.
+        options: The options of an optional one; None if every rover has it.
+        given: The options of one that is carried.
         summary: Of an optional one, a line for lists and the docs.
     """
 

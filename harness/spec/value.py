@@ -87,8 +87,9 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
     keys = [str(key) for key in first["loc"]]
     field = ".".join([name(keys[0]), *keys[1:]]) if keys else ""
     if first["type"] == "extra_forbidden":
-        key = name(keys[-1]) if len(keys) == 1 else keys[-1]
-        return unknown_key(key, _model_at(cls, keys[:-1]), name)
+        if len(keys) == 1:
+            return unknown_key(field, cls, name)
+        return f"{field.rpartition('.')[0]}: {unknown_key(keys[-1], _model_at(cls, keys[:-1]))}"
     if first["type"] == "value_error":
         return str(first["ctx"]["error"])
     fields = _model_at(cls, keys).model_fields
@@ -113,11 +114,15 @@ def not_valid(error: ErrorDetails, field: str, info: FieldInfo | None = None) ->
     return f"{field} {_shown(error['input'])} is not valid; give {_valid(error, info)}"
 
 
-NUMBERS = {
+KINDS = {
     "int": "a whole number",
     "float": "a number",
     "finite": "a finite number",
     "bool": "true or false",
+    "string": "text",
+    "tuple": "a list",
+    "model": "keys with values",
+    "dict": "keys with values",
 }
 
 
@@ -125,19 +130,32 @@ def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
     """What is valid in place of a wrong value: a range, names, or a kind of value."""
     kind = error["type"]
     if kind.startswith(("greater_than", "less_than")):
-        stated = {} if field is None else dict(_bounds(field.metadata, field.annotation))
+        stated = {} if field is None else dict(_bounds(*_part(field, error["loc"])))
         bounds = stated or {name: float(value) for name, value in error["ctx"].items()}
         low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
         if low is None or high is None:
-            word = {"ge": "or more", "gt": "and more than that", "le": "or less", "lt": "and less"}
-            return " ".join(f"{value:g} {word[name]}" for name, value in bounds.items())
+            form = {
+                "ge": "{:g} or more",
+                "gt": "more than {:g}",
+                "le": "{:g} or less",
+                "lt": "less than {:g}",
+            }
+            return " and ".join(form[name].format(value) for name, value in bounds.items())
         return f"{low:g} to {high:g}" + (", the lower end excluded" if "gt" in bounds else "")
     if kind in ("too_long", "too_short"):
         limit = error["ctx"].get("max_length", error["ctx"].get("min_length"))
         return f"at {'most' if kind == 'too_long' else 'least'} {limit}"
     if kind == "literal_error":
         return f"one of {error['ctx']['expected']}"
-    return NUMBERS.get(kind.partition("_")[0]) or error["msg"].replace("Input should be ", "")
+    return KINDS.get(kind.partition("_")[0]) or error["msg"].replace("Input should be ", "")
+
+
+def _part(field: FieldInfo, place: tuple[int | str, ...]) -> tuple[Iterable[Any], Any]:
+    """The metadata and the annotation of a field, or of an element of a tuple of a fixed length."""
+    parts, index = get_args(field.annotation), place[1] if len(place) > 1 else None
+    if isinstance(index, int) and index < len(parts) and parts[-1] is not Ellipsis:
+        return getattr(parts[index], "__metadata__", ()), parts[index]
+    return field.metadata, field.annotation
 
 
 def _bounds(metadata: Iterable[Any], annotation: Any) -> Iterator[tuple[str, float]]:  # noqa: ANN401

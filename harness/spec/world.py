@@ -5,11 +5,15 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from harness.spec.actor import ActorText
-from harness.spec.value import Finite, Option, Share, Value, as_tuple, listed, numbers
+from harness.spec.value import Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
+# Mars Desert Research Station, Utah, where rovers of universities compete.
 DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
+Latitude = Annotated[float, Field(ge=-89.9, le=89.9)]
+Longitude = Annotated[float, Field(ge=-180.0, le=180.0)]
+Altitude = Annotated[float, Field(ge=-500.0, le=9000.0)]  # [m]: of what rovers drive on
 
 SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
 LARGEST_RELIEF = 10_000.0  # [m]
@@ -80,7 +84,7 @@ class WorldSpec(Value):
         "speed, route, delay, radius, height, within, push (docs/worlds.md); default: nobody",
     )
     datum: Annotated[
-        tuple[Finite, Finite, Finite],
+        tuple[Latitude, Longitude, Altitude],
         numbers("LAT,LON or LAT,LON,ALT in degrees and metres", 3, rest=0.0),
         Option("LAT,LON[,ALT]"),
     ] = Field(

@@ -54,7 +54,7 @@ def _scored(verdict: Verdict, candidate: Candidate | None) -> str:
     if candidate is None:
         return "-"
     score = candidate.scores[Part.TEST][verdict.measure].text(verdict.digits).replace(" (", "\n(")
-    return f"{verdict.told(candidate)}: {score}"
+    return f"{verdict.written(candidate)}: {score}"
 
 
 def write_results(

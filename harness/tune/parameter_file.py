@@ -30,7 +30,7 @@ def parameter_file(study: RobotStudy, command: str) -> str:
     for verdict in study.verdicts:
         if verdict.value is None or verdict.tuned is None:
             why = verdict.lack or "no value is proven to be better on unseen seeds"
-            left_out.append(f"{verdict.name} stays at {verdict.told(verdict.default)}: {why}")
+            left_out.append(f"{verdict.name} stays at {verdict.written(verdict.default)}: {why}")
         else:
             parameters[verdict.name] = verdict.value
             _comment(parameters, verdict, verdict.tuned)
@@ -53,7 +53,7 @@ def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> No
     default = verdict.default.scores[Part.TEST][verdict.measure]
     scores = (
         f"{verdict.measure} on unseen seeds {score.text(verdict.digits)}; with the default, "
-        f"{verdict.told(verdict.default)}: {default.text(verdict.digits)}"
+        f"{verdict.written(verdict.default)}: {default.text(verdict.digits)}"
     )
     lines = "\n".join(filter(None, (scores, verdict.note)))
     parameters.yaml_set_comment_before_after_key(verdict.name, lines, indent=INDENT)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.support.forking import Forked
 from tests.support.waiting import PATIENCE
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
@@ -28,13 +29,13 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from std_srvs.srv import SetBool, Trigger
 
-from harness import robots
 from harness.base.interrupt import StopRequest
+from harness.episode import assembly, stream
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
-from harness.episode.result import RunResult
+from harness.episode.result import Outputs, RunResult
 from harness.episode.stream import RoverOrders
-from harness.robots import ROVERS
+from harness.robots import ROVERS, RoverSpec
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 from harness.ros.foreign_type import forget_missing_definition
@@ -44,17 +45,18 @@ from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
 from harness.sensors.message_types import typestore
 from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from tests.e2e.topic_oracle.expected import BEAMS, Topic, differences, topics
 from tests.e2e.topic_oracle.form import Expected
 from tests.e2e.topic_oracle.ranging import EARTH, THING
 from tests.e2e.topic_oracle.stage import (
     BATCHES,
+    PERSON,
     RESET,
     SCRIPT,
-    StagedConfig,
+    peopled,
     stage,
     staged_rover,
-    write_model,
 )
 from tests.e2e.topic_oracle.twin import TICK_NS, Twin
 
@@ -154,17 +156,19 @@ class Drive:
 @pytest.fixture(scope="module", params=ROVERS)
 def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Drive:
     folder, listener = tmp_path_factory.mktemp("oracle"), Listener()
-    spec = ROVERS[request.param]
-    config = StagedConfig(
-        robot=spec.name,
+    robot = str(request.param)
+    spec = staged_rover(robot, folder)
+    run = Run.of(
+        terrain="flat",
+        robot=str(spec.folder),
         driver="cmd_vel",
         duration=BATCHES * TICKS_PER_BATCH * TICK_NS / 1e9,
         lidar_beams=BEAMS,
-        model=write_model(spec, folder),
+        actors=(PERSON,),
     )
     options = RosOptions(
         log_dir=folder,
-        host_metrics=spec.name == "leo",
+        host_metrics=robot == "leo",
         record=folder / "drive.mcap",
         cmd_vel="twist",  # the listener's, which is sent from within this context
     )
@@ -182,15 +186,17 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     paced: list[float] = []
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
-        patch.setattr(robots, "ROVERS", {**ROVERS, spec.name: staged_rover(config)})
+        patch.setattr(assembly, "_terrain_world", lambda _: stage(spec))
+        patch.setattr(stream, "multiprocessing", Forked())  # so that the child has that world too
         patch.setattr(Bridge, "refuse_other_publishers", join)
         patch.setattr(RoverOrders, "command", note)
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
         patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))
-        result = run_through_ros(config, options, StopRequest(), progress.append, [listener])
+        outputs = [Outputs(log_dir=folder, observers=[listener])]
+        (result,) = run_through_ros(run, outputs, options, StopRequest(), progress.append)
     listener.heard.sort(key=order)
     listener.drove_s = time.monotonic() - listener.joined
-    twin, due = expectations(config, tuple(ROVERS).index(spec.name))
+    twin, due = expectations(spec, tuple(ROVERS).index(robot))
     assert options.record is not None
     return Drive(listener, result, progress, paced, options.record, twin, due)
 
@@ -201,10 +207,9 @@ def order(arrived: Arrived) -> tuple[bool, str]:
     return not latched, arrived[0] if latched else ""
 
 
-def expectations(config: StagedConfig, rover: int) -> tuple[Twin, list[tuple[int, Topic, Expected]]]:
+def expectations(spec: RoverSpec, rover: int) -> tuple[Twin, list[tuple[int, Topic, Expected]]]:
     """Every message that is due in the drive, in order, with the time at which it is."""
-    spec = staged_rover(config)
-    twin, table = Twin(spec, stage(spec)), topics()
+    twin, table = Twin(spec, peopled(stage(spec))), topics()
     due = [(0, topic, topic.expect(twin)) for topic in table if not topic.rates[rover]]
     command = Twist()
     for tick in range(BATCHES * TICKS_PER_BATCH):
@@ -297,7 +302,7 @@ def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
     result, hosts = drive.result, drive.twin.rover.name == "leo"
     seconds = [0.05 * (batch + 1) for batch in range(BATCHES)]
     assert [p.simulated_s for p in drive.progress] == pytest.approx(seconds)
-    assert {p.config.duration for p in drive.progress} == {result.config.duration}
+    assert {p.run for p in drive.progress} == {result.run}
     last = drive.progress[-1]
     assert last.truth.path_length == pytest.approx(drive.twin.path_length)
     assert (last.messages, last.wall_s) == (len(drive.due), result.wall_s)

@@ -115,8 +115,11 @@ class GoldenRun:
         return [word.format(**files) for word in words]
 
     def _fleet(self, robot: str) -> list[str]:
-        if self.fleet == "twin":
-            return ["--rover", f"{robot}:a", "--rover", f"{robot}:b"]
+        if self.fleet in ("twin", "close"):
+            behind = (
+                ",x=-1.1,y=0" if self.fleet == "close" else ""
+            )  # drives to where the first one began
+            return ["--rover", f"{robot}:a", "--rover", f"{robot}:b{behind}"]
         other = "rover_zero4wd" if self.robot == "leo" else "leo"
         sensors = "gnss" if self.sensors == NONE else self.sensors.replace("gnss+", "") + "+gnss"
         own = f"driver=straight,noise=white,sensors={sensors},fault=imu:nan=0.5"
@@ -139,6 +142,8 @@ def kind(column: str, value: str) -> str:
         "terrain": {"posts": "hazards", "maze": "hazards"}
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
         "robot": {"sojourner": "husky"},
+        "fleet": {"close": "twin"},
+        "reset": {"2.6": "1.3"},
         "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},
     }
     if column == "driver" and value not in ("area", "policy", "goal", "cmd_vel", *STAGED):

@@ -20,7 +20,8 @@ class Lens(ABC):
     """Base of the lenses; their pixels are square, the optical axis goes through the image's middle.
 
     Attributes:
-        width: Of the image [pixels]; likewise `height`.
+        width: Pixels in a row of the image.
+        height: Rows of the image.
         fov: Horizontal field of view, from the outer edge of the first column to that of the last [rad].
     """
 

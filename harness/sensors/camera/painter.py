@@ -36,7 +36,7 @@ class CameraPainter:
         scenery: Makes the world and its rovers, in the other process; to be pickled.
         cameras: By name.
         seed: Of the images' noise.
-        complain: Is told, once, why there are no images.
+        complain: Called, once, with the reason why there are no images.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ def _serve(
     """The process: says None when it is ready, else why it is not; then an image for each state."""
     os.environ["MUJOCO_GL"] = "off"  # MuJoCo does not load where what it names is missing
     from harness.physics.opengl import gl_context  # noqa: PLC0415 - loads MuJoCo
-    from harness.sensors.camera.renderer import CameraRenderer  # noqa: PLC0415 - likewise
+    from harness.sensors.camera.renderer import CameraRenderer  # noqa: PLC0415 - loads MuJoCo
 
     os.environ["MUJOCO_GL"] = kind
     try:

@@ -40,7 +40,7 @@ class CameraState:
 
 
 class CameraOptions(SensorOptions):
-    """Of a camera.
+    """Options of a camera.
 
     Without a parent it is the rover's own camera if that has this optical frame, or hangs on one of
     MOUNTS, or is where the lidar is.
@@ -111,7 +111,7 @@ class CameraSensor(OptionalSensor):
 
     def read(self) -> CameraState:
         """Returns what an image of now is drawn from."""
-        from mujoco import mj_getState, mju_mat2Quat  # noqa: PLC0415 - likewise
+        from mujoco import mj_getState, mju_mat2Quat  # noqa: PLC0415 - whoever publishes does without
 
         simulation, (position, axes) = self._simulation, self.pose()
         state, turned = np.empty(self._size), np.empty(4)

@@ -35,9 +35,12 @@ class View:
 
     Attributes:
         axes: Its right, down and ahead in the camera's optical frame, by rows.
-        left: Its edges, as tangents of angles off `ahead`; likewise `right`, `top`, `bottom`, down and
-            right being positive.
-        width: [pixels]; likewise `height`.
+        left: Left edge, as the tangent of the angle off `ahead`; right and down are positive.
+        right: Right edge, as such a tangent.
+        top: Upper edge, as such a tangent.
+        bottom: Lower edge, as such a tangent.
+        width: Pixels in a row.
+        height: Rows.
     """
 
     axes: Doubles

@@ -57,7 +57,9 @@ def _compiled(signature: str, function: F, *, cache: bool) -> F:
 
 
 def _temporary_cache() -> str | None:
-    """Returns a folder that is this user's alone; None if there is none. A new one, or none, is told.
+    """Returns a folder that is this user's alone; None if there is none.
+
+    A line on stderr says that it is new, or that there is none.
 
     Who can write there can have any code run: numba unpickles what it finds.
     """

@@ -6,7 +6,7 @@ pyramid of maxima. A ray that stays above it passes the ring without looking at 
 for the exact walk of heightfield_kernel begins where this ends, a little before the first cell that
 can be hit. It is only a bound: the hits are those of the walk.
 
-Lengths are in cells, as in heightfield_kernel. An angle is told by a pseudo-angle of 0 to 4 that grows
+Lengths are in cells, as in heightfield_kernel. An angle is given as a pseudo-angle of 0 to 4 that grows
 with it and costs a division.
 """
 
@@ -24,7 +24,7 @@ FINEST_LEVEL, MOST_BLOCKS = 2, 6000
 SLACK = 1e-3  # cells by which blocks are larger than they are, so that rounding never costs a hit
 
 STEEP = 1e-9  # cells a metre; a steeper ray is as good as vertical, and walked from its begin
-SHORTER = 1e-9  # share of a distance, likewise
+SHORTER = 1e-9  # share of a distance, so that rounding never costs a hit
 
 Doubles = NDArray[np.float64]
 
@@ -100,11 +100,11 @@ def highest_points(
 
     Args:
         shape: Vertices of the map, rows and columns.
-        pyramid: As cast_rays has it; likewise `levels`, `frame`, `origin`.
-        levels: See `pyramid`.
-        frame: See `pyramid`.
-        origin: See `pyramid`.
-        range_max: How far rays go [m]; beyond, nothing is told.
+        pyramid: Maxima of the blocks of each level, as cast_rays takes them.
+        levels: Where a level begins in the pyramid and its blocks per row, shape (levels, 2).
+        frame: World position of the map's corner and field units per metre, as cast_rays takes them.
+        origin: Where the rays start in the world [m], shape (3,).
+        range_max: How far rays go [m]; beyond, nothing is known.
         profile: Result, shape (SECTORS, RINGS); all inf from an origin that is not over the map.
     """
     u = (origin[0] - frame[0, 0]) * frame[1, 0]
@@ -140,13 +140,13 @@ def clear_ways(
 ) -> None:
     """Sets `clear` to distances [m] before which no ray meets the surface; inf for those that never do.
 
-    A distance above 0 also tells that the origin is above the surface.
+    A distance above 0 also means that the origin is above the surface.
 
     Args:
         profile: As highest_points gives it for the same origin.
-        frame: As cast_rays has it; likewise `origin`, `directions`.
-        origin: See `frame`.
-        directions: See `frame`.
+        frame: World position of the map's corner and field units per metre, as cast_rays takes them.
+        origin: Where the rays start in the world [m], shape (3,).
+        directions: Unit vectors in the world, shape (n, 3).
         range_max: Where rays end [m].
         clear: Result, shape (n,).
     """

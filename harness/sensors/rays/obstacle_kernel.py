@@ -206,10 +206,10 @@ def cast_bundle(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures o
     """Lowers `ranges` to the distance of the obstacles where that is nearer.
 
     Args:
-        obstacles: As cast_fan has it; likewise `sizes`, `positions`, `matrices`.
-        sizes: See `obstacles`.
-        positions: See `obstacles`.
-        matrices: See `obstacles`.
+        obstacles: Geom and kind (BOX, CYLINDER, CAPSULE or ELLIPSOID) of each, shape (k, 2).
+        sizes: Half sizes as MuJoCo has them and the bounding radius [m], shape (k, 4).
+        positions: World positions of all geoms [m], shape (ngeom, 3).
+        matrices: World rotations of all geoms, shape (ngeom, 9).
         pose: World position [m] of the bundle's frame, then its rotation's rows, shape (4, 3).
         directions: Beams as unit vectors in the world, shape (n, 3).
         order: The beams bin by bin, shape (n,).

@@ -70,7 +70,7 @@ def sweep(
         planned: The episodes.
         store: Where each goes as soon as it is done.
         workers: Who drives.
-        show: Told how many are done.
+        show: Is called with how many are done.
 
     Raises:
         RunFailed: Workers died again and again, or an episode cannot be written.

@@ -51,9 +51,9 @@ def _f1_over_threshold(subject: Subject, f1: Mapping[Part, Values]) -> Plot:
         curve(NAMES[Part.TEST], GRID, f1[Part.TEST]),
     ]
     best = GRID[int(np.nanargmax(f1[Part.TEST]))]
-    what = f"F1 over the threshold; {np.nanmax(f1[Part.TEST]):.2f} at most, at {best:g} m"
+    summary = f"F1 over the threshold; {np.nanmax(f1[Part.TEST]):.2f} at most, at {best:g} m"
     lines = levels(subject.study.collision.verdict)
-    return subject.plot("f1", what, data, THRESHOLD, titled("F1", **SHARE), lines)
+    return subject.plot("f1", summary, data, THRESHOLD, titled("F1", **SHARE), lines)
 
 
 def _parts_over_threshold(subject: Subject, scores: Mapping[Part, Mapping[str, Values]]) -> Plot:
@@ -61,8 +61,8 @@ def _parts_over_threshold(subject: Subject, scores: Mapping[Part, Mapping[str, V
         curve(f"{measure}, {NAMES[part]}", GRID, scores[part][measure], color, dash=dash, width=width)
         for measure, part, color, dash, width in PARTS
     ]
-    what, lines = "precision and recall over the threshold", levels(subject.study.collision.verdict)
-    return subject.plot("parts", what, data, THRESHOLD, titled("share", **SHARE), lines)
+    summary, lines = "precision and recall over the threshold", levels(subject.study.collision.verdict)
+    return subject.plot("parts", summary, data, THRESHOLD, titled("share", **SHARE), lines)
 
 
 def _trade_off(subject: Subject) -> Plot:
@@ -76,8 +76,8 @@ def _trade_off(subject: Subject) -> Plot:
         for color, dash in [STYLES[name]]
     ]
     axes = titled(FALSE_ALARMS, rangemode="tozero"), titled("recall", **SHARE)
-    what = "recall against false alarms per kilometre of four detectors"
-    return subject.plot("trade-off", what, data + points, *axes)
+    summary = "recall against false alarms per kilometre of four detectors"
+    return subject.plot("trade-off", summary, data + points, *axes)
 
 
 def frontier(scores: Mapping[str, Values]) -> tuple[Values, Values]:
@@ -96,18 +96,18 @@ def operating_points(
     points = [
         mark(
             "at its best value",
-            *place(told),
-            tuned=STYLES[told.name][0],
-            hover=f"{told.name} below {told.events.value:g} m",
+            *place(detector),
+            tuned=STYLES[detector.name][0],
+            hover=f"{detector.name} below {detector.events.value:g} m",
         )
-        for told in study.detectors
+        for detector in study.detectors
     ]
     default = f"default {study.default.events.value:g} m"
     return [*points, mark("the default", *place(study.default), hover=default)]
 
 
-def _place(told: DetectorStudy) -> tuple[float, float]:
-    scores = told.events.scores[Part.TEST]
+def _place(detector: DetectorStudy) -> tuple[float, float]:
+    scores = detector.events.scores[Part.TEST]
     return scores[FALSE_ALARMS].value, scores["recall"].value
 
 

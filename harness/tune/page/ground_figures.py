@@ -45,8 +45,8 @@ def _distributions(subject: Subject, study: GroundStudy, events: ImuEvents) -> P
     area = {"fill": "tozeroy", "fillcolor": "--metric-band"}
     x = titled(f"{study.what} [{spelled(verdict.unit)}]")
     y = titled("share of the class [%]", rangemode="tozero")
-    name, what = f"{verdict.name}-classes", f"{study.what} on smooth and rough ground"
-    return subject.plot(name, what, [smooth | area, rough], x, y, levels(verdict))
+    name, summary = f"{verdict.name}-classes", f"{study.what} on smooth and rough ground"
+    return subject.plot(name, summary, [smooth | area, rough], x, y, levels(verdict))
 
 
 def _roc(subject: Subject, study: GroundStudy, events: ImuEvents) -> Plot:
@@ -75,8 +75,10 @@ def steps_and_jumps(subject: Subject) -> Plot | str:
     lines = [upright(name, study.possible_step, "solid", MUTED), *levels(study.verdict)]
     x = titled("distance [m]", type="log", range=np.log10([SHORTEST, LONGEST]).tolist())
     y = titled("share of seconds below", **SHARE)
-    what = f"steps up to {study.largest_step:.3f} m, {study.largest_stride:.3f} m with four poses lost"
-    return subject.plot("steps", what, data, x, y, lines)
+    summary = (
+        f"steps up to {study.largest_step:.3f} m, {study.largest_stride:.3f} m with four poses lost"
+    )
+    return subject.plot("steps", summary, data, x, y, lines)
 
 
 def _histogram(name: str, values: NDArray[np.float64], edges: NDArray[np.float64], color: str) -> Trace:

@@ -54,17 +54,17 @@ def scan_figures(subject: Subject) -> dict[str, Plot | str]:
 
 def _figure(subject: Subject, name: str, curves: Mapping[str, Curve], guess: Trace) -> Plot:
     """The curves of all detectors, beside what guessing gives and every detector at its value."""
-    what, area, x, y, y_title = FIGURES[name]
+    title, area, x, y, y_title = FIGURES[name]
     lines = [
         curve(f"{detector}: {area} {one.area:.3f}", one.x, one.y, color, dash=dash)
         for detector, one in curves.items()
         for color, dash in [STYLES[detector]]
     ]
     study = subject.study.collision
-    places = operating_points(study, lambda told: (told.scans[x].value, told.scans[y].value))
+    places = operating_points(study, lambda one: (one.scans[x].value, one.scans[y].value))
     areas = ", ".join(f"{one.area:.3f} by {detector}" for detector, one in curves.items())
     axes = titled(x, **SHARE), titled(y_title, **SHARE)
-    return subject.plot(name, f"{what}; {areas}", [guess, *lines, *places], *axes)
+    return subject.plot(name, f"{title}; {areas}", [guess, *lines, *places], *axes)
 
 
 def has_both_classes(truth: Truth) -> bool:
@@ -79,7 +79,7 @@ def roc(score: Values, truth: Truth) -> Curve:
 
 
 def precision_recall(score: Values, truth: Truth) -> Curve:
-    """Returns recall and precision, likewise; the area is the average precision."""
+    """Returns recall and precision of such a score; the area is the average precision."""
     precision, recall, _ = precision_recall_curve(truth, score)
     # The last point, no recall at full precision, is of no threshold.
     return _thinned(recall[-2::-1], precision[-2::-1], float(average_precision_score(truth, score)))

@@ -28,7 +28,7 @@ class Subject:
     def plot(
         self,
         name: str,
-        what: str,
+        summary: str,
         data: Sequence[fig.Trace],
         x: fig.Layout,
         y: fig.Layout,
@@ -38,7 +38,7 @@ class Subject:
 
         Args:
             name: Tells it from the robot's others.
-            what: It shows, as text.
+            summary: What it shows, as text.
             data: Its traces.
             x: Its horizontal axis.
             y: Its vertical axis.
@@ -46,7 +46,7 @@ class Subject:
         """
         layout = fig.common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
         figure = {"data": list(data), "layout": layout}
-        return fig.Plot(f"{self.study.name}-{name}", f"{self.study.name}: {what}", figure)
+        return fig.Plot(f"{self.study.name}-{name}", f"{self.study.name}: {summary}", figure)
 
 
 def curve(
@@ -57,7 +57,7 @@ def curve(
     Args:
         name: In the legend.
         x: Of its points.
-        y: Likewise.
+        y: Of its points, as many.
         color: Name of a custom property of the style sheet.
         style: Of the line, in Plotly's terms.
     """
@@ -113,7 +113,7 @@ def upright(name: str, x: float, dash: str, color: str = fig.INK) -> fig.Layout:
         name: In the legend.
         x: Where.
         dash: As of `level`.
-        color: Likewise.
+        color: Name of a custom property of the style sheet.
     """
     return fig.level(name, {"x0": x, "x1": x, **fig.COLUMN}, dash, color)
 

@@ -34,7 +34,7 @@ def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str,
     if candidate is None:
         return DASH, DASH, DASH
     train, test = (_text(candidate.scores[part][verdict.measure], verdict.digits) for part in Part)
-    return spelled(verdict.told(candidate)), train, test
+    return spelled(verdict.written(candidate)), train, test
 
 
 def _standing(verdict: Verdict) -> str:

@@ -68,15 +68,15 @@ def _alarms(
     return row[first], np.column_stack((times[first], times[np.roll(first, -1)]))
 
 
-def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.bool_]:
+def matches(record: EpisodeRecord, spans: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Returns which alarm belongs to which contact, shape (alarms, contacts).
 
     It overlaps the contact or ends at most GAP before it: a scan just before a touch that hides what
     is touched from the next one is no false alarm.
     """
     contacts = record.events
-    before = found[:, 1, None] + GAP >= contacts["start_s"]
-    after = found[:, 0, None] <= contacts["end_s"] + GAP / 10  # the scan that follows its last tick
+    before = spans[:, 1, None] + GAP >= contacts["start_s"]
+    after = spans[:, 0, None] <= contacts["end_s"] + GAP / 10  # the scan that follows its last tick
     return np.asarray(before & after)
 
 
@@ -86,8 +86,8 @@ def event_counts(detector: Detector) -> Count:
     def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
         counts = np.zeros((len(thresholds), len(records), 5))
         for place, record in enumerate(records):
-            row, found = _alarms(record, detector(record) < thresholds[:, None])
-            match = matches(record, found)
+            row, spans = _alarms(record, detector(record) < thresholds[:, None])
+            match = matches(record, spans)
             detected = np.zeros((len(thresholds), len(record.events)), np.bool_)
             np.logical_or.at(detected, row, match)
             counts[:, place, CONTACTS] = len(record.events)
@@ -109,8 +109,8 @@ def scan_counts(detector: Detector) -> Count:
 
 def lead_times(record: EpisodeRecord, below: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Returns how long before each detected contact its first alarm began, shape (detected,) [s]."""
-    found = alarms(record, below)
-    starts = np.where(matches(record, found), found[:, :1], np.inf).min(axis=0, initial=np.inf)
+    spans = alarms(record, below)
+    starts = np.where(matches(record, spans), spans[:, :1], np.inf).min(axis=0, initial=np.inf)
     lead = record.events["start_s"] - starts
     return np.asarray(np.maximum(lead[np.isfinite(lead)], 0.0))
 

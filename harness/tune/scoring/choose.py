@@ -24,7 +24,7 @@ class Scoring:
 
     Attributes:
         count: What is counted of episodes.
-        measures: What is told of a value, by name.
+        measures: What is reported of a value, by name.
         objective: Name of the measure that is maximised.
         grid: The values to choose from.
         stratum: By what episodes are of a kind, for the intervals.
@@ -86,7 +86,7 @@ def judged(
         scoring: How it is judged.
         records: The episodes.
         lack: Why the data support no value, or None if they do.
-        value: One that was found by other means; the best of the grid on the training half if None.
+        value: One that was chosen by other means; the best of the grid on the training half if None.
         note: What the value holds for, or is made of.
     """
     info = PARAMETERS[parameter]
@@ -102,18 +102,18 @@ def judged(
 
 
 def lack_of(
-    records: Records, what: str, count: Callable[[EpisodeRecord], int], fewest: int
+    records: Records, things: str, count: Callable[[EpisodeRecord], int], fewest: int
 ) -> str | None:
     """Returns in a clause why the data support no value, None if they do.
 
     Args:
         records: The episodes; every part has to have enough.
-        what: Is counted.
+        things: Which are counted, in words.
         count: How many an episode has.
         fewest: How many a part needs.
     """
     for part, some in records.items():
         counted = sum(map(count, some))
         if counted < fewest:
-            return f"{counted} {what} in the {part} episodes; {fewest} are needed"
+            return f"{counted} {things} in the {part} episodes; {fewest} are needed"
     return None

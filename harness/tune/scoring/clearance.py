@@ -39,7 +39,7 @@ class Braking:
     Attributes:
         speed: Top speed, measured [m/s].
         distance: From the command to the standstill [m].
-        time: Likewise [s].
+        time: From the command to the standstill [s].
     """
 
     speed: float
@@ -92,8 +92,8 @@ def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceS
         f"{overhang:.3f} m from lidar to bumper + {braking.speed * LATENCY:.3f} m in {LATENCY:g} s at "
         f"{braking.speed:.2f} m/s + {braking.distance:.3f} m braking + {MARGIN:g} m margin"
     )
-    what, test = "contacts ahead with hazards that the lidar saw", {Part.TEST: records[Part.TEST]}
-    lack = lack_of(test, what, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
+    things, test = "contacts ahead with hazards that the lidar saw", {Part.TEST: records[Part.TEST]}
+    lack = lack_of(test, things, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
     lack = lack and f"{lack} to check it"
     verdict = judged(PARAMETER, scoring, records, lack=lack, value=round(value, 2), note=note)
     return ClearanceStudy(verdict=verdict, overhang=overhang, braking=braking, margin=MARGIN)
@@ -137,7 +137,7 @@ def _counts(
 
 
 def _is_head_on(record: EpisodeRecord) -> NDArray[np.bool_]:
-    """Contacts that braking could have avoided and the lidar could have told."""
+    """Contacts that braking could have avoided and the lidar could have seen."""
     events = record.events
     return np.asarray(
         (events["zone"] == Zone.FRONT) & (events["sight"] == Sight.SEEN) & (events["speed"] > MOVING)

@@ -114,8 +114,8 @@ def study_collisions(records: Records) -> CollisionStudy:
         _detector_study(name, records, SCORINGS[name].candidate(records, value))
         for name, value in best.items()
     ]
-    told = {"default": default} | {study.name: study for study in detectors}
-    thresholds = {name: (DETECTORS[study.name], study.events.value) for name, study in told.items()}
+    shown = {"default": default} | {study.name: study for study in detectors}
+    thresholds = {name: (DETECTORS[study.name], study.events.value) for name, study in shown.items()}
     return CollisionStudy(
         verdict=verdict,
         footprint=_footprint_verdicts(records, lack),
@@ -145,13 +145,15 @@ def zone_rows(
     records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[Detector, float]]
 ) -> tuple[ZoneRow, ...]:
     """Returns how many contacts of each side each detector tells with its threshold [m]."""
-    events, told = _events(records), {}
+    events, detected = _events(records), {}
     for name, (detector, threshold) in detectors.items():
         each = [matches(one, alarms(one, detector(one) < threshold)).any(axis=0) for one in records]
-        told[name] = np.concatenate([np.empty(0, dtype=bool), *each])
+        detected[name] = np.concatenate([np.empty(0, dtype=bool), *each])
     sides = {zone: (events["sight"] == Sight.SEEN) & (events["zone"] == zone) for zone in Zone}
     return tuple(
-        ZoneRow(zone, int(here.sum()), {name: int((here & those).sum()) for name, those in told.items()})
+        ZoneRow(
+            zone, int(here.sum()), {name: int((here & those).sum()) for name, those in detected.items()}
+        )
         for zone, here in sides.items()
     )
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 RESAMPLES, LEVEL = 2000, 0.95
 FEWEST_EPISODES = 8  # that have what is counted; with fewer, resampling means little
-FEWEST_DIGITS, MOST_DIGITS = 2, 3  # of what is told
+FEWEST_DIGITS, MOST_DIGITS = 2, 3  # of a reported number
 TP, FP, FN, TN = range(4)  # of `confusion`
 COLLAPSED = "other"  # strata of a single episode, together
 
@@ -46,8 +46,8 @@ class Estimate:
 
 def digits_for(gain: Estimate) -> int:
     """Returns how many digits show a difference and its interval: 3 where 2 would make one of them 0."""
-    told = (each for each in (gain.value, gain.low, gain.high) if each is not None)
-    return MOST_DIGITS if any(0.0 < abs(each) < 0.01 for each in told) else FEWEST_DIGITS
+    given = (each for each in (gain.value, gain.low, gain.high) if each is not None)
+    return MOST_DIGITS if any(0.0 < abs(each) < 0.01 for each in given) else FEWEST_DIGITS
 
 
 def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimate:

@@ -56,7 +56,7 @@ class GroundStudy:
 
     Attributes:
         verdict: On it.
-        what: The signal, as the page names it.
+        what: Name of the signal on the page.
         auc: Area under the ROC curve by part.
         speed_bins: Over all episodes.
     """
@@ -78,7 +78,7 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
     everything = ImuEvents.joined([signal.imu_events(one) for some in records.values() for one in some])
     return GroundStudy(
         verdict=verdict,
-        what=signal.what,
+        what=signal.name,
         auc={part: _auc(count(some, GRID), some) for part, some in records.items()},
         speed_bins=tuple(_speed_bin(speeds, everything.within(*speeds)) for speeds in SPEED_BINS),
     )

@@ -45,12 +45,12 @@ class Signal:
 
     Attributes:
         parameter: The threshold.
-        what: The signal, as the page names it.
+        name: On the page.
         imu_events: Takes it from an episode.
     """
 
     parameter: str
-    what: str
+    name: str
     imu_events: Callable[[EpisodeRecord], ImuEvents]
 
 

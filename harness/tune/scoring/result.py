@@ -50,7 +50,7 @@ class Verdict:
         """What a parameter file should say: None where the default stays.
 
         Only a value that beats the default on episodes on which it was not chosen is supported, by more
-        than resampling both together explains, and by more than the digits that are told hide.
+        than resampling both together explains, and by more than the digits that are shown hide.
         """
         if self.tuned is None:
             return None
@@ -62,7 +62,7 @@ class Verdict:
         """How many digits its scores need, so that tuned and default do not look the same."""
         return FEWEST_DIGITS if self.tuned is None else digits_for(self.gain[self.measure])
 
-    def told(self, candidate: Candidate) -> str:
+    def written(self, candidate: Candidate) -> str:
         """Returns a value with its unit."""
         value = candidate.value
         return str(value).lower() if isinstance(value, bool) else f"{value:g} {self.unit}"

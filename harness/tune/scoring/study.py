@@ -25,7 +25,8 @@ class Driven:
 
     Attributes:
         endings: Episodes by how they ended; those that diverged are not scored.
-        seconds: Simulated time that is scored [s]; `path_length` [m] likewise.
+        seconds: Simulated time that is scored [s].
+        path_length: True path that is scored [m].
     """
 
     endings: Mapping[Ending, int]
@@ -113,10 +114,10 @@ def conclusions(study: RobotStudy) -> Iterator[str]:
 
 def judgement(robot: str, verdict: Verdict) -> str:
     """Returns whether the default of a threshold suits a robot."""
-    default = f"{verdict.name}: the default {verdict.told(verdict.default)}"
+    default = f"{verdict.name}: the default {verdict.written(verdict.default)}"
     if verdict.tuned is None:
         return f"{default} stays for {robot}, because the data support no value: {verdict.lack}."
-    tuned, digits = verdict.told(verdict.tuned), verdict.digits
+    tuned, digits = verdict.written(verdict.tuned), verdict.digits
     was = verdict.default.scores[Part.TEST][verdict.measure]
     becomes = verdict.tuned.scores[Part.TEST][verdict.measure]
     gain = verdict.gain[verdict.measure]

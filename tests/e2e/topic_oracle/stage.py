@@ -1,19 +1,15 @@
-"""The stage of the oracle for topics: a small world that has everything, rovers with a tilted IMU.
+"""The stage of the oracle for topics: a small world that has everything, rovers with a tilted IMU."""
 
-A module of its own, so that the process that simulates can load it.
-"""
-
+import json
 import math
-from dataclasses import dataclass
 from pathlib import Path
+from shutil import copytree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import robots
-from harness.robots import RoverSpec, find_rover
+from harness.robots import MODELS_DIR, RoverSpec, find_rover
 from harness.samples import Twist
-from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World, with_actors
@@ -38,48 +34,15 @@ SCRIPT = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class StagedConfig(Run):
-    """An episode on the stage; `model` is the file of its rover's model."""
-
-    model: Path
-    actors: tuple[str, ...] = (PERSON,)
-
-    def validate(self) -> None:
-        """Has the process that simulates find the staged rover."""
-        robots.ROVERS = {**robots.ROVERS, self.robot: staged_rover(self)}
-
-    def world(self) -> World:
-        """The stage."""
-        return stage(find_rover(self.robot))
-
-
-@dataclass(frozen=True, kw_only=True)
-class StagedRover(RoverSpec):
-    """A rover whose model is in `file`."""
-
-    file: Path
-
-    @property
-    def model_path(self) -> Path:
-        """Instead of the one that is named as the rover."""
-        return self.file
-
-
-def staged_rover(config: StagedConfig) -> StagedRover:
-    """The rover of that name, with the staged model."""
-    told = vars(robots.read_rover(robots.MODELS_DIR / config.robot))
-    return StagedRover(**told | {"file": config.model, "sensors": carried(config.robot)})
-
-
-def write_model(rover: RoverSpec, folder: Path) -> Path:
-    """The rover's model with its IMU mounted obliquely."""
-    site = '<site name="imu"'
-    text = rover.model_path.read_text()
+def staged_rover(robot: str, folder: Path) -> RoverSpec:
+    """A folder rover: a shipped one with its IMU mounted obliquely and with all optional sensors."""
+    made = Path(copytree(MODELS_DIR / robot, folder / robot))
+    model, facts, site = made / f"{robot}.xml", made / "rover.yaml", '<site name="imu"'
+    text = model.read_text()
     assert text.count(site) == 1
-    file = folder / rover.model_path.name
-    file.write_text(text.replace(site, f'{site} quat="{IMU_MOUNTING}"'))
-    return file
+    model.write_text(text.replace(site, f'{site} quat="{IMU_MOUNTING}"'))
+    facts.write_text(f"{facts.read_text()}\nsensors: {json.dumps(carried(robot))}\n")
+    return find_rover(str(made))
 
 
 def beyond(values: Grid, limit: float) -> Grid:
@@ -108,5 +71,9 @@ def stage(rover: RoverSpec) -> World:
         position=(0.95, -0.1, 0.3),
         quaternion=(math.cos(0.05), 0.0, 0.0, math.sin(0.05)),
     )
-    world = World("stage", ground, (rock, wall), seed=0, difficulty=0.0)
+    return World("stage", ground, (rock, wall), seed=0, difficulty=0.0)
+
+
+def peopled(world: World) -> World:
+    """The world with the one who walks there."""
     return with_actors(world, parse_actors([PERSON]))

@@ -59,8 +59,8 @@ def several(*texts: str, **shared: Any) -> Run:  # noqa: ANN401 - fields of a ru
         ({"goal_area": (0, 1, 0, 1)}, "it needs driver 'goal' or a policy"),
         ({"driver": "goal", "goal_area": (0, 1, 0, 1), "goals": [(0, 1, 2, 0)]}, "leave out the goals"),
         ({"terrain": "a.npy", "difficulty": 0.6}, "leave out --difficulty"),
-        ({"terrain": "a.npy", "mesh_unit": "cm"}, "is for SDF worlds and meshes"),
-        ({"terrain": "a.obj", "terrain_size": 20}, "is for heightmaps"),
+        ({"terrain": "a.npy", "mesh_unit": "cm"}, "applies to SDF worlds and meshes only"),
+        ({"terrain": "a.obj", "terrain_size": 20}, "applies to heightmaps only"),
         ({"terrain": "a.obj", "mesh_unit": "mile"}, "available: m, cm, mm, ft, in"),
         ({"actors": ["a=1,2", "a=random"]}, "give one another name"),
     ],
@@ -76,7 +76,9 @@ def test_what_does_not_exist_or_fit_is_one_line_with_the_mend(wrong: dict[str, A
 @pytest.mark.parametrize("name", FILE_FIELDS)
 def test_what_only_a_file_leaves_open_is_refused_of_a_named_terrain(name: str) -> None:
     value = {"mesh_unit": "cm", "mesh_up": "y"}.get(name, 10.0 if "terrain" in name else "0.5")
-    with pytest.raises(UsageError, match=f"^--{name.replace('_', '-')} applies to terrains from files"):
+    with pytest.raises(
+        UsageError, match=f"^--{name.replace('_', '-')} applies to .* only; leave it out"
+    ):
         check(Run.of(**{name: value}))
 
 

@@ -1,17 +1,17 @@
+"""Episodes on small runs: what is due when, resets, plans, contacts, and what ends them."""
+
 import hashlib
 import math
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, ClassVar
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
-from harness.base.errors import RunFailed, UsageError
-from harness.drivers import Observation, find_driver
-from harness.episode.episode import Episode, fleet_of, goal_course, installed
-from harness.robots import ROVERS, RoverSpec
+from harness.base.errors import RunFailed
+from harness.episode.assembly import world_of
+from harness.episode.episode import Episode
+from harness.robots import ROVERS
 from harness.samples import (
     ActorPoses,
     GroundTruth,
@@ -22,50 +22,27 @@ from harness.samples import (
     Place,
     Pose,
     Sample,
-    Tick,
     Transforms,
     TruthState,
     Twist,
 )
 from harness.sensors.barometer import Pressure
-from harness.sensors.gnss import GnssOptions
-from harness.sensors.noise import HARDWARE
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.world.obstacles import ObstacleKind
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO
 
 SECOND = 1_000_000_000
+LIGHT = {"terrain": "flat", "driver": "straight", "duration": 1.0, "lidar_beams": 8}
 
 
 def config(**changes: object) -> Run:
-    values: dict[str, object] = {
-        "terrain": "flat",
-        "driver": "straight",
-        "duration": 1.0,
-        "lidar_beams": 8,
-    }
-    return Run.of(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+    return Run.of(**LIGHT | changes)
 
 
-def ticks(episode_config: Run) -> list[Tick]:
-    return [tick for batch in Episode(episode_config).batches() for tick in batch.ticks]
-
-
-def samples(episode_config: Run, kind: type[Sample]) -> list[Sample]:
-    return [s for tick in ticks(episode_config) for s in tick.samples if isinstance(s, kind)]
-
-
-def digest(episode_config: Run) -> str:
-    state = hashlib.sha256()
-    for tick in ticks(episode_config):
-        for sample in tick.samples:
-            if isinstance(sample, LaserScan):
-                state.update(sample.ranges.tobytes())
-            else:
-                state.update(repr(sample).encode())
-    return state.hexdigest()
+def samples(run: Run, kind: type[Sample]) -> list[Sample]:
+    ticks = [tick for batch in Episode(run).batches() for tick in batch.ticks]
+    return [sample for tick in ticks for sample in tick.samples if isinstance(sample, kind)]
 
 
 @pytest.mark.parametrize("robot", ROVERS)
@@ -79,12 +56,6 @@ def test_each_tick_of_10_ms_has_the_samples_that_are_due_in_publishing_order(rob
         assert tick.stamp_ns == 10_000_000 * number
         due = [(kind, tick.stamp_ns) for kind, period in periods.items() if number % period == 0]
         assert [(type(sample), sample.stamp_ns) for sample in tick.samples] == due
-
-
-def test_same_seed_gives_the_same_samples_and_another_seed_does_not() -> None:
-    rocky = {"terrain": "rocky", "driver": "wander", "duration": 0.5, "lidar_beams": 60}
-    told = [digest(config(**rocky, seed=seed)) for seed in (5, 5, 6)]
-    assert told[0] == told[1] != told[2]
 
 
 @pytest.mark.parametrize("robot", ROVERS)
@@ -104,13 +75,6 @@ def test_straight_drive_moves_ahead_and_truth_follows_the_pose(robot: str) -> No
     assert abs(y) < 0.05
     assert last.truth.path_length == pytest.approx(x, rel=0.03)
     assert last.truth.time_ns == 2 * SECOND
-
-
-def test_spin_turns_left_in_place() -> None:
-    truth = samples(config(driver="spin", duration=2.0), GroundTruth)[-1]
-    assert isinstance(truth, GroundTruth)
-    assert truth.yaw > 0.3
-    assert math.hypot(truth.x, truth.y) < 0.1
 
 
 @pytest.mark.parametrize(("timeout", "shortest", "longest"), [(None, 0.4, 0.7), (0.5, 0.1, 0.2)])
@@ -182,17 +146,6 @@ def test_goals_in_an_area_follow_each_other_and_are_told_with_their_batch() -> N
         for goal, place in goals
         if area[0] < goal.x < area[1] and area[2] < goal.y < area[3]
     ]
-
-
-def test_a_planned_goal_is_what_the_driver_heads_for() -> None:
-    planned = Episode(config(driver="goal", duration=0.5, goals=((0.2, 3.0, 4.0, 0.5),)))
-    by_hand, told = Episode(config(driver="goal", duration=0.5)), Place(3.0, 4.0, 0.5)
-    batches = by_hand.batches()
-    for index, batch in enumerate(planned.batches()):
-        if index == 4:
-            by_hand.head_for(told)
-        assert repr(batch.ticks) == repr(next(batches).ticks)
-    assert batch.truth.path_length > 0.0
 
 
 @pytest.mark.parametrize("robot", ROVERS)
@@ -287,120 +240,12 @@ def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
         next(batches)
 
 
-class Spy:
-    """A driver and a noise that remember what they were made of and shown."""
-
-    made: ClassVar[list["Spy"]] = []
-    summary = "remembers"
-
-    def __init__(self, *given: Any) -> None:  # noqa: ANN401 - of a driver or of a noise
-        self.given, self.seen = given, list[Any]()
-        Spy.made.append(self)
-
-    def command(self, observation: Observation) -> Twist:
-        self.seen.append(observation)
-        return Twist(0.3, 0.2)
-
-    def corrupt(self, sample: Sample) -> Sample:
-        """Puts the time of a scan into its ranges."""
-        if not isinstance(sample, LaserScan):
-            return sample
-        return replace(sample, ranges=np.full_like(sample.ranges, sample.stamp_ns / SECOND))
-
-
-@pytest.fixture
-def spied(monkeypatch: pytest.MonkeyPatch) -> list[Spy]:
-    """The spies that an episode makes: a noise, then a driver, and another after a reset."""
-    monkeypatch.setattr(Spy, "made", [])
-    monkeypatch.setattr("harness.episode.episode.SensorNoise", Spy)
-    monkeypatch.setattr("harness.episode.episode.find_driver", lambda _: Spy)
-    return Spy.made
-
-
-def test_driver_scan_noise_and_imu_noise_draw_from_streams_of_their_own(spied: list[Spy]) -> None:
-    """The streams are part of what a seed means: they are spawned from it in this order."""
-    episode = Episode(config(seed=6, noise="hardware", duration=0.1))
-    episode.reset()
-    noise, driver, again = spied
-    preset, limits, scan_rng, imu_rng = noise.given
-    assert preset.name == "hardware"
-    assert limits == (0.15, 10.0)
-    children = np.random.SeedSequence(6, spawn_key=(10,)).spawn(3)
-    given = (driver.given[0].rng, scan_rng, imu_rng)
-    expected = [np.random.default_rng(child).random() for child in children]
-    assert [rng.random() for rng in given] == expected
-    assert again.given[0].rng.random() == expected[0], "a reset drives as at first"
-
-
-@pytest.mark.parametrize("number", [0, 2])
-def test_an_optional_sensor_has_a_stream_of_its_name_its_frames_mount_and_the_runs_noise(
-    number: int,
-) -> None:
-    told, scene, frames = config(seed=6, number=number, noise="hardware"), Mock(), Mock()
-    options = GnssOptions(name="up", frame="mast")
-    made = installed(told, frames, scene, options)
-    stream = np.random.SeedSequence(told.own_seed, spawn_key=(12, *b"up"))
-    assert made.rng.random() == np.random.default_rng(stream).random()
-    assert (made.options, made.mount, made.noise) == (options, frames.mount.return_value, HARDWARE)
-    frames.mount.assert_called_once_with("mast", scene.model, scene.prefix)
-    assert installed(told.alone(noise=None), frames, scene, options).noise is None
-
-
-@pytest.mark.parametrize("number", [0, 2])
-def test_goals_in_an_area_are_drawn_from_a_stream_of_their_own(
-    number: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("harness.episode.episode.GoalCourse", Course)
-    monkeypatch.setattr("harness.episode.episode.Room", lambda world: world)
-    area = (1.0, 2.0, 3.0, 4.0)
-    told = config(driver="goal", goal_area=area, seed=6, number=number)
-    course = goal_course(told, told.world())
-    assert isinstance(course, Course)
-    given, room, reach, rng = course.given
-    assert (given, reach, course.drawn) == (area, LEO.reach, 1)
-    assert room is told.world()
-    stream = np.random.SeedSequence(told.own_seed, spawn_key=(11,))
-    assert rng.random() == np.random.default_rng(stream).random()
-    assert goal_course(config(driver="goal"), told.world()) is None
-
-
-class Course:
-    """Goals that remember what they are made of."""
-
-    def __init__(self, *given: Any) -> None:  # noqa: ANN401 - of a GoalCourse
-        self.given, self.drawn = given, 0
-
-    def draw(self) -> None:
-        self.drawn += 1
-
-
-def test_what_drivers_want_is_made_drivable_and_commands_are_taken_as_they_are(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked = []
-
-    def halved(twist: Twist, rover: RoverSpec) -> Twist:
-        asked.append((twist, rover))
-        return Twist(0.0, 0.0)
-
-    monkeypatch.setattr("harness.episode.episode.drivable", halved)
-    monkeypatch.setattr("harness.episode.episode.PolicyDriver", find_driver("spin"))
-    drives = []
-    for driver in ("straight", "cmd_vel", "spin"):
-        episode = Episode(config(driver=driver, duration=0.05))
-        episode.command(Twist(0.3, 0.0))
-        list(episode.batches())
-        drives.append(bool(episode.simulation.data.ctrl.any()))
-    assert drives == [False, True, True]
-    assert [(twist.angular, rover) for twist, rover in asked] == [(0.0, LEO)]
-
-
 @pytest.mark.parametrize("sensors", [(), ("barometer",)])
 @pytest.mark.parametrize("frames", [None, FrameOptions()])
 def test_optional_sensors_and_transforms_are_among_the_samples_where_they_are_asked_for(
     sensors: tuple[str, ...], frames: FrameOptions | None
 ) -> None:
-    episode = Episode(config(sensors=sensors, duration=0.1), frames)
+    episode = Episode(config(sensors=sensors or None, duration=0.1), frame_options=frames)
     told = {type(s) for batch in episode.batches() for tick in batch.ticks for s in tick.samples}
     assert (Pressure in told, Transforms in told) == (bool(sensors), frames is not None)
     assert (episode.description is None) == (frames is None)
@@ -414,43 +259,8 @@ def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
         assert (ActorPoses in samples_of) is expected
 
 
-def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied: list[Spy]) -> None:
-    told = config(terrain="rocky", noise="white", duration=0.3)
-    world = replace(told.world(), room=(-3.0, 9.0, -5.0, 3.0))
-    (episode,) = fleet_of((told,), world=world)
-    batches, where = episode.batches(), []
-    for index in range(6):
-        where.append((*episode.simulation.position[:2], episode.simulation.yaw))
-        next(batches)
-        if index == 2:
-            episode.reset()
-    _, first, second = spied
-    context = first.given[0]
-    assert (context.rover, context.middle, context.half_size) == (LEO, (3.0, -1.0), (6.0, 4.0))
-    assert context.obstacles == world.obstacles
-    assert context.bearings.shape == first.seen[1].ranges.shape == (8,)
-    seen = [*first.seen, *second.seen]
-    assert [o.time_ns for o in seen] == [0, 50_000_000, 100_000_000] * 2
-    assert [(o.x, o.y, o.yaw) for o in seen] == where
-    assert len(set(where[:3])) == 3
-    ranges = [None if o.ranges is None else float(o.ranges[0]) for o in seen]
-    assert ranges == pytest.approx([None, 0.05, 0.1, None, 0.2, 0.25])
-    assert not any(o.touches_hazard for o in seen)
-
-
-def test_a_driver_is_told_of_a_hazard_only_while_something_touches_it(spied: list[Spy]) -> None:
-    episode = Episode(config(duration=0.3))
-    batches, sums = episode.batches(), episode.simulation.summed
-    for kind in ("rock_contact", "scrape_contact_rover", "hazard_contact"):
-        next(batches)
-        episode.simulation.tick_sum.fill(0.0)
-        sums(kind)[0] = 1.0
-    next(batches)
-    assert [o.touches_hazard for o in spied[0].seen] == [False, False, False, True]
-
-
 def test_an_episode_says_what_it_is_made_of() -> None:
-    made, world = Episode(config(terrain="rocky")), config(terrain="rocky").world()
+    made, world = Episode(config(terrain="rocky")), world_of(config(terrain="rocky"))
     info = made.info
     assert info.terrain_hash == terrain_hash(world)
     assert info.model_hash == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
@@ -468,35 +278,6 @@ def test_an_episode_begins_where_it_is_told_and_comes_back_there() -> None:
     assert math.atan2(way[1], way[0]) == pytest.approx(2.0, abs=0.05)
     episode.reset()
     assert (episode.simulation.position, episode.simulation.yaw) == begun
-
-
-def test_an_episode_that_begins_inside_an_obstacle_is_refused_by_its_name() -> None:
-    rocks = config(terrain="rocky")
-    x, y, _ = next(o for o in rocks.world().obstacles if o.kind is ObstacleKind.HAZARD).position
-    with pytest.raises(UsageError, match=r"is inside hazard_0; choose another --start"):
-        Episode(replace(rocks, start=(x, y, 0.0)))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"driver": "ram"},
-            "driver 'ram' on flat: it drives into hazards head on, and none .*: rocky, posts, maze",
-        ),
-        ({"start": (25.0, 0.0, 0.0)}, "start 25,0 is off the map"),
-        ({"terrain": "maze", "start": (10.1, 3.0, 0.0)}, "start 10.1,3,0 is inside hazard_"),
-        ({"terrain": "marsyard", "start": (-14.0, -2.0, 0.0)}, "no rover can stand at start -14,-2,0"),
-        ({"timestep": 0.003}, "timestep 0.003 s is refused"),
-    ],
-)
-def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        Episode(config(**changes))
-    if "off the map" in message:  # is told before anything is built
-        with pytest.raises(UsageError, match=message):
-            config(**changes).check_world()
-    config(terrain="posts", driver="ram").check_world()
 
 
 def test_the_wheels_get_faster_from_tick_to_tick_as_the_controller_of_the_rover_lets_them() -> None:

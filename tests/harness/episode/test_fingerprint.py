@@ -13,8 +13,7 @@ from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
-from harness.episode.loop import Observer
-from harness.episode.result import RunResult, TopicCount
+from harness.episode.result import Outputs, RunResult, TopicCount
 from harness.samples import LaserScan, Pose, Tick
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -70,31 +69,27 @@ def test_equal_streams_have_equal_hashes_and_counts() -> None:
     assert stream.samples == 6
 
 
-def run(
-    config: Run,
-    options: RosOptions,
-    _: StopRequest,
-    observers: Sequence[Observer],
-    **changes: object,
-) -> RunResult:
+def drive(
+    run: Run, outputs: Sequence[Outputs], options: RosOptions, _: StopRequest, **changes: object
+) -> tuple[RunResult]:
     """A run of one batch that wrote a log of two rows."""
-    for observer in observers:
+    for observer in outputs[0].observers:
         observer.take(BATCH)
     log = options.log_dir / "log.csv"
     log.write_bytes(b"a,b\r\n1,2\r\n")
     topics = {"/scan": TopicCount(4, 1, 3)}
     values = {"log_path": log, "rows": 2, "topics": topics} | changes
-    return RunResult(run=config, mode="", **values)  # type: ignore[arg-type]  # a table of keywords
+    return (RunResult(run=run, mode="", **values),)  # type: ignore[arg-type]  # a table of keywords
 
 
 def test_a_fingerprint_is_that_of_the_stream_and_of_the_logs_bytes() -> None:
-    told = fingerprint(run, Run(), StopRequest())
     csv = hashlib.sha256(b"a,b\r\n1,2\r\n").hexdigest()
-    assert told == Fingerprint(samples=2, rows=2, lost=3, stream=digest(BATCH), csv=csv)
+    expected = Fingerprint(samples=2, rows=2, lost=3, stream=digest(BATCH), csv=csv)
+    assert fingerprint(drive, Run(), StopRequest()) == expected
 
 
 def test_a_run_that_failed_wrote_nothing_or_was_stopped_has_none() -> None:
-    failing, silent = partial(run, failure="it fell off"), partial(run, log_path=None)
+    failing, silent = partial(drive, failure="it fell off"), partial(drive, log_path=None)
     with pytest.raises(RunFailed, match="it fell off"):
         fingerprint(failing, Run(), StopRequest())
     with pytest.raises(RunFailed, match="the run wrote no log"):
@@ -102,4 +97,4 @@ def test_a_run_that_failed_wrote_nothing_or_was_stopped_has_none() -> None:
     stop = StopRequest()
     stop.signal = signal.SIGINT
     with pytest.raises(Interrupted, match="SIGINT"):
-        fingerprint(run, Run(), stop)
+        fingerprint(drive, Run(), stop)

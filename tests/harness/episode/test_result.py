@@ -15,7 +15,7 @@ EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0
 
 def test_speeds_and_counts_of_a_run_follow_from_what_it_holds() -> None:
     result = RunResult(
-        config=Run(),
+        run=Run(),
         mode="direct",
         truth=Truth(time_ns=4_000_000_000, path_length=1.0),
         wall_s=0.5,

@@ -1,6 +1,5 @@
 import math
 import multiprocessing
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +7,12 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD_NS
+from harness.episode.assembly import fleet, world_of
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
 from harness.samples import LaserScan, Place, Pose, Twist
+from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
 
 
@@ -32,14 +33,14 @@ def flattened(batches: list[Batch]) -> list[str]:
 def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> None:
     posts = config(terrain="posts", robot="rover_zero4wd", seed=1, noise="white", lidar_beams=60)
     x, y, _ = min(
-        (o.position for o in posts.world().obstacles), key=lambda place: math.hypot(*place[:2])
+        (o.position for o in world_of(posts).obstacles), key=lambda place: math.hypot(*place[:2])
     )
-    ramming = replace(posts, driver="straight", duration=2.5, start=(x - 0.9, y, 0.0))
-    with EpisodeProcess([ramming]) as process:
-        (info,) = process.infos
+    ramming = posts.alone(driver="straight", duration=2.5, start=(x - 0.9, y, 0.0))
+    with EpisodeProcess(ramming) as process:
+        (begun,) = process.begin()
         streamed = [batch for (batch,) in process.batches()]
     here = Episode(ramming)
-    assert info == here.info
+    assert begun.info == here.info
     local = list(here.batches())
     assert flattened(streamed) == flattened(local)
     assert streamed[-1].truth == local[-1].truth
@@ -49,8 +50,8 @@ def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> Non
 
 
 def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told() -> None:
-    with EpisodeProcess([config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)]) as process:
-        _ = process.infos
+    with EpisodeProcess(config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)) as process:
+        process.begin()
         poses = []
         for index, (batch,) in enumerate(process.batches()):
             poses += [s for tick in batch.ticks for s in tick.samples if isinstance(s, Pose)]
@@ -84,30 +85,28 @@ def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
         timestep=0.005,
         lidar_beams=2,
     )
-    with EpisodeProcess([fast]) as process:
-        _ = process.infos
+    with EpisodeProcess(fast) as process:
+        process.begin()
         with pytest.raises(RunFailed, match="reached the edge of the map"):
             list(process.batches())
 
 
 def test_leaving_early_leaves_no_process_behind() -> None:
-    with EpisodeProcess([config(duration=1000.0)]) as process:
-        _ = process.infos
+    with EpisodeProcess(config(duration=1000.0)) as process:
+        process.begin()
         next(process.batches())
     assert multiprocessing.active_children() == []
 
 
 def test_known_error_of_the_child_arrives_as_itself() -> None:
-    with (
-        EpisodeProcess([config(difficulty=math.nan)]) as process,
-        pytest.raises(UsageError, match="difficulty nan is not valid"),
-    ):
-        _ = process.infos
+    on_a_wall = config(terrain="maze", start=(10.1, 3.0, 0.0))
+    with EpisodeProcess(on_a_wall) as process, pytest.raises(UsageError, match="is inside hazard_"):
+        process.begin()
 
 
 def test_death_of_the_child_fails_the_run() -> None:
-    with EpisodeProcess([config(duration=1000.0)]) as process:
-        _ = process.infos
+    with EpisodeProcess(config(duration=1000.0)) as process:
+        process.begin()
         batches = process.batches()
         next(batches)
         for child in multiprocessing.active_children():
@@ -117,13 +116,10 @@ def test_death_of_the_child_fails_the_run() -> None:
 
 
 def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None:
-    shared = {"terrain": "flat", "driver": "cmd_vel", "lidar_beams": 2, "duration": 1.0}
-    fleet = [
-        config(name="a", **shared),
-        config(name="b", number=1, start=(2.0, 0.0, 0.0), robot="rover_zero4wd", **shared),
-    ]
-    with EpisodeProcess(fleet) as process:
-        assert [info.start[0] for info in process.infos] == [0.0, 2.0]
+    shared = config(terrain="flat", driver="cmd_vel", lidar_beams=2, duration=1.0)
+    two = fleet(shared, parse_rovers(("leo:a", "rover_zero4wd:b,x=2,y=0"), shared.rover))
+    with EpisodeProcess(two) as process:
+        assert [begun.info.start[0] for begun in process.begin()] == [0.0, 2.0]
         path = []
         for index, batches in enumerate(process.batches()):
             path.append([batch.truth.path_length for batch in batches])

@@ -26,7 +26,7 @@ from harness.gym.options import Curriculum, Options, Randomisation, parse_option
 from harness.samples import Twist
 from harness.sensors.depth import DepthOptions
 from harness.spec.run import Run
-from harness.spec.world import FILE_OPTIONS
+from harness.spec.world import FILE_FIELDS
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
 
@@ -92,7 +92,7 @@ class Bare:
 
     def _course(self, config: Run, camera: object) -> Any:  # noqa: ANN401, ARG002
         start = SimpleNamespace(world=SimpleNamespace(start=(7.0, 8.0, 9.0)))
-        return SimpleNamespace(config=config, places=self.places, scene=start)
+        return SimpleNamespace(run=config, places=self.places, scene=start)
 
     def _ride(self, course: Any, start: Any, variation: Any, seed: int) -> Any:  # noqa: ANN401
         made = SimpleNamespace(course=course, start=start, variation=variation, seed=seed, reads=0)
@@ -117,7 +117,7 @@ def test_worlds_come_from_the_seed_and_stay_for_their_episodes(monkeypatch: pyte
     assert len({*worlds[::2]}) == len(worlds[::2]) == bare.course.call_count == 51
     assert worlds[0][1] == 5
     configs, cameras = zip(*(call.args for call in bare.course.mock_calls), strict=True)
-    assert [(made.terrain, made.seed, made.difficulty) for made in configs] == worlds[::2]
+    assert [(made.world.terrain, made.seed, made.world.difficulty) for made in configs] == worlds[::2]
     assert {*cameras} == {Counted.camera}
     share = [terrain for terrain, _, _ in worlds[::2]].count("flat")
     assert 12 < share < 40
@@ -334,7 +334,7 @@ def test_what_worlds_from_files_leave_open_is_told_as_on_the_command_line() -> N
         known |= {"terrain_height": 2.0} if file == "a.npy" else {}
         assert options.episode(file, 3, 0.9) == Run.of(**known)  # it has no difficulty
         assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9)
-    assert set(FILE_OPTIONS) == {*of_meshes, "terrain_size", "terrain_height"}
+    assert set(FILE_FIELDS) == {*of_meshes, "terrain_size", "terrain_height"}
     with pytest.raises(UsageError, match="mesh unit 'league' does not exist; available: m, "):
         parse_options(Options, {"terrain": "a.sdf", "mesh_unit": "league"}, "here")
 
@@ -376,53 +376,43 @@ def test_start_and_goal_can_be_given(make: Make) -> None:
     assert info["world_seed"] == 0  # no other world for another goal
 
 
-NOT_ABOVE_0 = "is not valid; give two numbers above 0, the lower first"
+POSITIVE = ("friction", "mass", "motor_strength")  # factors
 WRONG_OPTIONS = [
-    ({"terrain": "mars"}, "terrain 'mars' does not exist; available: flat, "),
-    ({"terrain": ["flat", "mars"]}, "terrain 'mars' does not exist; available: flat, "),
-    ({"terrain": []}, "terrain [] is empty; name at least one"),
-    ({"robot": "curiosity"}, "robot 'curiosity' does not exist"),
-    ({"colour": 1}, "PointNavEnv: key 'colour' does not exist; valid: robot, terrain"),
-    ({"difficulty": (0.8, 0.2)}, "difficulty 0.8 to 0.2 is not valid; give two numbers from 0 up"),
-    ({"difficulty": 1.5}, "difficulty 1.5 is not valid; give 0 to 1"),
-    ({"difficulty": [0.5, 1.5]}, "difficulty 1.5 is not valid; give 0 to 1"),
-    ({"difficulty": "hard"}, "difficulty = 'hard' is not valid; give a list of 2"),
-    ({"noise": "loud"}, "noise preset 'loud' does not exist"),
-    ({"randomisation": Randomisation}, "is not valid"),
+    ({"terrain": "mars"}, "available: flat, "),
+    ({"terrain": ["flat", "mars"]}, "available: flat, "),
+    ({"terrain": []}, "give at least 1"),
+    ({"robot": "curiosity"}, "available: leo"),
+    ({"colour": 1}, "key 'colour' does not exist"),
     (
-        {"randomisation": {"gravity": (1.0, 1.0)}},
-        "randomisation: key 'gravity' does not exist; valid: f",
+        {"difficulty": (0.8, 0.2)},
+        "give two numbers, the lower first",
     ),
+    ({"difficulty": 1.5}, "give 0 to 1"),
+    ({"difficulty": [0.5, 1.5]}, "give 0 to 1"),
+    ({"difficulty": "hard"}, "give a list"),
+    ({"noise": "loud"}, "available: white"),
+    ({"randomisation": Randomisation}, "is not valid"),
+    ({"randomisation": {"gravity": (1.0, 1.0)}}, "available: friction, mass"),
+    *(({"randomisation": {name: (0.0, 1.0)}}, "give more than 0") for name in POSITIVE),
+    *(({"randomisation": {name: (-1.0, 1.0)}}, "give 0 or more") for name in ("payload", "latency")),
+    ({"randomisation": {"latency": (0.0, math.inf)}}, "give a finite number"),
+    ({"curriculum": {"step": 2.0}}, "give 0 to 1"),
+    ({"curriculum": {"window": 0}}, "give 1 or more"),
+    ({"curriculum": {"success": -0.5}}, "give 0 to 1"),
+    ({"hazard_budget": math.inf}, "give a finite number"),
+    ({"goal_radius": 0.0}, "give more than 0"),
     *(
-        ({"randomisation": {name: (low, 1.0)}}, f"randomisation: {name} {low:g} to 1 {message}")
-        for names, low, message in (
-            ("friction mass motor_strength", 0.0, NOT_ABOVE_0),
-            ("payload latency", -1.0, NOT_ABOVE_0.replace("above 0", "from 0 up")),
-        )
-        for name in names.split()
-    ),
-    ({"randomisation": {"latency": (0.0, math.inf)}}, "latency 0 to inf is not valid"),
-    ({"curriculum": {"step": 2.0}}, "curriculum: step 2 is not valid; give 0 to 1"),
-    ({"curriculum": {"window": 0}}, "curriculum: window 0 is not valid"),
-    ({"curriculum": {"success": -0.5}}, "curriculum: success -0.5 is not valid; give 0 to 1"),
-    ({"hazard_budget": math.inf}, "hazard_budget inf is not valid; give a number above 0"),
-    *(
-        ({"goal_radius": radius}, f"goal_radius {radius:g} is not valid; give a number above 0")
-        for radius in (-1.0, 0.0, math.inf)
-    ),
-    *(
-        ({name: [1.0, 2.0]}, f"{name} [1.0, 2.0] is not valid; give 1 at most")
+        ({name: [1.0, 2.0]}, "give a number")
         for name in ("terrain_height", "terrain_cell", "rock_height")
     ),
-    ({"terrain_size": [1.0, 2.0, 3.0]}, "terrain_size [1.0, 2.0, 3.0] is not valid; give 2 at most"),
-    ({"episodes_per_world": 0}, "episodes_per_world 0 is not valid; give 1 or more"),
-    ({"goal_distance": 0}, f"goal_distance 0 to 0 {NOT_ABOVE_0}"),
+    ({"terrain_size": [11.0, 12.0, 13.0]}, "give at most 2"),
+    ({"episodes_per_world": 0}, "give 1 or more"),
+    ({"goal_distance": 0}, "give more than 0"),
     ({"time_limit": 0.003}, "duration 0.003 s is not valid"),
-    ({"depth": (4,)}, "depth [4] is not valid; give width and height in pixels"),
-    ({"depth": (4, 4, 4)}, "depth [4, 4, 4] is not valid; give width and height in pixels"),
-    ({"depth": (0, 4)}, "an image of 0 x 4 pixels is not valid; give 1 or more"),
-    ({"render_mode": ""}, "render_mode '' does not exist; available: rgb_array, human"),
-    ({"render_mode": "ascii"}, "render_mode 'ascii' does not exist; available: rgb_array, human"),
+    ({"depth": (4,)}, "give width and height in pixels"),
+    ({"depth": (4, 4, 4)}, "give width and height in pixels"),
+    ({"depth": (0, 4)}, "give "),
+    ({"render_mode": "ascii"}, "available: rgb_array, human"),
 ]
 
 

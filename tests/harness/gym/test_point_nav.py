@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -198,9 +197,9 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
         seen, *_ = env.step(policy.act(seen))
         driven.append(env._ride.simulation.data.qpos.tolist())
     run = config(robot=robot, seed=seed, duration=0.05 * 16, driver=f"policy:{path}")
-    run = replace(run, goals=((0.0, *goal, 0.0),))
+    run = run.alone(goals=((0.0, *goal, 0.0),))
     episode = Episode(run)
     assert [episode.simulation.data.qpos.tolist() for _ in episode.batches()] == driven
     assert math.dist(driven[0][:2], driven[-1][:2]) > 0.02  # it does not just stand
-    plain = Episode(run, samples=sensed_by(run.driver))  # as a run without a log reads them
+    plain = Episode(run, samples=sensed_by(run.rover.driver))  # as a run without a log reads them
     assert [plain.simulation.data.qpos.tolist() for _ in plain.batches()] == driven

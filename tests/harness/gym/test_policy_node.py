@@ -151,7 +151,7 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         driven.append(env._ride.simulation.position)
     run = config(seed=4, duration=2.0, driver="cmd_vel")
     with Trial(run) as trial:
-        node = trial.host(lambda: PolicyNode(policy, find_rover(run.robot), GOAL))
+        node = trial.host(lambda: PolicyNode(policy, find_rover(run.rover.robot), GOAL))
         assert node.get_fully_qualified_name() == "/policy"
         poses = trial.collect(PoseArray, "rover/pose_array")
         trial.step(0.05 * (1 + PERIODS))

@@ -1,6 +1,5 @@
 import copy
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 from typing import Any
@@ -41,12 +40,11 @@ POST = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.6, 0.5), (0.6, 0.0, 0.5))
 def flat_with_post() -> Course:
     ground = Heightfield(np.zeros((41, 41)), 0.2)
 
-    class Made(Run):
-        def world(self) -> World:
-            return World("made", ground, (POST,), seed=0, difficulty=None)
-
+    world = World("made", ground, (POST,), seed=0, difficulty=None)
     camera = DepthOptions(name="depth", width=3, height=2, rate=20)
-    return Course(Made(lidar_beams=8, robot="leo", noise="hardware"), camera)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("harness.gym.course.world_of", lambda _: world)
+        return Course(Run.of(lidar_beams=8, robot="leo", noise="hardware"), camera)
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
@@ -56,7 +54,7 @@ def test_a_ride_reads_what_the_same_commands_of_an_episode_publish(
     run = config(robot=robot, seed=3, driver="cmd_vel", duration=0.05 * (1 + len(COMMANDS)))
     ride = Ride(Course(run), START, PLAIN, run.seed)
     commands = tuple((0.05 * n, *twist) for n, twist in enumerate(COMMANDS, 1))
-    episode = Episode(replace(run, start=START, commands=commands))
+    episode = Episode(run.alone(start=START, commands=commands))
     published: dict[type, Any] = {}
     for batch, command in zip(episode.batches(), [*COMMANDS, (0.0, 0.0)], strict=True):
         published |= {type(sample): sample for tick in batch.ticks for sample in tick.samples}
@@ -122,9 +120,9 @@ def test_noise_is_its_seeds_whatever_the_worlds(flat_with_post: Course) -> None:
         seen: tuple[Any, ...] = tuple(ride.readings[kind] for kind in (LaserScan, RangeReading, Imu))
         return [seen[0].ranges.tolist(), seen[1].ranges.tolist(), [*seen[2].linear_acceleration]]
 
-    flat_with_post.config, own = replace(flat_with_post.config, seed=5), flat_with_post.config
+    flat_with_post.run, own = flat_with_post.run.but(seed=5), flat_with_post.run
     elsewhere = read(1)
-    flat_with_post.config = own
+    flat_with_post.run = own
     one, other = read(1), read(2)
     assert one == elsewhere
     assert all(mine != its for mine, its in zip(one, other, strict=True))

@@ -1,8 +1,8 @@
 """People in the physics: where they are, who is touched, and that nobody is pushed unless told."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from unittest.mock import Mock
 
 import mujoco
 import numpy as np
@@ -11,15 +11,17 @@ import pytest
 from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
-from harness.physics.scene import Scene
-from harness.physics.simulation import Simulation
-from harness.robots import ROVERS
+from harness.physics.scene import build_scenes
+from harness.physics.simulation import Simulation, simulations
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
+from harness.world.actors.actor import Actor
 from harness.world.actors.social_force import SocialForceWalker
+from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.world import World, with_actors
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 from tests.support.words import parse_actors
 
 MakeSimulation = Callable[..., Simulation]
@@ -58,81 +60,76 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
     assert simulation.data.body("g_actor").xpos[1] == pytest.approx(0.5)
 
 
-def two_boxes(*actors: str) -> tuple[Crowd, mujoco.MjData]:
-    """A crowd around two rovers at x = 0 and 3 m: boxes of 60 cm x 40 cm in spheres to look at."""
+def fleet(*actors: str) -> tuple[Simulation, ...]:
+    """Leo at the origin and rover_zero4wd at x = 3 m, among people."""
     bare = World("bare", Heightfield(np.zeros((81, 81)), 0.1), (), seed=0, difficulty=0.0)
     world = with_actors(bare, parse_actors(actors))
-    spec = mujoco.MjSpec()
-    box, sphere, capsule = (getattr(mujoco.mjtGeom, f"mjGEOM_{n}") for n in ("BOX", "SPHERE", "CAPSULE"))
-    for name, x in (("one", 0.0), ("two", 3.0)):
-        body = spec.worldbody.add_body(name=name, pos=(x, 0.0, 0.5))
-        body.add_freejoint()
-        body.add_geom(type=sphere, size=(0.9, 0.0, 0.0), contype=0, conaffinity=0)
-        body.add_geom(type=box, size=(0.1, 0.1, 0.1))  # another solid part, which nobody meets
-        body.add_geom(name=name, type=box, size=(0.3, 0.2, 0.1))
-    spec.worldbody.add_body(name="flag", mocap=True)  # another that is moved by hand
-    for actor in world.people:
-        body = spec.worldbody.add_body(name=actor.name, mocap=True)
-        body.add_geom(name=actor.name, type=capsule, size=(0.25, 0.625, 0.0), contype=0, conaffinity=0)
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    rovers = [replace(ROVERS["leo"], footprint=(-reach, 0.0, 0.0, 0.0)) for reach in (0.4, 0.5)]
-    scenes = [
-        Scene(model, world, rover, root=model.body(name).id)
-        for name, rover in zip(("one", "two"), rovers, strict=True)
-    ]
-    return Crowd(scenes, data), data
+    members = (Member("a", LEO, (0.0, 0.0, 0.0)), Member("b", ROVER_ZERO4WD, (3.0, 0.0, 0.0)))
+    return simulations(build_scenes(world, members, TICK_NS / 4e9), TICK_NS // 4)
 
 
-def test_a_social_walker_is_told_of_all_rovers_and_of_all_others(
+def test_a_social_walker_keeps_out_of_the_way_of_all_rovers_and_of_all_others(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    told: list[tuple[float, float, list[tuple[float, float, float]]]] = []
+    """Each is given all discs but their own, the others where they were before anybody moved."""
+    given: list[tuple[float, float, list[tuple[float, float, float]]]] = []
+    walk = SocialForceWalker.walk
 
-    def walk(
-        _: object, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
+    def noted(
+        way: SocialForceWalker, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
     ) -> Place:
-        told.append((time_s, seconds, bodies))
-        return Place(0.1 * len(told), -1.5, 0.0)
+        given.append((time_s, seconds, bodies))
+        return walk(way, time_s, seconds, bodies)
 
-    monkeypatch.setattr(SocialForceWalker, "walk", walk)
-    people, data = two_boxes(
-        "x=1.5,-0.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
+    monkeypatch.setattr(SocialForceWalker, "walk", noted)
+    one, other = fleet(
+        "x=1.5,-1.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
     )
-    data.qpos[:2], data.qpos[7:9] = (0.1, 0.2), (2.9, -0.3)
-    del told[:]
-    monkeypatch.setattr(SocialForceWalker, "restart", restart := Mock())
-    people.restart(5 * TICK_NS)
-    assert restart.call_count == 2  # both of them begin anew
-    people.move(6 * TICK_NS)
-    people.move(8 * TICK_NS)
-    np.testing.assert_allclose(
-        [one[:2] for one in told[::2]], [(0.0, 0.0), (0.01, 0.01), (0.03, 0.01)], atol=1e-12
-    )
-    rovers, (x, y) = [(0.1, 0.2, 0.4), (2.9, -0.3, 0.5)], [(1.5, -0.7, 0.3), (1.0, 3.0, 0.2)]
-    begins = [(*actor.begin, 0.25) for actor in people.actors]
-    for number in range(3):  # the others where they were before anybody moved
-        s, t = begins[1::2] if number == 0 else [(0.1 * (2 * number + n), -1.5, 0.25) for n in (-1, 0)]
-        np.testing.assert_allclose(told[2 * number][2], [*rovers, x, y, t])
-        np.testing.assert_allclose(told[2 * number + 1][2], [*rovers, x, s, y])
+    one.tick()
+    del given[:]
+    before = [(p.x, p.y, a.spec.options.radius) for p, a in zip(*_people(one), strict=True)]
+    poses = [(*simulation.position[:2], simulation.scene.rover.reach) for simulation in (one, other)]
+    crowd(one).move(2 * TICK_NS)
+    for place, (time_s, seconds, bodies) in zip((1, 3), given, strict=True):
+        assert (time_s, seconds) == pytest.approx((0.02, 0.01))
+        others = before[:place] + before[place + 1 :]
+        np.testing.assert_allclose(bodies, [*poses, *others])
 
 
-@pytest.mark.parametrize(("gap", "touches"), [(-0.001, True), (0.001, False)])
+def _people(simulation: Simulation) -> tuple[list[Place], Sequence[Actor]]:
+    return crowd(simulation).places, crowd(simulation).actors
+
+
+@pytest.mark.parametrize(("gap", "touches"), [(-0.002, True), (0.002, False)])
 def test_a_touch_is_that_of_the_rover_whose_colliding_part_meets_a_person(
     gap: float, touches: bool
 ) -> None:
-    people, data = two_boxes("far=-3,3", f"x=3,{0.2 + 0.25 + gap}")
-    mujoco.mj_forward(people._model, data)
-    watches = [Mock(), Mock()]
-    people.look(watches)
-    watches[0].note.assert_not_called()
-    assert watches[1].note.call_count == touches
+    one, other = fleet("far=-3,3", "x=3,1:radius=0.25")
+    model, data = one.model, one.data
+    geoms = [g for g in other.scene.geoms() if model.geom_group[g] == 3]
+    person, span, people = model.geom("x_actor").id, np.zeros(6), crowd(one)
+    y, nearest = 1.0, 1.0
+    while nearest > 1e-6:  # as near as they come without touching
+        data.mocap_pos[model.body("x_actor").mocapid[0], 1] = y
+        mujoco.mj_forward(model, data)
+        nearest = min(mujoco.mj_geomDistance(model, data, g, person, 5.0, span) for g in geoms)
+        y -= nearest
+    y += gap
+    people.places[1] = replace(people.places[1], y=y)
+    data.mocap_pos[model.body("x_actor").mocapid[0], 1] = y
+    mujoco.mj_forward(model, data)
+    for simulation in (one, other):
+        simulation.contacts.begin()
+    people.look([one.contacts, other.contacts])
+    assert one.contacts.strongest == {}
+    assert ("hazard" in other.contacts.strongest) == touches
     if touches:
-        kind, touch = watches[1].note.call_args.args
-        names = [people._model.geom(geom).name for geom in (touch.part, touch.other)]
-        assert (kind, touch.force, names) == ("hazard", 0.0, ["two", "x_actor"])
-        assert touch.position[1] == pytest.approx(0.2 + gap / 2, abs=1e-6)
-        assert touch.pose == pytest.approx([3.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0])
+        touch = other.contacts.strongest["hazard"]
+        assert (touch.force, other.contacts.name_of(touch.other)) == (0.0, "x_actor")
+        assert touch.part in geoms
+        x_touch, y_touch, _ = touch.position
+        assert math.hypot(x_touch - 3.0, y_touch - y) == pytest.approx(0.25, abs=0.02)
+        assert touch.pose == other.pose.tolist()
 
 
 def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> None:

@@ -68,6 +68,23 @@ def test_the_first_rover_is_the_model_of_a_single_one(pair: tuple[Simulation, Si
     assert one.pose == pytest.approx(fallen.pose, abs=1e-6)
 
 
+def test_no_rover_of_a_fleet_meets_itself_and_each_meets_all_others_and_the_ground() -> None:
+    members = (*FLEET, Member("c", LEO, (-2.0, -2.0, 0.0)))
+    scenes = build_scenes(WORLD, members, TIMESTEP_NS / 1e9)
+    model = scenes[0].model
+    parts = [[g for g in scene.geoms() if model.geom_group[g] == 3] for scene in scenes]
+    ground = model.geom("terrain").id
+
+    def meet(one: int, other: int) -> bool:
+        pairs = ((one, other), (other, one))
+        return any(model.geom_contype[a] & model.geom_conaffinity[b] for a, b in pairs)
+
+    for one, own in enumerate(parts):
+        assert all(meet(geom, ground) for geom in own)
+        for other, theirs in enumerate(parts):
+            assert {meet(a, b) for a in own for b in theirs} == {one != other}
+
+
 def test_who_drives_into_another_touches_a_hazard_and_so_does_the_other(
     pair: tuple[Simulation, Simulation],
 ) -> None:

@@ -1,6 +1,5 @@
 """What MuJoCo gets of a world and a rover, read back from the compiled model."""
 
-import hashlib
 import math
 import shutil
 from dataclasses import replace
@@ -14,7 +13,6 @@ import pytest
 from harness.physics import stage
 from harness.physics.scene import Dress, Scene, build_scene
 from harness.robots import ROVERS, RoverSpec
-from harness.robots.reading import model_hash
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, convex, orientation, surface
@@ -71,15 +69,6 @@ def test_the_ground_has_its_heights_where_the_world_has_them(model: mujoco.MjMod
     assert model.hfield_size[0] == pytest.approx((4.0, 4.0, 0.5, 1.0))  # a metre of solid ground
 
 
-def test_level_ground_is_level() -> None:
-    world = World("w", Heightfield(np.full((5, 5), 1.5), cell=2.0), (), 0, 0.5)
-    model = build_scene(world, LEO, 0.002).model
-
-    assert model.geom("terrain").pos[2] == 1.5
-    assert (model.hfield_data == 0.0).all()
-    assert model.hfield_size[0] == pytest.approx((4.0, 4.0, 0.001, 1.0))
-
-
 def test_obstacles_are_geoms_of_two_bodies_with_size_place_and_turn(model: mujoco.MjModel) -> None:
     names = ("hazard_0", "rock_1", "hazard_2")
     types = (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYLINDER)
@@ -126,38 +115,6 @@ def test_constraints_are_as_stiff_as_in_the_model_file_as_far_as_the_time_step_a
     assert model.eq_solref[:, 1] == pytest.approx(file.eq_solref[:, 1])
 
 
-@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
-def test_contacts_of_the_rover_are_counted_by_what_it_touches(rover: RoverSpec) -> None:
-    model = scene_of(rover).model
-    xbody, body, geom = (
-        mujoco.mjtObj.mjOBJ_XBODY,
-        mujoco.mjtObj.mjOBJ_BODY,
-        mujoco.mjtObj.mjOBJ_GEOM,
-    )
-    found = {
-        sensor.name: (
-            *map(int, (sensor.objtype[0], sensor.objid[0], sensor.reftype[0], sensor.refid[0])),
-        )
-        for sensor in map(model.sensor, range(model.nsensor))
-        if sensor.type[0] == mujoco.mjtSensor.mjSENS_CONTACT
-    }
-
-    root = model.body("rover").id
-    scraping = {
-        model.geom_bodyid[g] for g in range(model.ngeom) if model.geom(g).name.startswith("body_")
-    }
-    expected = {
-        "rock_contact": (xbody, root, body, model.body("rocks").id),
-        "hazard_contact": (xbody, root, body, model.body("hazards").id),
-    } | {
-        f"scrape_contact_{model.body(b).name}": (body, b, geom, model.geom("terrain").id)
-        for b in scraping
-    }
-    assert found == {name: tuple(map(int, ids)) for name, ids in expected.items()}
-    for name in found:
-        assert model.sensor(name).dim[0] == 1
-
-
 def test_a_touch_of_a_hazard_is_counted_as_such() -> None:
     scene = scene_of()
     data = mujoco.MjData(scene.model)
@@ -169,24 +126,19 @@ def test_a_touch_of_a_hazard_is_counted_as_such() -> None:
         assert counts[counted] > 1  # contacts, not whether there are any
 
 
-def test_obstacles_have_the_colours_of_their_kind_where_pictures_are_taken(
-    dressed: mujoco.MjModel,
-) -> None:
-    colours = [dressed.geom(name).rgba for name in ("hazard_0", "rock_1", "hazard_2")]
-    assert not np.array_equal(colours[0], colours[1])
-    assert np.array_equal(colours[0], colours[2])
-
-
-def test_the_sun_shines_down_and_casts_shadows(dressed: mujoco.MjModel) -> None:
-    model = dressed
-    assert model.nlight == 1
-    assert model.light_type[0] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    assert model.light_castshadow[0]
-    assert model.light_dir[0][2] / math.hypot(*model.light_dir[0]) < -0.7
-
-
-def test_the_hash_of_a_model_is_that_of_its_file() -> None:
-    assert model_hash(LEO) == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
+def test_the_sun_shines_down_over_the_shoulder_and_casts_shadows(dressed: mujoco.MjModel) -> None:
+    assert dressed.nlight == 1
+    assert dressed.light_type[0] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    assert dressed.light_castshadow[0]
+    at = np.array([3.0, -2.0, 1.0])
+    for azimuth in (0.0, 130.0):
+        stage.aim_sun(dressed, at, azimuth)
+        direction, back = dressed.light_dir[0], at - dressed.light_pos[0]
+        looks = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth)), 0.0])
+        assert np.linalg.norm(direction) == pytest.approx(1.0)
+        assert direction[2] < -0.4
+        assert looks @ direction > 0.5  # onto what the camera looks at, from behind it
+        assert back / np.linalg.norm(back) == pytest.approx(direction)
 
 
 def test_a_model_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
@@ -228,10 +180,11 @@ def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> N
     assert model.geom_friction[~rover, 0].max() == 1.0
 
 
-def test_the_page_of_colours_keeps_those_that_a_file_tells(dressed: mujoco.MjModel) -> None:
-    assert dressed.geom("hazard_0").rgba.tolist() == pytest.approx(
-        stage.OBSTACLE_COLORS[ObstacleKind.HAZARD]
-    )
+def test_obstacles_have_the_colour_of_their_kind_or_the_one_that_a_file_states(
+    dressed: mujoco.MjModel,
+) -> None:
+    colours = [dressed.geom(name).rgba.tolist() for name in ("hazard_0", "rock_1", "hazard_2")]
+    assert colours[0] == colours[2] != colours[1]
     painted = replace(OBSTACLES[0], color=(0.0, 1.0, 0.0, 1.0))
     world = World("w", Heightfield(HEIGHTS, cell=2.0), (painted,), 0, 0.5)
     model = build_scene(world, LEO, 0.002, DRESS).model

@@ -9,10 +9,11 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 from harness.sensors.barometer import BarometerOptions, BarometerSensor, standard_pressure
-from harness.sensors.geodesy import DEFAULT_DATUM, Datum
+from harness.sensors.geodesy import Datum
 from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import GAZEBO, HARDWARE, WHITE, NoisePreset
+from harness.spec.world import DEFAULT_DATUM
 from tests.harness.sensors.installed import installation, simulation
 from tests.harness.sensors.test_geodesy import axes, ecef
 

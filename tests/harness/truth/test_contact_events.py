@@ -57,12 +57,3 @@ def test_of_equally_strong_contacts_the_first_is_told() -> None:
     observe(events, (1, {"rock": touch(5.0, part=1)}), (2, {"rock": touch(5.0, part=2)}))
     assert [event.part for event in events.open] == ["wheel_FL"]
     assert events.begun == {"hazard": 0, "rock": 1, "scrape": 0}
-
-
-def test_kinds_are_events_of_their_own() -> None:
-    events = watched()
-    observe(events, (1, {"hazard": touch(1.0), "rock": touch(2.0)}), (2, {"scrape": touch(3.0)}))
-    assert [event.kind for event in events.open] == ["hazard", "rock", "scrape"]
-    events.close()
-    assert events.open == ()
-    assert len(events.take_closed()) == 3

@@ -3,8 +3,7 @@
 import copy
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
-from types import SimpleNamespace
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -14,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
-from harness.robots import ROVERS
+from harness.robots import ROVERS, RoverSpec
 from harness.samples import TruthState
 from harness.truth.recorder import TruthRecorder
 from harness.truth.traversal import ContactEvent, Truth
-from harness.truth.wheels import WheelMotion
+from harness.truth.wheels import Wheels
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.statistics import RoughnessMap
 
@@ -27,7 +26,6 @@ Vector = NDArray[np.float64]
 TICK_NS, STATE_TICKS = 10_000_000, 5
 WHEELS = ROVERS["rover_zero4wd"].wheel_joints
 KINDS = ("hazard", "rock", "scrape")
-TOUCH = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
 WALL = Obstacle(
     kind=ObstacleKind.HAZARD, shape="box", half_size=(0.05, 0.6, 0.3), position=(0.75, 0.1, 0.3)
 )
@@ -75,6 +73,7 @@ class Drive:
     ticks: list[Tick] = field(default_factory=list)
     states: list[TruthState] = field(default_factory=list)
     events: list[ContactEvent] = field(default_factory=list)
+    moves: list[list[bool]] = field(default_factory=list)
     truth: Truth = field(default_factory=Truth)
 
 
@@ -125,116 +124,59 @@ def tick_by_hand(simulation: Simulation, contacts: Contacts) -> Tick:
     )
 
 
-class StandIn(SimpleNamespace):
-    """As much of a simulation as a recorder looks at."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            time_ns=0,
-            position=(0.0, 0.0, 0.0),
-            velocity=(0.0, 0.0, 0.0),
-            pose=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
-            contacts=SimpleNamespace(strongest={}, name_of=str),
-            scene=SimpleNamespace(rover=ROVERS["leo"]),
-        )
-
-    @property
-    def orientation(self) -> tuple[float, float, float, float]:
-        w, x, y, z = self.pose[3:].tolist()
-        return x, y, z, w
-
-    def tip(self, degrees: float) -> None:
-        x, y, z, w = Rotation.from_euler("ZYX", [30.0, degrees, 0.0], degrees=True).as_quat()
-        self.pose[3:] = w, x, y, z
-
-
 @pytest.fixture
-def stand_in() -> StandIn:
-    return StandIn()
+def simulation(make_simulation: Callable[..., Simulation]) -> Simulation:
+    return make_simulation(obstacles=(WALL,))
 
 
-@pytest.fixture
-def recorder(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch) -> TruthRecorder:
-    """A recorder whose wheels do what `motions` yields, on even ground."""
-    motions = iter(
-        [
-            [motion(0.5), motion(-0.25), motion(1.0), motion(0.0, moves=False)],
-            [motion(0.0, moves=False), motion(0.75), motion(0.5), motion(0.0)],  # the last one rolls
-        ]
-    )
-    wheels = SimpleNamespace(motion=lambda: next(motions))
-    monkeypatch.setattr("harness.truth.recorder.Wheels", lambda _: wheels)
-    made = TruthRecorder(stand_in)  # type: ignore[arg-type]  # a stand-in
-    made.__dict__["_roughness"] = SimpleNamespace(mean_square=lambda x, y: x + 10.0 * y)
-    return made
-
-
-def motion(slip: float, *, moves: bool = True) -> WheelMotion:
-    return WheelMotion(x=0.01, y=0.02, slip=slip, moves=moves)
-
-
-def test_before_the_first_tick_every_total_is_nothing(recorder: TruthRecorder) -> None:
-    nothing = dict.fromkeys(asdict(Truth()), 0) | {"position": (0, 0, 0), "wheel_slip": ()}
-    assert asdict(Truth()) == nothing
-    assert asdict(recorder.truth()) == nothing | {"wheel_slip": (0,) * 4}
-
-
-@pytest.mark.usefixtures("recorder")
-def test_a_rover_has_the_slip_of_as_many_wheels_as_it_has(stand_in: StandIn) -> None:
-    stand_in.scene.rover = SimpleNamespace(wheel_joints=("a", "b", "c", "d", "e", "f"))
-    assert TruthRecorder(stand_in).truth().wheel_slip == (0.0,) * 6  # type: ignore[arg-type]
-
-
-def test_slip_is_averaged_over_the_wheels_that_move(recorder: TruthRecorder) -> None:
-    states = [recorder.state(), recorder.state()]
-    assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.5, 0.0)]
-    truth = recorder.truth()
-    assert truth.wheel_slip == (0.5, 0.5, 0.75, 0.0)
-    assert truth.mean_slip == pytest.approx((0.5 + 0.25 + 1.0 + 0.75 + 0.5 + 0.0) / 6)
-    assert states[0].roughness == pytest.approx(math.sqrt(0.21))
+def test_before_the_first_tick_every_total_is_nothing(
+    foreign: Callable[[str], RoverSpec], simulate: Callable[..., Simulation]
+) -> None:
+    simulation = simulate(foreign("sojourner"))
+    truth = TruthRecorder(simulation).truth()
+    assert truth == Truth(position=simulation.position, wheel_slip=(0.0,) * 6)
 
 
 @pytest.mark.parametrize(
     ("degrees", "tipped"), [(0.0, False), (74.9, False), (75.1, True), (180.0, True)]
 )
 def test_a_rover_has_tipped_over_beyond_75_degrees(
-    degrees: float, tipped: bool, recorder: TruthRecorder, stand_in: StandIn
+    degrees: float, tipped: bool, simulation: Simulation
 ) -> None:
+    recorder = TruthRecorder(simulation)
     for tilt in (degrees, 0.0):
-        stand_in.tip(tilt)
+        x, y, z, w = Rotation.from_euler("ZYX", [30.0, 0.0, tilt], degrees=True).as_quat()
+        simulation.data.qpos[3:7] = w, x, y, z
         recorder.observe()
     truth = recorder.truth()
     assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
     assert truth.tipped_over == tipped
 
 
-def test_upside_down_is_180_degrees_even_if_rounding_says_more(
-    recorder: TruthRecorder, stand_in: StandIn
-) -> None:
+def test_upside_down_is_180_degrees_even_if_rounding_says_more(simulation: Simulation) -> None:
     x, y = math.sin(math.radians(8.0)), math.cos(math.radians(8.0))
     assert x * x + y * y > 1.0
-    stand_in.pose[3:] = 0.0, x, y, 0.0
+    recorder = TruthRecorder(simulation)
+    simulation.data.qpos[3:7] = 0.0, x, y, 0.0
     recorder.observe()
     assert recorder.truth().largest_tilt == math.pi
 
 
-def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
-    recorder: TruthRecorder, stand_in: StandIn
-) -> None:
-    stand_in.time_ns, stand_in.position = TICK_NS, (3.0, 4.0, 12.0)
-    stand_in.contacts.strongest = {"hazard": TOUCH}
+def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(simulation: Simulation) -> None:
+    recorder, data = TruthRecorder(simulation), simulation.data
+    start = np.array(simulation.position)
+    data.qpos[:3] = start + np.array([3.0, 4.0, 12.0])
+    simulation.contacts.note("hazard", Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3))
     recorder.observe()
-    stand_in.position, stand_in.contacts.strongest = (0.0, 0.0, 0.0), {}
+    simulation.return_to_start()
     recorder.carried_away()
     assert recorder.events.open == ()
     assert len(recorder.events.take_closed()) == 1
-    stand_in.time_ns, stand_in.position = 2 * TICK_NS, (1.0, 0.0, 0.0)
+    data.qpos[0] += 1.0
     recorder.observe()
     truth = recorder.truth()
-    assert truth.path_length == 13.0 + 1.0
+    assert truth.path_length == pytest.approx(13.0 + 1.0)
     assert (truth.resets, truth.hazard_contacts) == (1, 1)
-    recorder.carried_away()
-    assert recorder.truth().resets == 2
     assert (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s) == (0.01, 0.0, 0.0)
 
 
@@ -246,6 +188,7 @@ def drive(make_simulation: Callable[..., Simulation]) -> Drive:
     recorder = TruthRecorder(simulation)
     told, contacts = Drive(np.array(simulation.position), simulation), Contacts(simulation.model)
     for ticks, speed, pose in (
+        (10, 0.0, None),
         (90, 7.0, None),
         (60, -7.0, None),
         (60, 7.0, None),
@@ -262,6 +205,7 @@ def drive(make_simulation: Callable[..., Simulation]) -> Drive:
             recorder.observe()
             if len(told.ticks) % STATE_TICKS == 0:
                 told.states.append(recorder.state())
+                told.moves.append([wheel.moves for wheel in Wheels(simulation).motion()])
     recorder.events.close()
     told.events += recorder.events.take_closed()
     told.truth = recorder.truth()
@@ -282,7 +226,7 @@ def path_lengths(drive: Drive) -> list[float]:
 
 def test_the_totals_are_those_of_the_whole_drive(drive: Drive) -> None:
     truth, tilts = drive.truth, [tick.tilt for tick in drive.ticks]
-    assert truth.time_ns == drive.ticks[-1].end_ns == 250 * TICK_NS
+    assert truth.time_ns == drive.ticks[-1].end_ns == 260 * TICK_NS
     assert truth.path_length == pytest.approx(path_lengths(drive)[-1])
     assert truth.position == pytest.approx(drive.ticks[-1].position)
     assert max(tilts) > max(tilts[-20:]) + 0.1
@@ -317,6 +261,14 @@ def test_an_event_lasts_from_its_first_contact_to_its_last_and_names_the_stronge
         assert event.force == pytest.approx(strongest.force)
         assert (event.part, event.other) == (strongest.part, strongest.other)
         assert event.point == pytest.approx(strongest.point, abs=1e-9)
+
+
+def test_slip_is_averaged_over_the_states_in_which_a_wheel_moves(drive: Drive) -> None:
+    slips, moves = np.abs([state.slip for state in drive.states]), np.array(drive.moves)
+    assert 0 < moves.sum() < moves.size
+    assert (slips[~moves] == 0.0).all()
+    assert drive.truth.wheel_slip == pytest.approx(slips.sum(axis=0) / moves.sum(axis=0))
+    assert drive.truth.mean_slip == pytest.approx(slips.sum() / moves.sum())
 
 
 def test_each_state_tells_of_its_own_fifty_milliseconds(drive: Drive) -> None:

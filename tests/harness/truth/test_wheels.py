@@ -39,35 +39,6 @@ def slips(wheels: list[WheelMotion]) -> list[float]:
 
 
 @BOTH
-@pytest.mark.parametrize("climb", [0.0, -35.0, 89.0], ids="{} deg".format)
-@pytest.mark.parametrize("slip", [-0.5, 0.3], ids="slip {}".format)
-def test_what_climbs_moves_as_far_along_the_slope_as_its_wheels_roll(
-    rover: RoverSpec, climb: float, slip: float, simulate: MakeSimulation
-) -> None:
-    """The rover itself still level, as when its front wheels begin to climb."""
-    slope, speed = math.radians(climb), 0.4
-    turning = speed / (1 - slip) if slip > 0 else speed * (1 + slip)
-    velocity = speed * math.cos(slope), 0.0, speed * math.sin(slope)
-    wheels = motion(simulate(rover), turning / RADIUS[rover.name], velocity)
-    assert slips(wheels) == pytest.approx([slip] * 4, abs=1e-3)
-    backwards = motion(simulate(rover), -turning / RADIUS[rover.name], (-velocity[0], 0.0, -velocity[2]))
-    assert slips(backwards) == pytest.approx([-slip] * 4, abs=1e-3)
-
-
-@BOTH
-def test_a_wheel_in_the_air_slips_fully_and_one_that_is_dragged_fully_the_other_way(
-    rover: RoverSpec, simulate: MakeSimulation
-) -> None:
-    spinning = motion(simulate(rover), (5.0, -5.0, 0.0, 0.0))
-    assert slips(spinning) == pytest.approx([1.0, -1.0, 0.0, 0.0])
-    assert [wheel.moves for wheel in spinning] == [True, True, False, False]
-    dragged = motion(simulate(rover), (0.0, 0.0, 0.0, 9.0), (0.5, 0.0, 0.0))
-    assert slips(dragged) == pytest.approx(
-        [-1.0, -1.0, -1.0, 1 - 0.5 / (9.0 * RADIUS[rover.name])], abs=1e-3
-    )
-
-
-@BOTH
 @pytest.mark.parametrize("seed", range(6))
 def test_slip_is_that_of_a_small_displacement_in_any_attitude(
     rover: RoverSpec, seed: int, simulate: MakeSimulation

@@ -1,6 +1,5 @@
 """The rovers pass, rovers that were tampered with do not, and tables show it."""
 
-import io
 import math
 import re
 from collections.abc import Callable
@@ -9,7 +8,6 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from rich.console import Console
 
 from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
@@ -20,7 +18,6 @@ from harness.validate.check import Check, around, at_most
 from harness.validate.suite import (
     Manoeuvres,
     as_markdown,
-    print_table,
     validate,
 )
 from tests.support.once import made_once
@@ -198,12 +195,3 @@ def test_a_rover_of_which_nothing_is_expected_is_measured_and_not_judged(
     checks = suite.validate(foreign("husky"), 0)
     assert checks[0].measured == pytest.approx(9.81, abs=0.01)
     assert {check.expected for check in checks} == {OPEN}
-
-
-def test_the_terminal_shows_expected_measured_verdict_and_source() -> None:
-    console = Console(file=io.StringIO(), width=160)
-    print_table(console, "leo", [GOOD, BAD])
-    assert isinstance(console.file, io.StringIO)
-    line = next(line for line in console.file.getvalue().splitlines() if "speed" in line)
-    for cell in ("0.49 to 0.50 m/s", "0.42 m/s", "MISS", "S: recorded"):
-        assert cell in line

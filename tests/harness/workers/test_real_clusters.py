@@ -20,7 +20,7 @@ from types import ModuleType
 import pytest
 
 from harness.base.errors import UsageError
-from harness.scenario.selection import plan as cases_of
+from harness.scenario.case import plan as cases_of
 from harness.scenario.suite import run_all
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store, encode

@@ -66,7 +66,7 @@ def test_ground_is_occupied_where_it_is_steep_or_steps_higher_than_the_rover_cli
         )
         expected[tuple(at)] = True
     assert 0.02 < blocked.mean() < 0.8
-    assert (grid.cells.dtype, grid.resolution, grid.half_size) == (np.int8, resolution, (3.0, 2.0))
+    assert (str(grid.cells.dtype), grid.resolution, grid.half_size) == ("int8", resolution, (3.0, 2.0))
     np.testing.assert_array_equal(grid.cells, np.where(expected | ~inner(grid), 100, 0))
 
 

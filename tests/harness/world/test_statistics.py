@@ -75,8 +75,9 @@ def test_roughness_is_the_mean_square_residual_around_the_nearest_vertex_that_ha
     heights = np.random.default_rng(0).normal(0.0, 0.01, (41, 51))
     rough = RoughnessMap(Heightfield(heights, cell, (70.0, -90.0)))
     for row, column in ((20, 20), (12, 30), (2 * reach, 50 - 2 * reach), (-3, 25), (45, 60), (20, -9)):
-        inner = np.clip((row, column), 2 * reach, (40 - 2 * reach, 50 - 2 * reach))
-        expected = pytest.approx(mean_square(heights, *inner.tolist(), reach))
+        inset = 2 * reach
+        inner = min(max(row, inset), 40 - inset), min(max(column, inset), 50 - inset)
+        expected = pytest.approx(mean_square(heights, *inner, reach))
         x, y = 70.0 + (column - 25) * cell, -90.0 + (row - 20) * cell
         for off in (0.0, 0.49 * cell, -0.49 * cell):
             assert rough.mean_square(x + off, y - off) == expected

@@ -251,19 +251,6 @@ def test_columns_whose_names_give_one_file_name_get_files_of_their_own(
     assert [name.removeprefix("time_series_") for name in drawn] == ["a_b", "A_b_2", "column", "X"]
 
 
-def test_episodes_are_observations_on_request(run: Run, write_log: WriteLog, row: Row) -> None:
-    twice = [row(i, Timestamp=i % 10) for i in range(20)]
-    a, b = write_log("a.csv", twice), write_log("b.csv", twice)
-    result = as_json(run(a, "--versus", b, "-m", "CV", "-p", "--json"))
-    by_log = result["comparisons"][0]
-    assert (by_log["n"], by_log["p"]) == ([1, 1], None)
-    assert [(log["label"], log["group"]) for log in result["logs"]] == [("a", "first"), ("b", "versus")]
-    words = (a, "--versus", b, "-m", "CV", "-p", "--unit", "episode", "--json")
-    by_episode = as_json(run(*words))["comparisons"][0]
-    assert by_episode["n"] == [2, 2]
-    assert by_episode["p"] is not None
-
-
 def test_a_bad_file_is_told_in_one_line_and_the_others_are_analysed(
     run: Run, write_log: WriteLog, tmp_path: Path
 ) -> None:
@@ -316,20 +303,6 @@ def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) 
         2,
         "analyze: cannot write to a?b: embedded null byte; choose another folder with -o\n",
     )
-
-
-def test_json_has_no_number_that_json_does_not_know(
-    run: Run, write_log: WriteLog, drawn: dict[str, Figure]
-) -> None:
-    words = ["-m", "CV", "OC", "RT", "--json", "-p", "correlation", "aggregate", "comparison"]
-    _, out, _ = run(write_log(lines=1), *words)
-
-    def refuse(constant: str) -> None:
-        raise AssertionError(constant)
-
-    summary = json.loads(out, parse_constant=refuse)["logs"][0]["metrics"]["CV"]
-    assert (summary["n"], summary["sd"], summary["interval"]) == (1, None, None)
-    assert list(drawn) == ["aggregate", "comparison"]  # one row correlates with nothing
 
 
 def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(

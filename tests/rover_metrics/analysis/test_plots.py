@@ -170,18 +170,6 @@ def test_thirty_curves_look_different() -> None:
     assert len({str(look(i)) for i in range(30)}) == 30
 
 
-def test_a_huge_series_is_thinned_but_keeps_its_peaks() -> None:
-    values = np.sin(np.arange(1_000_000) / 1000)
-    values[123_456], values[654_321] = 9.0, -9.0
-    x, y = thinned(np.arange(1_000_000.0), values)
-    assert y.size <= MOST_POINTS
-    assert (y.max(), y.min()) == (9.0, -9.0)
-    assert np.all(np.diff(x) > 0)
-    at, curve = smoothed(np.arange(1_000_000.0), values, 0.001, "mean")
-    assert at.size == curve.size <= 20_000
-    np.testing.assert_allclose(curve[1000:-1000], np.sin(at[1000:-1000] / 1000), atol=0.06)
-
-
 def test_a_short_series_is_drawn_whole_and_a_long_one_by_extremes_in_turn() -> None:
     x = np.arange(float(MOST_POINTS + 1))
     values = np.tile([3.0, np.nan], MOST_POINTS)[: MOST_POINTS + 1]

@@ -29,7 +29,7 @@ def test_a_stop_from_top_speed_takes_what_the_controller_allows(rover: RoverSpec
 
 
 def test_a_fast_rover_is_stopped_from_a_speed_that_has_room_on_the_floor() -> None:
-    fast = replace(ROVER_ZERO4WD, wheel_speed_limit=80.0)
+    fast = ROVER_ZERO4WD.but(wheel_speed_limit=80.0)
     assert measure_braking(fast, seed=0).speed < 2.1
 
 

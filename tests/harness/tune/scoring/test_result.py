@@ -73,5 +73,5 @@ def test_scores_have_a_third_digit_where_two_hide_the_difference(gain: Estimate,
 
 def test_a_value_is_told_as_it_is_written() -> None:
     some = verdict(SOME, SOME, SOME)
-    assert some.told(candidate(0.250, SOME)) == "0.25 m"
-    assert [some.told(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]
+    assert some.written(candidate(0.250, SOME)) == "0.25 m"
+    assert [some.written(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]

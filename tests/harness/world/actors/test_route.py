@@ -69,7 +69,8 @@ def test_a_script_is_walked_at_its_own_times(
     length = times[-1] - first
     assume(not loops or 1e-6 < since % length < length - 1e-6)
     expected = np.interp((since % length if loops else since) + first, times, xs)
-    assert (route.place(time_s).x, route.place(time_s).y) == (pytest.approx(expected, abs=1e-6), 2.0)
+    place = route.place(time_s)
+    assert (place.x, place.y) == pytest.approx((expected, 2.0), abs=1e-6)
 
 
 @pytest.mark.parametrize(

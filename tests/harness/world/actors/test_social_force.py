@@ -181,8 +181,7 @@ def test_a_walker_looks_where_it_walks_from_five_centimetres_a_second_on() -> No
 
 def test_a_walker_is_as_fast_as_wide_and_as_late_as_its_options_say() -> None:
     """By its first step: 2 m/s within half a second, and Helbing's push of a body a metre away."""
-    options = {"speed": 2.0, "radius": 0.6, "delay": 1.0}
-    one = walker((0.0, 5.0), (9.0, 5.0), **options)
+    one = walker((0.0, 5.0), (9.0, 5.0), speed=2.0, radius=0.6, delay=1.0)
     assert (walked(one, 1.0) == (0.0, 5.0)).all()
     alone = one.walk(1.01, TICK_S, [])
     assert alone.x == pytest.approx(4.0 * TICK_S**2)

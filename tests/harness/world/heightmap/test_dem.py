@@ -86,7 +86,7 @@ TIFFS: list[dict[str, Any]] = [
 def test_a_tiff_is_read_as_tifffile_wrote_it(
     tmp_path: Path, kind: type, options: dict[str, Any]
 ) -> None:
-    values = np.random.default_rng(0).integers(0, 100, (12, 9)).astype(kind)
+    values: NDArray[Any] = np.random.default_rng(0).integers(0, 100, (12, 9)).astype(kind)
     predictor = "compression" in options and np.issubdtype(kind, np.integer)
     tifffile.imwrite(tmp_path / "a.tif", values, **options, predictor=predictor)
     raster = read_raster(tmp_path / "a.tif")
@@ -273,7 +273,7 @@ def test_the_start_is_the_vertex_next_to_the_middle_with_gentle_ground_around_it
     profile = np.tile(cell * np.minimum(np.arange(101.0), first_level), (121, 1))
     sizes = (size, 1.2 * size)
     path = saved(tmp_path / "a.npy", profile if is_along_x else profile.T)
-    given = {"terrain_size": sizes if is_along_x else sizes[::-1]}
+    given: dict[str, Any] = {"terrain_size": sizes if is_along_x else sizes[::-1]}
     assert world_of(path, **given, needs_start=False).start == (0.0, 0.0, 0.0)
     if start is None:
         with pytest.raises(UsageError, match=r"no rover can stand within 5\.05 m .*choose a --start"):
@@ -348,7 +348,7 @@ def _array(values: object, **options: Any) -> Callable[[Path], None]:  # noqa: A
     return lambda path: np.save(path, np.asarray(values), **options)
 
 
-def _tiff(values: NDArray[np.generic], **options: Any) -> Callable[[Path], None]:  # noqa: ANN401
+def _tiff(values: NDArray[np.generic], **options: Any) -> Callable[[Path], object]:  # noqa: ANN401
     return lambda path: tifffile.imwrite(path, values, **options)
 
 
@@ -418,7 +418,7 @@ def test_a_bad_file_is_one_line_that_names_it(
     make(path := tmp_path / name)
     logging.getLogger("tifffile").setLevel(logging.NOTSET)
     with pytest.raises(UsageError) as caught:
-        world_of(path, **({"terrain_size": None} if name.startswith("unknown") else {}))
+        world_of(path, terrain_size=None if name.startswith("unknown") else 20.0)
     message = str(caught.value)
     assert expected in message
     assert str(path) in message
