@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import itemgetter
+from typing import TypeVar
 
 import numpy as np
 
@@ -45,6 +46,8 @@ from harness.truth.recorder import TruthRecorder
 from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
 from harness.world.world import World, terrain_hash
+
+Given = TypeVar("Given", bound=SensorOptions)
 
 
 class Episode:
@@ -337,8 +340,8 @@ def installed(
     frames: RoverFrames,
     scene: Scene,
     surroundings: Surroundings,
-    options: SensorOptions,
-) -> Installation:
+    options: Given,
+) -> Installation[Given]:
     """Returns what an optional sensor is made with; its randomness depends on seed and name alone.
 
     Args:

@@ -49,7 +49,7 @@ def standard_pressure(altitude: float) -> float:
     return float(SEA_LEVEL * warmth ** (GRAVITY / (GAS * LAPSE)))
 
 
-class BarometerSensor(ChipSensor):
+class BarometerSensor(ChipSensor[BarometerOptions]):
     """The barometer; height over the ellipsoid is taken for that over the sea."""
 
     def read(self) -> Pressure:

@@ -1,7 +1,7 @@
 """What a sensor is: something that looks at the simulation every so many clock ticks."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.samples import Sample, Source
 
@@ -33,7 +33,7 @@ class EpisodeParts:
     simulation: "Simulation"
     lidar: "Lidar | None" = None
     recorder: "TruthRecorder | None" = None
-    install: "Callable[[SensorOptions], Installation] | None" = None
+    install: "Callable[[SensorOptions], Installation[Any]] | None" = None
     frames: "RoverFrames | None" = None
     frame_options: "FrameOptions | None" = None
     sensors: "Mapping[Source, Sensor]" = field(default_factory=dict)

@@ -1,7 +1,7 @@
 """Sensors at the world's datum whose errors are a chip's, chosen by a preset or by --noise hardware."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Unpack
+from typing import TYPE_CHECKING, ClassVar, TypeVar, Unpack
 
 from pydantic import ConfigDict
 
@@ -35,13 +35,17 @@ class ChipOptions(SensorOptions):
         cls.presets = {name: {} for name in cls.errors}
 
 
-class ChipSensor(OptionalSensor):
+Chip = TypeVar("Chip", bound=ChipOptions, covariant=True)  # noqa: PLC0105 - the class that it is
+
+
+class ChipSensor(OptionalSensor[Chip]):
     """A sensor with three equal axes, or with one, whose readings depend on where the datum is."""
 
-    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+    def __init__(
+        self, simulation: "Simulation", installation: Installation[Chip], period_ticks: int
+    ) -> None:
         super().__init__(simulation, installation, period_ticks)
         options, noise = installation.options, installation.noise
-        assert isinstance(options, ChipOptions)  # noqa: S101 - of this row
         by_noise = options.hardware if noise is not None and noise.name == HARDWARE.name else NO_ERRORS
         self._datum, self._preset = installation.datum, options.preset or by_noise
         self._errors = options.errors[self._preset]

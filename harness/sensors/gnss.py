@@ -103,7 +103,7 @@ class GnssOptions(ChipOptions):
     rate: Rate = 5
 
 
-class GnssSensor(ChipSensor):
+class GnssSensor(ChipSensor[GnssOptions]):
     """The receiver; its frame is that of its antenna."""
 
     def read(self) -> GnssFix:

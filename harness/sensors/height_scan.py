@@ -95,15 +95,19 @@ class HeightScanOptions(SensorOptions):
         return self
 
 
-class HeightScanSensor(OptionalSensor):
+class HeightScanSensor(OptionalSensor[HeightScanOptions]):
     """The height scan; the grid is level whichever way the rover leans."""
 
-    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+    def __init__(
+        self,
+        simulation: "Simulation",
+        installation: Installation[HeightScanOptions],
+        period_ticks: int,
+    ) -> None:
         super().__init__(simulation, installation, period_ticks)
         from harness.physics.scene import OBSTACLE_GROUP  # noqa: PLC0415 - loads MuJoCo
 
         options = installation.options
-        assert isinstance(options, HeightScanOptions)  # noqa: S101 - of this row
         self._turns = options.axes == ROVER
         middles = ((np.arange(n) - 0.5 * (n - 1)) * options.resolution for n in options.cells)
         self._along, self._across = np.meshgrid(*middles, indexing="ij")

@@ -1,6 +1,6 @@
 """A magnetometer: the Earth's field at the datum in the rover's axes, with the errors of its chip."""
 
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import AfterValidator
@@ -66,13 +66,17 @@ class MagnetometerOptions(ChipOptions):
     rate: Rate = 20
 
 
-class MagnetometerSensor(ChipSensor):
+class MagnetometerSensor(ChipSensor[MagnetometerOptions]):
     """The magnetometer; nothing of the rover is magnetic."""
 
-    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+    def __init__(
+        self,
+        simulation: "Simulation",
+        installation: Installation[MagnetometerOptions],
+        period_ticks: int,
+    ) -> None:
         super().__init__(simulation, installation, period_ticks)
-        given = cast("MagnetometerOptions", installation.options).field
-        self._field = np.array(given or self._datum.magnetic_field())
+        self._field = np.array(installation.options.field or self._datum.magnetic_field())
         self._covariance = tuple((self._errors.variance * np.eye(3)).ravel().tolist())
 
     def read(self) -> MagneticField:

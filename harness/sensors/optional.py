@@ -7,7 +7,7 @@ class adds fields to SensorOptions; harness.spec.value.made says what is wrong w
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,9 @@ class SensorOptions(Value):
         return self.topic if self.topic and alone else f"{self.topic or self.name}/{last}"
 
 
+Given = TypeVar("Given", bound=SensorOptions, covariant=True)  # noqa: PLC0105 - the class that it is
+
+
 @dataclass(frozen=True, eq=False)
 class Mount:
     """A frame that is fixed to a body of the scene.
@@ -122,7 +125,7 @@ class Mount:
 
 
 @dataclass(frozen=True, eq=False)
-class Installation:
+class Installation(Generic[Given]):
     """What an optional sensor of an episode is made with.
 
     Attributes:
@@ -134,7 +137,7 @@ class Installation:
         noise: The preset of --noise; None for exact sensors. What its options say of noise wins.
     """
 
-    options: SensorOptions
+    options: Given
     mount: Mount
     rng: np.random.Generator
     datum: Datum
@@ -142,10 +145,12 @@ class Installation:
     noise: NoisePreset | None = None
 
 
-class OptionalSensor(Sensor):
+class OptionalSensor(Sensor, Generic[Given]):
     """A sensor with a name, which its samples carry in their field `sensor`."""
 
-    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+    def __init__(
+        self, simulation: "Simulation", installation: Installation[Given], period_ticks: int
+    ) -> None:
         super().__init__(simulation, period_ticks)
         self.name, self._mount = installation.options.name, installation.mount
 

@@ -1,7 +1,5 @@
 """The sensor behind optional lidars and depth cameras: exact rays from its mount, then its errors."""
 
-from typing import cast
-
 import mujoco
 import numpy as np
 
@@ -12,12 +10,14 @@ from harness.sensors.ranging import RangeOptions, RangeReading
 from harness.sensors.rays.bundle import RayBundle
 
 
-class RangeSensor(OptionalSensor):
+class RangeSensor(OptionalSensor[RangeOptions]):
     """Casts the rays of its options; the rover does not see itself."""
 
-    def __init__(self, simulation: Simulation, installation: Installation, period_ticks: int) -> None:
+    def __init__(
+        self, simulation: Simulation, installation: Installation[RangeOptions], period_ticks: int
+    ) -> None:
         super().__init__(simulation, installation, period_ticks)
-        options = cast("RangeOptions", installation.options)
+        options = installation.options
         directions = options.directions()
         self._lengths = np.linalg.norm(directions, axis=1)
         unit = directions / self._lengths[:, None]

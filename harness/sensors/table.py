@@ -1,9 +1,9 @@
 """The sensors: one row each. Episode, bridge, metrics, faults and recorder read this table.
 
-A new sensor is a sample and a Sensor that reads it (one file), its row here, and a test. Importing the
-table loads neither MuJoCo nor compiled kernels, so that processes which only publish start fast. A row
-with `options` is of a kind of sensor that is only made when asked for; harness.sensors.choice makes of
-it a row for each that a rover carries.
+A new sensor is a sample and a Sensor that reads it (one file), its row here, and a test of its values.
+Importing the table loads neither MuJoCo nor compiled kernels, so that processes which only publish
+start fast. A row with `options` is of a kind of sensor that is only made when asked for;
+harness.sensors.choice makes of it a row for each that a rover carries.
 """
 
 from collections.abc import Callable, Iterable
@@ -125,7 +125,7 @@ class SensorRow:
             return cast("type[Sensor]", resolve_name(self.factory)).of(parts, period_ticks(rate))
         if parts.install is None:
             return None
-        kind = cast("type[OptionalSensor]", resolve_name(self.factory))
+        kind = cast("type[OptionalSensor[SensorOptions]]", resolve_name(self.factory))
         return kind(parts.simulation, parts.install(self.given), period_ticks(rate))
 
 

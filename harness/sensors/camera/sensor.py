@@ -100,10 +100,12 @@ class CameraOptions(SensorOptions):
         return self
 
 
-class CameraSensor(OptionalSensor):
+class CameraSensor(OptionalSensor[CameraOptions]):
     """The camera; it draws nothing itself."""
 
-    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+    def __init__(
+        self, simulation: "Simulation", installation: Installation[CameraOptions], period_ticks: int
+    ) -> None:
         super().__init__(simulation, installation, period_ticks)
         from mujoco import mj_stateSize  # noqa: PLC0415 - whoever only publishes does without
 

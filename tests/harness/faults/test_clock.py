@@ -1,13 +1,10 @@
 """Faults of the clock."""
 
-import numpy as np
 import pytest
 
 from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.base.sim_time import TICK_NS
-from harness.faults.clock import FaultyClock
 from tests.harness.faults.faulty_ticks import imus, sent, times
-from tests.support.words import parse_faults
 
 
 def clock_times(*specs: str) -> list[float]:
@@ -56,15 +53,6 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
 def test_time_never_leaves_what_a_stamp_can_hold() -> None:
     jumps = [f"clock:jump=1e8@{n / 10}" for n in range(30)]
     assert max(one.stamp_ns for one in sent(*jumps)) == (2**31 - 1) * SECOND
-
-
-def test_time_goes_on_by_what_passes_between_ticks() -> None:
-    (fault,) = parse_faults(["clock:speed=2"])
-    fast, clock = FaultyClock([(fault, np.random.default_rng(0))]), FaultyClock([])
-    for time_ns in (7 * SECOND, 9 * SECOND, 9 * SECOND + 1):
-        for one, factor in ((clock, 1), (fast, 2)):
-            one.advance(time_ns)
-            assert (one.stamp_ns, one.clock_ns) == (factor * time_ns, factor * time_ns)
 
 
 def test_time_runs_faster_for_as_long_as_the_fault_lasts() -> None:

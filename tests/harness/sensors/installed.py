@@ -35,7 +35,7 @@ def installation(
     body: int = 1,
     datum: Datum | None = None,
     surroundings: Surroundings | None = None,
-) -> Installation:
+) -> Installation[Any]:
     """Mounted on that body, there."""
     mount = Mount(body, np.array(xyz), np.eye(3) if axes is None else np.array(axes))
     met: Any = surroundings  # few sensors cast rays

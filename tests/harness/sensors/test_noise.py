@@ -81,22 +81,6 @@ def test_what_chatter_does_comes_before_the_sensors_own_errors() -> None:
     assert np.abs(forces).max() == 9.0
 
 
-def test_scan_and_imu_draw_from_generators_of_their_own_force_before_rate() -> None:
-    noisy = noise(WHITE, scan_seed=11, imu_seed=22)
-    scan_draws, imu_draws = np.random.default_rng(11), np.random.default_rng(22)
-    for _ in range(2):
-        ranges = read_scan(noisy, 1.0, 2.0, 3.0)
-        assert ranges == pytest.approx(np.array([1, 2, 3]) + scan_draws.normal(0.0, 0.01, 3), abs=1e-6)
-        reading = noisy.corrupt(imu(force=(0.0, 0.0, 9.8), rate=(0.1, 0.2, 0.3)))
-        assert isinstance(reading, Imu)
-        assert reading.linear_acceleration == pytest.approx(
-            np.array([0, 0, 9.8]) + imu_draws.normal(0.0, 0.032, 3)
-        )
-        assert reading.angular_velocity == pytest.approx(
-            np.array([0.1, 0.2, 0.3]) + imu_draws.normal(0.0, 0.001, 3)
-        )
-
-
 def test_ranges_beyond_the_lidars_limits_become_misses_and_near_returns() -> None:
     noisy = SensorNoise(GAZEBO, (0.5, 2.0), np.random.default_rng(0), np.random.default_rng(0))
     assert read_scan(noisy, 0.4, 0.6, 1.9, 2.1).tolist() == pytest.approx([-np.inf, 0.6, 1.9, np.inf])

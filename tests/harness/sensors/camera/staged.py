@@ -18,6 +18,7 @@ CAMERAS = {
     "pinhole": CameraOptions(name="pinhole", width=120, height=90, fov=1.1),
     "fisheye": CameraOptions(name="fisheye", lens="fisheye", width=200, height=100, fov=2.8),
     "noisy": CameraOptions(name="noisy", width=120, height=90, fov=1.1, noise=0.02),
+    "noisy_too": CameraOptions(name="noisy_too", width=120, height=90, fov=1.1, noise=0.02),
 }
 
 

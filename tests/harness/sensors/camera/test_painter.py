@@ -40,7 +40,7 @@ def test_the_first_opengl_that_works_draws_until_its_process_ends_and_the_end_is
         assert [subject.image(IMAGE) for _ in range(2)] == [None, None]
     assert set(multiprocessing.active_children()) == before
     (line,) = lines
-    assert line.startswith("no images of pinhole, fisheye, noisy: ")
+    assert line.startswith("no images of pinhole, fisheye, noisy, noisy_too: ")
     assert line.endswith("has ended; all else goes on")
 
 

@@ -1,6 +1,6 @@
 """Drawn images against geometry: each pixel sees the ball where the formula of its lens says so."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -11,11 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.physics.opengl import gl_context
-from harness.physics.scene import build_scene, build_scenes
-from harness.robots import RoverSpec
+from harness.physics.scene import build_scenes
 from harness.sensors.camera.renderer import CameraRenderer
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraState
-from harness.world.berths import Member
 from tests.harness.sensors.camera.staged import BALL, CAMERAS, EYE, RADIUS, looking, scenery
 
 # Yaw and pitch [rad]; of the fisheye, the ball is on the seam of two faces of its cube, and on one.
@@ -89,28 +87,13 @@ def test_the_same_state_gives_the_same_image_whatever_was_drawn_in_between(
         np.testing.assert_array_equal(renderer.image(camera, state(camera)), first)
 
 
-def test_a_rover_whose_bodies_have_other_names_is_drawn(
-    foreign: Callable[[str], RoverSpec], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("camera", "stamp_ns"), [("noisy", 1), ("noisy_too", 0)])
+def test_noise_has_its_deviation_and_is_another_for_each_stamp_and_camera(
+    renderer: CameraRenderer, camera: str, stamp_ns: int
 ) -> None:
-    try:
-        context = gl_context("a test", 16, 16)
-    except UsageError as error:
-        pytest.skip(str(error))
-    monkeypatch.setattr("harness.physics.stage.SOIL_PIXELS", 128)
-    world, rover = scenery()[0], foreign("husky")
-    data = mujoco.MjData(model := build_scene(world, rover, 0.002).model)
-    visible = np.empty(mujoco.mj_stateSize(model, VISIBLE_STATE))
-    mujoco.mj_getState(model, data, visible, VISIBLE_STATE)
-    fleet = (Member("", rover, world.start),)
-    with CameraRenderer(world, fleet, CAMERAS, context) as renderer:
-        assert (
-            renderer.image("pinhole", CameraState(0, "pinhole", EYE, looking(0, 0), visible)).std() > 1
-        )
-
-
-def test_noise_has_its_deviation_and_differs_from_stamp_to_stamp(renderer: CameraRenderer) -> None:
     clean = renderer.image("pinhole", state("pinhole")).astype(float)
-    errors = [renderer.image("noisy", state("noisy", stamp_ns=n)) - clean for n in (0, 1)]
+    which = (("noisy", 0), (camera, stamp_ns))
+    errors = [renderer.image(name, state(name, stamp_ns=n)) - clean for name, n in which]
     for error in errors:
         assert error.std() == pytest.approx(0.02 * 255, rel=0.02)
         assert error.mean() == pytest.approx(0.0, abs=0.15)

@@ -1,5 +1,4 @@
 import os
-import runpy
 import subprocess
 import sys
 import tempfile
@@ -65,17 +64,3 @@ def test_a_temporary_folder_that_others_could_fill_is_not_trusted(
     for said in (1, 0):  # once
         assert compiled._temporary_cache() == str(folder)
         assert capsys.readouterr().err.count("\n") == said
-
-
-def test_a_kernel_that_cannot_be_kept_at_all_is_compiled(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
-    monkeypatch.setattr(compiled, "_temporary_cache", lambda: None)
-    source = tmp_path / "one_kernel.py"
-    source.write_text("def double(x):\n    return 2 * x\n")
-    (tmp_path / "__pycache__").touch()
-    for name in ("HOME", "XDG_CACHE_HOME"):
-        monkeypatch.setenv(name, "/proc/nobody")
-    made = runpy.run_path(str(source))["double"]
-    assert compiled.kernel("f8(f8)")(made)(2.5) == 5.0
