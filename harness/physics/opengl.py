@@ -20,8 +20,8 @@ def gl_context(what: str, width: int, height: int) -> Any:  # noqa: ANN401 - of 
 
     Args:
         what: Needs it, for the message.
-        width: Of the largest image [pixels]; likewise `height`.
-        height: See `width`.
+        width: Of the largest image [pixels].
+        height: Of the largest image [pixels].
 
     Raises:
         UsageError: There is none.

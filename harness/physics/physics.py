@@ -146,7 +146,7 @@ class Physics:
             x, y = rover.pose[:2].tolist()
             if not rover.scene.world.ground.contains(x, y, EDGE_MARGIN):
                 raise RunFailed(
-                    f"{rover.scene.told} reached the edge of the map at t = {self._now()} "
+                    f"{rover.scene.label} reached the edge of the map at t = {self._now()} "
                     f"(x = {x:.2f} m, y = {y:.2f} m)"
                 )
 
@@ -165,9 +165,9 @@ class Physics:
                 names = (
                     r.scene.name for r, v in zip(self.rovers, speeds, strict=True) if v == max(speeds)
                 )
-                told = " or ".join(filter(None, names))  # what is no number soon spreads to all
+                whose = " or ".join(filter(None, names))  # what is no number soon spreads to all
                 raise Diverged(
-                    f"{told and told + ': '}the simulation diverged at t = {self._now()} "
+                    f"{whose and whose + ': '}the simulation diverged at t = {self._now()} "
                     f"(NaN, infinite or huge {quantity}); position {_rounded(rover.pose[:3])} m, "
                     f"velocity {_rounded(rover.twist[:3])} m/s; try a smaller --timestep"
                 )

@@ -26,7 +26,7 @@ class Rover:
     Attributes:
         scene: The rover in its world.
         pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
-        twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, likewise.
+        twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, a view.
         contacts: What it touched in the last tick.
         parking: Its brake.
     """

@@ -69,7 +69,7 @@ class Scene:
         return int(self.model.jnt_qposadr[self.model.body_jntadr[self.root]])
 
     @property
-    def told(self) -> str:
+    def label(self) -> str:
         """What it is called in a sentence."""
         return self.name or "the rover"
 
@@ -113,8 +113,8 @@ def build_scenes(
     Args:
         world: Ground and obstacles.
         fleet: The rovers; gravity and MuJoCo's options are those of the first one's model.
-        timestep: As of `build_scene`, and likewise `dress`.
-        dress: See `timestep`.
+        timestep: Of the physics [s].
+        dress: Adds colours and light; None leaves out what is only seen.
     """
     rovers = [member.rover for member in fleet]
     specs = [
@@ -300,7 +300,7 @@ def _add_truth_sensors(
     counts += [
         (f"{SCRAPE_CONTACT}_{b.name.removeprefix(prefix)}", (body, b.name), ground) for b in scraping
     ]
-    found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
+    count, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     for name, (kind, one), (other_kind, other) in counts:
         spec.add_sensor(
             name=prefix + name,
@@ -309,7 +309,7 @@ def _add_truth_sensors(
             objname=one,
             reftype=other_kind,
             refname=other,
-            intprm=[found, net_force, slots],
+            intprm=[count, net_force, slots],
         )
 
 

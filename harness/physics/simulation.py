@@ -93,8 +93,8 @@ class Simulation:
 
     def summed(self, sensor: str) -> NDArray[np.float64]:
         """Returns a view onto the entries of `tick_sum` that belong to one sensor of the rover."""
-        found = self.model.sensor(self.scene.own(sensor))
-        start, size = int(found.adr[0]), int(found.dim[0])
+        place = self.model.sensor(self.scene.own(sensor))
+        start, size = int(place.adr[0]), int(place.dim[0])
         return self.tick_sum[start : start + size]
 
     def command_wheels(self, commands: NDArray[np.float64]) -> None:
@@ -125,8 +125,8 @@ class Simulation:
         """Puts the rover onto the ground somewhere else, where it settles; time goes on.
 
         Args:
-            x: Position of the model frame in the world [m]; likewise `y`.
-            y: See `x`.
+            x: Position of the model frame in the world [m].
+            y: Position of the model frame in the world [m].
             yaw: Its heading [rad].
 
         Raises:

@@ -33,7 +33,8 @@ class Quality:
     """What an image may cost.
 
     Attributes:
-        width: Of the image [pixels]; likewise `height`.
+        width: Of the image [pixels].
+        height: Of the image [pixels].
         samples: Per pixel, against jagged edges.
         shadow_map: Width of the shadows' map, which spans twice `SHADOW_REACH` [pixels].
         slices: Of everything round.

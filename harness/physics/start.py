@@ -40,7 +40,7 @@ def check_room(scene: Scene, fleet: Sequence[Scene] = ()) -> None:
         UsageError: An obstacle or another rover is in the way.
     """
     if names := _in_the_way(scene, fleet or (scene,)):
-        raise UsageError(f"{_told(scene)} is inside {', '.join(names)}; choose another {_mend(scene)}")
+        raise UsageError(f"{_label(scene)} is inside {', '.join(names)}; choose another {_mend(scene)}")
 
 
 def check_start(scene: Scene, settled: mujoco.MjData) -> None:
@@ -59,12 +59,12 @@ def check_start(scene: Scene, settled: mujoco.MjData) -> None:
     tilt = math.acos(min(1.0, w * w - x * x - y * y + z * z))
     if slid > MOST_SLID or tilt > MOST_TILTED:
         raise UsageError(
-            f"no rover can stand at {_told(scene)}: it slid {slid:.1f} m and leans by "
+            f"no rover can stand at {_label(scene)}: it slid {slid:.1f} m and leans by "
             f"{math.degrees(tilt):.0f} deg; choose another {_mend(scene)}, on gentler ground"
         )
 
 
-def _told(scene: Scene) -> str:
+def _label(scene: Scene) -> str:
     start = "start " + ",".join(f"{value:g}" for value in scene.world.start)
     return f"{start} of {scene.name}" if scene.name else start
 
@@ -82,5 +82,5 @@ def _in_the_way(scene: Scene, fleet: Sequence[Scene]) -> list[str]:
     own, pairs = scene.geoms(), data.contact.geom
     touched = set(np.unique(pairs[np.isin(pairs, own).any(axis=1)]).tolist()) - set(own)
     obstacles = [geom for geom in sorted(touched) if model.geom_group[geom] == OBSTACLE_GROUP]
-    others = [each.told for each in fleet if each is not scene and touched.intersection(each.geoms())]
+    others = [each.label for each in fleet if each is not scene and touched.intersection(each.geoms())]
     return [*(model.geom(geom).name for geom in obstacles), *others]

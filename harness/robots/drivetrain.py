@@ -19,7 +19,7 @@ class Drivetrain:
     """Wheels, motors and steering, by the servos of the model where rover.yaml does not name them.
 
     Args:
-        rover: Of which only the folder, the model, the drive and the mounts are known.
+        rover: Its folder, and what rover.yaml states; other fields are None.
 
     Raises:
         UsageError: The model is not valid, or does not have what rover.yaml names.
@@ -74,20 +74,20 @@ class Drivetrain:
         model = self._model
         body = int(model.joint(joint).bodyid[0])
         of_wheel = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)
-        found: list[int] = np.flatnonzero(of_wheel).tolist()
-        if not found:
+        geoms: list[int] = np.flatnonzero(of_wheel).tolist()
+        if not geoms:
             raise UsageError(
                 f"{self._path}: wheel '{joint}' has no geom that collides; give its body one"
             )
-        return found
+        return geoms
 
     def _above(self, joint: str) -> list[int]:
         """The bodies from a joint's up to the root."""
-        body, found = int(self._model.joint(joint).bodyid[0]), []
+        body, bodies = int(self._model.joint(joint).bodyid[0]), []
         while body:
-            found.append(body)
+            bodies.append(body)
             body = int(self._model.body_parentid[body])
-        return found
+        return bodies
 
     def _named_hinges(self) -> list[str]:
         model = self._model
@@ -100,19 +100,19 @@ class Drivetrain:
 
     def _servos(self) -> dict[str, tuple[str, int]]:
         """Each joint's servo: what it controls, and its actuator."""
-        model, found = self._model, {}
+        model, servos = self._model, {}
         for motor in range(model.nu):
             gain, bias = model.actuator_gainprm[motor, 0], model.actuator_biasprm[motor]
             on_joint = model.actuator_trntype[motor] == mujoco.mjtTrn.mjTRN_JOINT
             kind = VELOCITY if bias[1] == 0.0 and bias[2] == -gain else POSITION
             if on_joint and -gain in (bias[1], bias[2]) and gain > 0.0:
-                found[model.joint(model.actuator_trnid[motor, 0]).name] = (kind, motor)
-        return found
+                servos[model.joint(model.actuator_trnid[motor, 0]).name] = (kind, motor)
+        return servos
 
     def _drive(self) -> Drive:
-        said = self._rover.drive
+        stated = self._rover.drive
         for key in ("left", "right", "driven", "steering"):
-            for joint in getattr(said, key):
+            for joint in getattr(stated, key):
                 if joint not in self._hinges:
                     raise UsageError(
                         f"{self._where}: drive: {key}: {unknown('hinge', joint, self._hinges)}"
@@ -120,7 +120,7 @@ class Drivetrain:
         driving = [
             name for name, kind in self._motors.items() if kind == VELOCITY and name in self._hinges
         ]
-        left, right = said.left, said.right
+        left, right = stated.left, stated.right
         if not (left and right):
             sides = {name: self._place(name) for name in driving}
             ordered = sorted(sides, key=lambda name: -sides[name][0])
@@ -131,46 +131,48 @@ class Drivetrain:
                 f"{self._where}: drive: {len(left)} wheels left and {len(right)} right are not valid; "
                 f"give as many on either side, or leave both out (left: {left}, right: {right})"
             )
-        driven = said.driven or tuple(name for name in (*left, *right) if name in driving)
-        self._check_motors(said, driven, driving, left and right)
+        driven = stated.driven or tuple(name for name in (*left, *right) if name in driving)
+        self._check_motors(stated, driven, driving, left and right)
         return Drive(
-            kind=said.kind,
+            kind=stated.kind,
             left=left,
             right=right,
             driven=driven,
-            steering=said.steering,
-            steering_limit=said.steering_limit or self._steering_limit(said),
-            steering_rate=said.steering_rate,
+            steering=stated.steering,
+            steering_limit=stated.steering_limit or self._steering_limit(stated),
+            steering_rate=stated.steering_rate,
         )
 
     def _check_motors(
-        self, said: Drive, driven: tuple[str, ...], driving: list[str], sides: object
+        self, stated: Drive, driven: tuple[str, ...], driving: list[str], sides: object
     ) -> None:
         lacking = [name for name in driven if name not in driving]
         if not sides or not driven or lacking:
-            told = f"'{lacking[0]}' has none" if lacking else f"it has {len(driving)}"
-            raise UsageError(f"{self._path}: the wheels of each side need <velocity> actuators; {told}")
-        if len(said.steering) != (2 if said.kind == "ackermann" else 0):
+            motors = f"'{lacking[0]}' has none" if lacking else f"it has {len(driving)}"
             raise UsageError(
-                f"{self._where}: drive: steering = {list(said.steering)} is not valid with "
-                f"kind '{said.kind}'; give those of the left and the right front wheel, none with skid"
+                f"{self._path}: the wheels of each side need <velocity> actuators; {motors}"
             )
-        for name in said.steering:
+        if len(stated.steering) != (2 if stated.kind == "ackermann" else 0):
+            raise UsageError(
+                f"{self._where}: drive: steering = {list(stated.steering)} is not valid with "
+                f"kind '{stated.kind}'; give those of the left and the right front wheel, none with skid"
+            )
+        for name in stated.steering:
             if self._motors.get(name) != POSITION:
                 raise UsageError(
                     f"{self._path}: steering joint '{name}' needs a <position> actuator; give it one"
                 )
 
-    def _steering_limit(self, said: Drive) -> float:
+    def _steering_limit(self, stated: Drive) -> float:
         """The smallest of the ranges of the steering's joints and motors [rad]."""
         model, limits = self._model, [math.inf]
-        for name in said.steering:
+        for name in stated.steering:
             joint, motor = model.joint(name).id, self._servos()[name][1]
             if model.jnt_limited[joint]:
                 limits += [-float(model.jnt_range[joint, 0]), float(model.jnt_range[joint, 1])]
             if model.actuator_ctrllimited[motor]:
                 limits += np.abs(model.actuator_ctrlrange[motor]).tolist()
-        if not said.steering:
+        if not stated.steering:
             return 0.0
         if not 0.0 < min(limits) < math.pi / 2:
             raise UsageError(
@@ -180,7 +182,7 @@ class Drivetrain:
         return min(limits)
 
     def _check_axes(self) -> None:
-        """Wheels turn about +y, steering about +z: else commands would do the contrary."""
+        """Wheels turn about +y, steering about +z: or commands would do the contrary."""
         for names, axis, about in (
             (self.drive.left + self.drive.right, 1, "+y"),
             (self.drive.steering, 2, "+z"),

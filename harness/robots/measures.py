@@ -1,4 +1,4 @@
-"""What a compiled model tells of a rover that does not ship: sizes, places, and what follows of them.
+"""Sizes and places, measured on the compiled model of a rover that does not ship.
 
 Everything is measured in the frame of the root body while all joints are at 0.
 """

@@ -1,4 +1,4 @@
-"""A rover's model as text: what the models that ship say of themselves, read without MuJoCo.
+"""A shipped rover's model as text: sizes, joints and limits, read without MuJoCo.
 
 The process that only publishes does without MuJoCo, so that its first row comes sooner.
 """
@@ -9,8 +9,8 @@ from xml.etree import ElementTree as ET
 from harness.robots.sections import Drive
 
 
-def told_by_mjcf(root: ET.Element) -> dict[str, object]:
-    """Returns what a model's file says of a rover, by the field's name.
+def stated_by_mjcf(root: ET.Element) -> dict[str, object]:
+    """Returns what a model's file states of a rover, by the field's name.
 
     Raises:
         AttributeError, KeyError, ValueError, IndexError: It is not as models/README.md says.
@@ -19,9 +19,9 @@ def told_by_mjcf(root: ET.Element) -> dict[str, object]:
     for top in root.findall("default"):
         _gather(top, {}, defaults)
 
-    def numbers(found: ET.Element | None, attribute: str) -> list[float]:
+    def numbers(match: ET.Element | None, attribute: str) -> list[float]:
         """An attribute of the element, or else of its class."""
-        element: ET.Element = found  # type: ignore[assignment]  # None fails, and is told of, as it should
+        element: ET.Element = match  # type: ignore[assignment]  # None raises, and the caller reports it
         of_class = defaults.get(element.get("class", "main"), {}).get(element.tag, {})
         return [float(word) for word in (of_class | element.attrib)[attribute].split()]
 

@@ -1,6 +1,6 @@
 """A rover's model as MuJoCo reads it, made to fit the scenes that it is put into.
 
-Models that people bring along need not know the house's rules. What can be told from the model is set
+Models from elsewhere need not follow the conventions of models/. What follows from the model is set
 here: a free joint, the groups and the contact bits of geoms, sites and sensors of lidar and IMU, shapes
 to be seen where there are none. To the models that ship it changes nothing.
 """
@@ -62,7 +62,7 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
 
 
 def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
-    """Returns a model that somebody brought along, compiled alone.
+    """Returns a model, compiled alone.
 
     Raises:
         UsageError: MuJoCo does not take it; the message says why.
@@ -70,9 +70,9 @@ def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     try:
         return spec.compile()
     except (ValueError, mujoco.FatalError) as error:
-        told = " ".join(str(error).removeprefix("Error: ").split())
-        mend = "; give its body an <inertial> with a mass above 0" if "mjMINVAL" in told else ""
-        raise UsageError(f"{path} is no valid model: {told}{mend}") from error
+        reason = " ".join(str(error).removeprefix("Error: ").split())
+        mend = "; give its body an <inertial> with a mass above 0" if "mjMINVAL" in reason else ""
+        raise UsageError(f"{path} is no valid model: {reason}{mend}") from error
 
 
 def root_of(spec: mujoco.MjSpec) -> str:
@@ -98,12 +98,12 @@ def free_root(spec: mujoco.MjSpec, path: Path) -> None:
     if not root.joints:
         root.add_freejoint(name=ROOT_JOINT)
     elif [joint.type for joint in root.joints] != [mujoco.mjtJoint.mjJNT_FREE]:
-        told = ", ".join(f"'{joint.name}'" for joint in root.joints)
-        raise UsageError(f"{path}: root body '{root.name}' must move freely; take joint {told} away")
+        joints = ", ".join(f"'{joint.name}'" for joint in root.joints)
+        raise UsageError(f"{path}: root body '{root.name}' must move freely; take joint {joints} away")
 
 
 def sort_geoms(spec: mujoco.MjSpec) -> None:
-    """Tells what is only to be seen from what collides with the world."""
+    """Sorts geoms into those that are only seen and those that collide with the world."""
     for geom in spec.geoms:
         seen = geom.contype == geom.conaffinity == 0
         geom.group = SEEN_GROUP if seen else COLLIDING_GROUP

@@ -1,7 +1,7 @@
 """A folder -> RoverSpec.
 
-The rovers of models/ are read without MuJoCo. Of any other the model is compiled, so that a mistake is
-told at once, and what rover.yaml leaves out is derived from it (harness.robots.measures).
+The rovers of models/ are read without MuJoCo. The model of any other is compiled, so that a mistake is
+reported at once, and what rover.yaml leaves out is derived from it (harness.robots.measures).
 """
 
 import hashlib
@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 
 from harness.base.errors import UsageError
 from harness.base.files import read_mapping
-from harness.robots.mjcf import told_by_mjcf
+from harness.robots.mjcf import stated_by_mjcf
 from harness.robots.spec import ModelFacts, RoverFile, RoverSpec
 from harness.spec.value import made
 
@@ -39,8 +39,8 @@ def read_rover(folder: Path) -> RoverSpec:
 
 def content_of(folder: Path) -> list[Path]:
     """Returns the files of a folder that make its rover, in the order of their names."""
-    found = (path for path in folder.rglob("*") if path.suffix.lower() in CONTENT)
-    return sorted(path for path in found if path.is_file())
+    files = (path for path in folder.rglob("*") if path.suffix.lower() in CONTENT)
+    return sorted(path for path in files if path.is_file())
 
 
 def model_hash(rover: RoverSpec) -> str:
@@ -77,7 +77,7 @@ def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
 def _shipped(folder: Path) -> dict[str, Any]:
     model = folder / f"{folder.name}.xml"
     try:
-        return told_by_mjcf(ET.parse(model).getroot())  # noqa: S314 - no stranger's
+        return stated_by_mjcf(ET.parse(model).getroot())  # noqa: S314 - no stranger's
     except (OSError, ET.ParseError, AttributeError, KeyError, ValueError, IndexError) as error:
         raise UsageError(f"{model} is not as models/README.md says: {error!r}") from error
 
@@ -89,8 +89,10 @@ def _only_model(folder: Path) -> str:
         return f"{folder.name}.xml"
     if len(names) == 1:
         return names[0]
-    told = f"which of {', '.join(names)} is the model" if names else "an MJCF file (.xml) of the model"
-    raise UsageError(f"{folder / 'rover.yaml'}: key 'model' is missing; give {told}")
+    missing = (
+        f"which of {', '.join(names)} is the model" if names else "an MJCF file (.xml) of the model"
+    )
+    raise UsageError(f"{folder / 'rover.yaml'}: key 'model' is missing; give {missing}")
 
 
 def _no_rover(folder: Path) -> str:

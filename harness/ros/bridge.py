@@ -138,7 +138,7 @@ class Bridge(GuardedNode):
             listeners: Are waited for.
         """
         self.send(tick, sent, listeners=listeners)
-        self.tell(sent, listeners=listeners)
+        self.publish_clock(sent, listeners=listeners)
 
     def send(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:
         """Publishes the samples of one tick; the arguments are those of `advance`."""
@@ -156,7 +156,7 @@ class Bridge(GuardedNode):
             for listener in listeners:
                 listener.wait_for_samples(channels)
 
-    def tell(
+    def publish_clock(
         self, sent: samples.Tick, *, listeners: Sequence[Listener], others: Sequence["Bridge"] = ()
     ) -> None:
         """Publishes the time of one tick; returns when all listeners have handled it.
@@ -169,7 +169,7 @@ class Bridge(GuardedNode):
         if sent.tells_time:
             self.clock_channel.publish(sent)
             for bridge in (self, *others):
-                bridge.commands.told_ns = sent.stamp_ns
+                bridge.commands.clock_ns = sent.stamp_ns
             for listener in listeners:
                 listener.wait_for_clock(sent.stamp_ns)
         if not listeners:

@@ -42,7 +42,7 @@ class Commands:
 
     Attributes:
         count: What has come so far.
-        told_ns: The time that /clock told last: a stamp before it is older than the present [ns].
+        clock_ns: What /clock showed last: a stamp before it is older than the present [ns].
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Commands:
     ) -> None:
         self._node, self._frames, self._take = node, frames, take
         self.topic: str = node.resolve_topic_name("cmd_vel")
-        self.count, self.told_ns = CommandCount(), 0
+        self.count, self.clock_ns = CommandCount(), 0
         self._is_auto, self._has_complained = kind.startswith("auto"), False
         self._heard: dict[str, Any] = {}
         self._recording: Recording | None = None
@@ -144,7 +144,7 @@ class Commands:
         if frame and frame.rpartition("/")[2] not in self._frames:
             what = f"a command in the frame '{frame}'"
             self._refuse(what, f"give one of {', '.join(self._frames)}, or none")
-        elif self._receive(message.twist) and stamp_ns(message) < self.told_ns:
+        elif self._receive(message.twist) and stamp_ns(message) < self.clock_ns:
             self.count.older += 1
 
     def _refuse(self, what: str, why: str) -> None:

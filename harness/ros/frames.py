@@ -107,11 +107,11 @@ class FrameTopics:
     def __init__(self, node: Node) -> None:
         self._node = node
         (tf,) = (row for row in SENSORS if row.sample is Transforms)
-        told = message_type(TF_MESSAGE) is not None
-        if not told:
+        has_type = message_type(TF_MESSAGE) is not None
+        if not has_type:
             node.get_logger().warning(NO_TYPE)
-        self.moving = [open_channel(node, topic, self._fill) for topic in tf.topics if told]
-        self._static = [open_channel(node, STATIC, transforms_bytes)] if told else []
+        self.moving = [open_channel(node, topic, self._fill) for topic in tf.topics if has_type]
+        self._static = [open_channel(node, STATIC, transforms_bytes)] if has_type else []
         self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
         self.fixed = [self._urdf, *self._static]
         self._description = Description((), (), owns_odom=False, urdf="")
@@ -140,7 +140,7 @@ class FrameTopics:
         """Listens to /tf as soon as it has another publisher.
 
         Raises:
-            RunFailed: Somebody else has told of a frame that is this run's.
+            RunFailed: Somebody else publishes a frame that is this run's.
         """
         for channel in self.moving if self._owned() else ():
             if self._rival is not None:

@@ -106,8 +106,8 @@ class RemoteNode:
             return {}
         published = {topic for b in (self._bridge, *self._others) for topic in b.published()}
         try:
-            told = json.loads(answer.message)
-            return {topic: int(count) for topic, count in told.items() if topic in published}
+            counts = json.loads(answer.message)
+            return {topic: int(count) for topic, count in counts.items() if topic in published}
         except (ValueError, TypeError, AttributeError):  # a service of that name, no MetricsNode's
             return {}
 

@@ -94,16 +94,16 @@ class _Session:
         self._controls = Controls(resets)
         for rover, output in zip(self.rovers, outputs, strict=True) if options.host_metrics else ():
             rover.host_metrics(self._executor, output)
-        self._remotes = self._found(time_jumps=jumps)
+        self._remotes = self._remote_nodes(time_jumps=jumps)
         heard = [rover.bridge.commands.heard for rover in self.rovers]
         for rover in self.rovers:
             spin_until(self._executor, rover.bridge.commands.look_around, DISCOVERY_PATIENCE)
         if [rover.bridge.commands.heard for rover in self.rovers] != heard:
             # The nodes know of it when new clients are answered.
-            self._remotes = self._found(time_jumps=jumps)
-        self._told: Tick | None = None
+            self._remotes = self._remote_nodes(time_jumps=jumps)
+        self._sent: Tick | None = None
 
-    def _found(self, *, time_jumps: bool) -> list[RemoteNode]:
+    def _remote_nodes(self, *, time_jumps: bool) -> list[RemoteNode]:
         """The nodes elsewhere; of several rovers none has a namespace that they could be below."""
         first, *others = (rover.bridge for rover in self.rovers)
         root = "/" if self._run.rover.name else ""
@@ -174,10 +174,10 @@ class _Session:
 
         def send(rover: RoverNodes, tick: Tick, sent: Tick) -> None:
             if rover is self.rovers[0]:
-                self._told = sent
+                self._sent = sent
             rover.bridge.send(tick, sent, listeners=(*remotes, *rover.listeners))
-            if rover is self.rovers[-1] and self._told is not None:
-                first.tell(self._told, listeners=everybody, others=others)
+            if rover is self.rovers[-1] and self._sent is not None:
+                first.publish_clock(self._sent, listeners=everybody, others=others)
 
         return [
             Route(rover.faults, partial(send, rover), (*output.observers, account))
@@ -204,7 +204,7 @@ class _Session:
             failure = result.failure
             if failure is None and foreign:
                 failure = f"{foreign[0]} {SECOND_PUBLISHER}"
-            told = replace(
+            with_counts = replace(
                 result,
                 topics=own,
                 recording=self._options.record if recorded else None,
@@ -212,5 +212,5 @@ class _Session:
                 waited_s=waited,
                 commands=rover.bridge.commands.count,
             )
-            counted.append(rover.logged(told))
+            counted.append(rover.logged(with_counts))
         return tuple(counted)

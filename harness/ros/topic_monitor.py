@@ -24,7 +24,7 @@ from harness.sensors.message_types import GRID_MAP
 
 WINDOW = 5.0  # [s] of the past that a rate is taken over
 SHORTEST = 3.0  # [s] that make a rate right to 2 %: messages are handled up to 30 ms late at either end
-LEAST = 0.5  # [s] below which a rate would be wrong by more than a tenth and is not told
+LEAST = 0.5  # [s] below which a rate would be wrong by more than a tenth and is not shown
 QUEUE = 100  # messages of a topic that may wait for this process
 CLOCK = "/clock"
 PLUMBING = ("/rosout", "/parameter_events")  # every node has them

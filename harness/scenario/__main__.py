@@ -24,7 +24,7 @@ from harness.cli.console import counted
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
-from harness.scenario.told import tell
+from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
@@ -54,7 +54,7 @@ def _run(options: argparse.Namespace, console: Console) -> int:
         compare = not options.update_baseline
         attempts = run_all(cases, workers, options.out, show, compare=compare, resume=options.resume)
     verdicts = verdicts_of(attempts)
-    tell(console, verdicts)
+    print_verdicts(console, verdicts)
     _write(options, console, verdicts)
     if options.update_baseline:
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):

@@ -25,28 +25,28 @@ class Arrivals:
 
     Attributes:
         paths: Into each message, to the numbers that are kept.
-        times: When each was heard since the start [ns]; `told` is the same on the clock that listeners
-            see, and `stamps` those of their headers, or `told` where there is none.
+        times: When each was heard since the start [ns]; `clock` is what /clock showed its listeners
+            then [ns], and `stamps` those of their headers, or `clock` where there is none.
         numbers: By path, those of each message.
     """
 
     paths: Sequence[str] = ()
     times: list[int] = field(default_factory=list)
-    told: list[int] = field(default_factory=list)
+    clock: list[int] = field(default_factory=list)
     stamps: list[int] = field(default_factory=list)
     numbers: dict[str, list[list[float]]] = field(default_factory=dict)
 
-    def take(self, message: Any, time_ns: int, told_ns: int) -> None:  # noqa: ANN401 - of any type
+    def take(self, message: Any, time_ns: int, clock_ns: int) -> None:  # noqa: ANN401 - of any type
         """Takes a message.
 
         Args:
             message: As rclpy or rosbags gives it; its bytes where only that it came is asked for.
             time_ns: When it was heard, since the start.
-            told_ns: What the clock of the listeners shows then.
+            clock_ns: What the clock of the listeners shows then.
         """
         self.times.append(time_ns)
-        self.told.append(told_ns)
-        self.stamps.append(stamp_ns(message) if hasattr(message, "header") else told_ns)
+        self.clock.append(clock_ns)
+        self.stamps.append(stamp_ns(message) if hasattr(message, "header") else clock_ns)
         for path in self.paths:
             self.numbers.setdefault(path, []).append(numbers_at(message, path))
 
@@ -80,7 +80,7 @@ def topic_series(
         case "rate":
             return _rate(times, end_ns)
         case "age":
-            values = (np.array(own.told) - np.array(own.stamps)) / NANOSECONDS
+            values = (np.array(own.clock) - np.array(own.stamps)) / NANOSECONDS
         case "latency":
             values = _latency(own, heard[of or ""])
             if len(times):
@@ -105,6 +105,6 @@ def _latency(output: Arrivals, source: Arrivals) -> NDArray[np.float64]:
     newest = np.searchsorted(np.array(source.times), np.array(output.times), side="right") - 1
     values = np.full(len(output.times), np.nan)
     known = newest >= 0
-    told, stamps = np.array(output.told), np.array(source.stamps)
-    values[known] = (told[known] - stamps[newest[known]]) / NANOSECONDS
+    clock, stamps = np.array(output.clock), np.array(source.stamps)
+    values[known] = (clock[known] - stamps[newest[known]]) / NANOSECONDS
     return values

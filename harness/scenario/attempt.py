@@ -26,8 +26,10 @@ class Attempt:
         case: The run.
         breaches: What was not as expected, in the order of the file.
         error: Why it could not be run; None if it could.
-        simulated_s: Simulated time [s]; likewise `wall_s`.
-        model_hash: Of the rover's model; likewise `terrain_hash`.
+        simulated_s: Simulated time [s].
+        wall_s: Wall time that it took [s].
+        model_hash: Hash of the rover's model; "" if it could not run.
+        terrain_hash: Hash of the terrain; "" if it could not run.
         recorded: What a baseline keeps of it; None if it has none.
         kept: What is left of a run that did not pass.
         measured: What each bound of the scenario compares, in their order; nothing if it could not run.

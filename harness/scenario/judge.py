@@ -1,4 +1,4 @@
-"""Bounds against what a quantity was: what a person is told of a run that does not keep them."""
+"""Bounds against what a quantity was: what a person is shown of a run that does not keep them."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class Breach:
 
     Attributes:
         reason: In one line, e.g. "truth.tilt_deg: 31.2 deg > 25 deg, first at 7.35 s".
-        time_s: When it was first not met [s]; None if that is no matter of one moment.
+        time_s: When it was first not met [s]; None if that is no matter of one snapshot.
     """
 
     reason: str
@@ -55,8 +55,8 @@ def judge(name: str, bound: Bound, series: Series) -> Breach | None:
     value = _summed_up(bound, values)
     for limit in _limits(bound, np.array([value])):
         if limit.broken[0]:
-            told, allowed = _apart(float(value), limit.value, series)
-            return Breach(f"{name}: {_WORDS[bound.over]}{told} {limit.sign} {allowed}{_window(bound)}")
+            shown, allowed = _apart(float(value), limit.value, series)
+            return Breach(f"{name}: {_WORDS[bound.over]}{shown} {limit.sign} {allowed}{_window(bound)}")
     return None
 
 
@@ -140,13 +140,13 @@ def _limits(bound: Bound, values: NDArray[np.float64]) -> list[_Limit]:
 
 
 def _judge_always(name: str, bound: Bound, series: Series) -> Breach | None:
-    """The worst value is told, and when the bound was first broken; the lower one is looked at first."""
+    """Shows the worst value and when the bound was first broken; the lower limit comes first."""
     for limit in _limits(bound, series.values):
         if limit.broken.any():
             worst = series.values.min() if limit.sign == "<" else series.values.max()
             first = float(series.times[limit.broken.argmax()])
-            told, allowed = _apart(float(worst), limit.value, series)
-            return Breach(f"{name}: {told} {limit.sign} {allowed}, first at {first:g} s", first)
+            shown, allowed = _apart(float(worst), limit.value, series)
+            return Breach(f"{name}: {shown} {limit.sign} {allowed}, first at {first:g} s", first)
     return None
 
 
@@ -155,11 +155,11 @@ def _judge_tally(name: str, bound: Bound, times: NDArray[np.float64]) -> Breach 
     count = len(times)
     for limit in _limits(bound, np.array([float(count)])):
         if limit.broken[0]:
-            told = f"{name}: {count} {limit.sign} {limit.value:g}"
+            shown = f"{name}: {count} {limit.sign} {limit.value:g}"
             if limit.sign == "<":
-                return Breach(f"{told}{_window(bound)}")
+                return Breach(f"{shown}{_window(bound)}")
             first = float(times[max(0, math.floor(limit.value))])
-            return Breach(f"{told}, first at {first:g} s", first)
+            return Breach(f"{shown}, first at {first:g} s", first)
     return None
 
 
@@ -169,8 +169,8 @@ def _judge_share(name: str, bound: Bound, series: Series) -> Breach | None:
         return None
     limits = " to ".join(f"{limit:g}" for limit in (bound.min, bound.max) if limit is not None)
     side = "within" if None not in (bound.min, bound.max) else "above" if bound.max is None else "below"
-    told = f"{name}: {100 * kept:.3g} % of values {side} {limits}{_unit(series)}"
-    return Breach(f"{told}, {100 * bound.share:g} % expected{_window(bound)}")
+    shown = f"{name}: {100 * kept:.3g} % of values {side} {limits}{_unit(series)}"
+    return Breach(f"{shown}, {100 * bound.share:g} % expected{_window(bound)}")
 
 
 def _apart(value: float | None, other: float | None, series: Series) -> tuple[str, str]:
@@ -179,8 +179,8 @@ def _apart(value: float | None, other: float | None, series: Series) -> tuple[st
         texts = [f"{v:.{digits}g}" for v in (value, other) if v is not None]
         if len(set(texts)) == len(texts):
             break
-    told = iter(texts)
-    first, second = ("no value" if v is None else next(told) + _unit(series) for v in (value, other))
+    shown = iter(texts)
+    first, second = ("no value" if v is None else next(shown) + _unit(series) for v in (value, other))
     return first, second
 
 

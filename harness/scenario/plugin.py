@@ -72,8 +72,8 @@ class ScenarioRun(pytest.Item):
         for one in self._attempts:
             self.user_properties += properties_of(one).items()
             if one.error is not None:
-                told = f"{one.case.name} could not run: {one.error}\nagain: {one.case.command}"
-                pytest.fail(told, pytrace=False)
+                line = f"{one.case.name} could not run: {one.error}\nagain: {one.case.command}"
+                pytest.fail(line, pytrace=False)
 
     def runtest(self) -> None:
         """Passes, fails, or fails as expected."""
@@ -82,7 +82,7 @@ class ScenarioRun(pytest.Item):
         (verdict,) = verdicts_of(self._attempts)
         if verdict.outcome is not Outcome.PASSED:
             bad = [one for one in self._attempts if not outcome_of(one).is_good]
-            pytest.fail("\n".join(_told(one) for one in bad), pytrace=False)
+            pytest.fail("\n".join(_lines(one) for one in bad), pytrace=False)
         known = self.cases[0].expected_failure
         if known is not None and outcome_of(self._attempts[0]) is Outcome.EXPECTED:
             pytest.xfail(known.reason)
@@ -99,7 +99,7 @@ class ScenarioRun(pytest.Item):
         return Path(factory.getbasetemp() / "rover")
 
 
-def _told(attempt: "Attempt") -> str:
+def _lines(attempt: "Attempt") -> str:
     from harness.scenario.verdict import reasons_of  # noqa: PLC0415 - see above
 
     see = [f"see:   {path}" for path in attempt.kept[:1]]

@@ -18,7 +18,7 @@ NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
 
 
-class Moment(NamedTuple):
+class Snapshot(NamedTuple):
     """What the simulator knows at the end of a control period of 50 ms.
 
     Attributes:
@@ -43,14 +43,14 @@ class Quantity:
     Attributes:
         unit: Of its values; empty for counts and flags.
         meaning: In a sentence.
-        value: Takes it out of a moment.
+        value: Takes it out of a snapshot.
         contact: The contacts that it counts.
-        nothing: What is told where it never had a value.
+        nothing: What is said where it never had a value.
     """
 
     unit: str
     meaning: str
-    value: Callable[[Moment], float]
+    value: Callable[[Snapshot], float]
     contact: ContactKind | None = None
     nothing: str = NO_VALUE
 
@@ -68,9 +68,9 @@ def _contacts(field: str, kind: ContactKind, count: str, time: str) -> dict[str,
     }
 
 
-def _slip_of(place: tuple[int, int], moment: Moment) -> float:
+def _slip_of(place: tuple[int, int], snapshot: Snapshot) -> float:
     """The slip of the wheel at a place of a side."""
-    (side, index), slip = place, moment.state.slip
+    (side, index), slip = place, snapshot.state.slip
     half = len(slip) // 2
     return slip[side * half :][:half][index]
 

@@ -48,7 +48,7 @@ def read_scenario(path: Path) -> Scenario:
     except ValidationError as error:
         first = foremost(error)
         location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
-        keys, place = _found(content, location)
+        keys, place = _place_of(content, location)
         raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
 
 
@@ -65,7 +65,7 @@ def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
         raise UsageError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from error
 
 
-def _found(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel
+def _place_of(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel
     """The keys of a location that stand in the file, joined, and `:LINE:COLUMN` of the innermost."""
     keys, place = [], ""
     if location[:1] == ("events",):  # after the index pydantic says which kind it is, as keys do too

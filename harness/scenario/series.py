@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import Pose, Sample, TruthState, Vector3
-from harness.scenario.quantities import NO_VALUE, QUANTITIES, Moment
+from harness.scenario.quantities import NO_VALUE, QUANTITIES, Snapshot
 from rover_metrics.core import rotation
 
 SAMPLES: set[type[Sample]] = {Pose, TruthState}  # that quantities of the truth are made of
@@ -25,7 +25,7 @@ class Series:
         times: Seconds from the start, ascending.
         values: As many; NaN where there was none.
         unit: Of the values.
-        nothing: What is told where there is no value at all.
+        nothing: What is said where there is no value at all.
         is_tally: Whether it is the number of values that is judged, whatever they are.
     """
 
@@ -65,9 +65,9 @@ class TruthSeries:
         distance = self._distance(batch.truth.position)
         if self._goal is not None and math.isnan(self._goal_s) and distance <= self._goal[2]:
             self._goal_s = time_s
-        moment = Moment(batch.truth, self._state, self._tilt, distance, self._goal_s)
+        snapshot = Snapshot(batch.truth, self._state, self._tilt, distance, self._goal_s)
         self._times.append(time_s)
-        self._values.append(tuple(q.value(moment) for q in self._quantities.values()))
+        self._values.append(tuple(q.value(snapshot) for q in self._quantities.values()))
 
     def _distance(self, position: Vector3) -> float:
         if self._goal is None:

@@ -68,7 +68,8 @@ class ExpectedFailure(Value):
 
     Attributes:
         reason: In a sentence.
-        robot: Which runs are meant; all if none of these is given. Likewise `terrain`.
+        robot: Rover of the runs that are meant; of all if left out.
+        terrain: Terrain of the runs that are meant; of all if left out.
     """
 
     reason: Text
@@ -114,7 +115,7 @@ class Scenario(RunKeys):
         seed: Of the run.
         seeds: A number of seeds from 0 on, or a list, instead of one.
         params: Parameter file of the metrics that judge the log; the defaults if left out.
-        goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
+        goal: Where the rover is to arrive; which the driver `goal` is given too.
         launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
         expect: A bound, or a list of them, for each quantity.

@@ -289,7 +289,7 @@ class ScenarioTrial(TrialListener):
         return wanted
 
     def _now(self) -> tuple[int, int]:
-        return self._trial.now_ns, self._trial.told_ns
+        return self._trial.now_ns, self._trial.clock_ns
 
     def _ended(self, nodes: Sequence[Subject] = ()) -> RunResult:
         """What the run has come to, with what the nodes say that they have received."""

@@ -83,7 +83,7 @@ class Trial:
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
         failure: Why the drive itself ended early; None if it did not.
-        now_ns: Simulation time since the start [ns]; `told_ns` is that of the listeners' clock.
+        now_ns: Simulation time since the start [ns]; `clock_ns` is that of the listeners' clock.
         bridge: Publishes the topics, spun by `executor`; `nodes` are those that it waits for.
 
     Raises:
@@ -109,7 +109,7 @@ class Trial:
         self.domain = 0
         self._at_end = ExitStack()
         self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
-        self.now_ns = self.told_ns = 0
+        self.now_ns = self.clock_ns = 0
         self.speed = 0.0
         self.failure: str | None = None
 
@@ -325,7 +325,7 @@ class Trial:
 
     def _take_tick(self, tick: Tick, sent: Tick) -> None:
         self._pending = tick, sent
-        self.now_ns, self.told_ns = tick.stamp_ns, sent.stamp_ns
+        self.now_ns, self.clock_ns = tick.stamp_ns, sent.stamp_ns
         for sample in tick.samples:
             if isinstance(sample, GroundTruth):
                 self.speed = sample.linear_velocity[0]

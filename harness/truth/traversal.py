@@ -36,9 +36,12 @@ class Truth:
         time_ns: Simulation time that they cover.
         path_length: Length of the model frame's path in three dimensions [m].
         position: Where that frame is now [m].
-        hazard_contacts: Contact events of any rover part with a hazard; likewise `rock_contacts`, and
-            `scrapes` of the body along the ground.
-        hazard_contact_s: Time in contact with a hazard [s]; likewise `rock_contact_s` and `scrape_s`.
+        hazard_contacts: Contact events of any rover part with a hazard.
+        rock_contacts: Contact events of any rover part with a rock.
+        scrapes: Contact events of the body with the ground.
+        hazard_contact_s: Time in contact with a hazard [s].
+        rock_contact_s: Time in contact with a rock [s].
+        scrape_s: Time of scraping [s].
         wheel_slip: Mean magnitude of each wheel's slip ratio, over the times at which its rim or
             its centre moves at 0.05 m/s or more, 0..1, at 20 Hz; `mean_slip` is that over all wheels.
         largest_tilt: Largest angle between the rover's and the world's vertical [rad].

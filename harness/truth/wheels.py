@@ -14,7 +14,8 @@ class WheelMotion(NamedTuple):
     """One wheel at one instant.
 
     Attributes:
-        x: Position of its centre in the world [m]; likewise `y`.
+        x: Position of its centre in the world [m].
+        y: Position of its centre in the world [m].
         slip: Slip ratio, -1..1.
         moves: Whether its rim or its centre is faster than what counts as standing.
     """

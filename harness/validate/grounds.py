@@ -69,7 +69,7 @@ def block(shape: Shape, half_size: tuple[float, ...], x: float, y: float = 0.0) 
 
     Args:
         shape: As in `Obstacle`.
-        half_size: Likewise [m].
+        half_size: As in `Obstacle` [m].
         x: Of its centre ahead of the origin [m].
         y: To the left [m].
     """

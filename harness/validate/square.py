@@ -1,4 +1,4 @@
-"""Wheel odometry over a square: what it tells against the truth.
+"""Wheel odometry over a square: what it states against the truth.
 
 The rover drives by its true heading and stops before each turn. A skid-steer's wheels turn further
 than the rover, so odometry believes the turns to be 1 / yaw ratio too wide.
@@ -22,12 +22,15 @@ PAUSE, PATIENCE = 0.5, 20.0  # [s]
 
 
 class Journey:
-    """What odometry has told and what was true; an observer of a rig.
+    """What odometry states and what is true; an observer of a rig.
 
     Attributes:
-        told_path: Distance along the heading [m]; `true_path` likewise.
-        told_yaw: Turned so far, full turns counted [rad]; `true_yaw` likewise.
-        told_place: Position relative to the start, x + iy [m]; `true_place` likewise.
+        stated_path: Distance along the heading, by odometry [m].
+        true_path: The true distance [m].
+        stated_yaw: Turn by odometry, full turns counted [rad].
+        true_yaw: The true turn [rad].
+        stated_place: Position relative to the start by odometry, x + iy [m].
+        true_place: The true position [m].
     """
 
     def __init__(self, rig: Rig) -> None:
@@ -36,8 +39,8 @@ class Journey:
         self._odometry = WheelOdometry(rig.simulation, self._period_ticks)
         self._start = self._last = rig.stance
         self._ticks = 0
-        self.told_path = self.true_path = self.told_yaw = self.true_yaw = 0.0
-        self.told_place = self.true_place = 0j
+        self.stated_path = self.true_path = self.stated_yaw = self.true_yaw = 0.0
+        self.stated_place = self.true_place = 0j
 
     def observe(self) -> None:
         """Follows one tick."""
@@ -50,13 +53,13 @@ class Journey:
         self._ticks += 1
         if self._ticks % self._period_ticks == 0:
             reading, period = self._odometry.read(), self._period_ticks * TICK
-            self.told_path += reading.twist.linear * period
-            self.told_yaw += reading.twist.angular * period
-            self.told_place = complex(reading.x, reading.y)
+            self.stated_path += reading.twist.linear * period
+            self.stated_yaw += reading.twist.angular * period
+            self.stated_place = complex(reading.x, reading.y)
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
-    """Yaw, path and place told, against the truth; of a rover that steers, in a circle."""
+    """Yaw, path and place by odometry, against the truth; a rover that steers drives a circle."""
     if rover.steers:
         yield from _circle(rover, seed)
         return
@@ -67,16 +70,16 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
         1 / ratio.low if ratio.low > 0.0 else math.inf,
         f"D: 1 / yaw ratio; {ratio.source}",
     )
-    widening = journey.told_yaw / (journey.true_yaw or math.nan)
+    widening = journey.stated_yaw / (journey.true_yaw or math.nan)
     yield Check("odometry over a square, yaw told / true", "", wide, widening, digits=2)
     believed = rover.controller_radius / rover.wheel_radius
     rolling = Span(believed, 1.03 * believed, "S: believed / true wheel radius; D: sink, slip to 3 %")
-    stretch = journey.told_path / journey.true_path
+    stretch = journey.stated_path / journey.true_path
     yield Check("odometry over a square, path told / true", "", rolling, stretch)
-    told = _open_polygon(journey.told_path / 4, journey.told_yaw / 4)
+    stated = _open_polygon(journey.stated_path / 4, journey.stated_yaw / 4)
     true = _open_polygon(journey.true_path / 4, journey.true_yaw / 4)
-    span = around(abs(told - true), 0.3, "D: ends of the polygons with the told and the true corners")
-    off = abs(journey.told_place - journey.true_place)
+    span = around(abs(stated - true), 0.3, "D: ends of the polygons with the told and the true corners")
+    off = abs(journey.stated_place - journey.true_place)
     yield Check("odometry over a square, error of place", "m", span, off, digits=2)
 
 
@@ -87,9 +90,9 @@ def _circle(rover: RoverSpec, seed: int) -> Iterator[Check]:
     rate = 0.5 * SPEED / rover.tightest_turn
     _drive(rig, SPEED, rate, lambda: journey.true_yaw, math.tau)
     span = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
-    turned = journey.told_yaw / journey.true_yaw if journey.true_yaw else math.nan
+    turned = journey.stated_yaw / journey.true_yaw if journey.true_yaw else math.nan
     yield Check("odometry in a circle, yaw told / true", "", span, turned, digits=2)
-    rolled = journey.told_path / journey.true_path if journey.true_path else math.nan
+    rolled = journey.stated_path / journey.true_path if journey.true_path else math.nan
     yield Check("odometry in a circle, path told / true", "", span, rolled)
 
 

@@ -36,8 +36,10 @@ class Balance:
     Attributes:
         weight: [N].
         height: Of the centre of mass over the ground [m].
-        front: Horizontal distance from the centre of mass to the front axle [m]; likewise `rear`,
-            and `left`, `right` to the middle of the wheels.
+        front: Horizontal distance from the centre of mass to the front axle [m].
+        rear: To the rear axle [m].
+        left: To the middle of the left wheels [m].
+        right: To the middle of the right wheels [m].
     """
 
     weight: float

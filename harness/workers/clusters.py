@@ -32,7 +32,7 @@ from harness.workers.pool import Item, Outcome, WorkerLost, Workers
 PACKAGES = ("mujoco", "numba", "numpy", "scipy")
 
 ADDRESS = re.compile(r"(\w+://)?([^/\s]+):(\d+)|auto")  # "auto" is looked up by Ray's client
-CONNECTION, PATIENCE = 3.0, 10.0  # [s] for a connection; for a cluster's answer
+CONNECTION, PATIENCE = 3.0, 20.0  # [s] for a connection; for an answer, also on a busy machine
 
 _busy = threading.Lock()
 
@@ -95,7 +95,8 @@ class Cluster(Workers):
         try:
             outcome, error = future.result()
         except Exception as lost:  # what work raises is returned, see `_by_value`
-            raise WorkerLost(f"workers of {self.name} were lost (out of memory?)") from lost
+            why = f"{type(lost).__name__}; out of memory?"
+            raise WorkerLost(f"workers of {self.name} were lost ({why})") from lost
         if isinstance(error, ImportError):
             mend = f"install rover-harness[tune] {__version__} for all workers"
             raise UsageError(

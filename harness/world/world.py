@@ -1,8 +1,8 @@
 """Name + seed + difficulty -> a world: the ground and what stands on it, as plain values."""
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -133,7 +133,14 @@ def terrain_hash(world: World) -> str:
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
     for person in world.people:
-        spec, way = person.spec, person.spec.trajectory
-        values = (spec.name, spec.walker, tuple(spec.options), way and astuple(way))
-        digest.update(repr(values).encode())
+        spec = person.spec
+        options = dict(spec.options) | {"push": float(spec.options.push) or 0}
+        digest.update(f"({spec.name!r}, {spec.walker!r}, {_named('Options', options)})".encode())
+        way = spec.trajectory
+        digest.update((repr(way) if way is None else _named("Told", vars(way))).encode())
     return digest.hexdigest()
+
+
+def _named(name: str, values: Mapping[str, object]) -> str:
+    """Values as the first release wrote them, so that the hash of a world with people stays."""
+    return f"{name}({', '.join(f'{key}={value!r}' for key, value in values.items())})"

@@ -32,12 +32,6 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return only_log(folder)
 
 
-def test_a_rover_in_a_namespace_logs_the_same_rows(alone: bytes, tmp_path: Path) -> None:
-    words = ["--log-dir", str(tmp_path / "named"), "--namespace", "rover1"]
-    assert main([*QUICK, *words]) == 0
-    assert only_log(tmp_path / "named") == alone
-
-
 def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(
     alone: bytes, tmp_path: Path
 ) -> None:

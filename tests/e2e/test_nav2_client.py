@@ -15,6 +15,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
+from harness.episode.result import Outputs
 from harness.frames.tree import Edge
 from harness.robots import find_rover
 from harness.ros.frames import transforms_bytes
@@ -77,7 +78,8 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Drive]:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         client = Nav2Client(at_end, GOALS)
         bystander = Bystander(client, another_dds(domain))
-        result = run_through_ros(CONFIG, options, StopRequest(), None, [client, bystander])
+        outputs = [Outputs(log_dir=options.log_dir, observers=[client, bystander])]
+        (result,) = run_through_ros(CONFIG, outputs, options, StopRequest())
         yield client, bystander, result
 
 

@@ -19,6 +19,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
+from harness.episode.result import Outputs
 from harness.robots import find_rover
 from harness.ros import session
 from harness.ros.context import make_executor, ros_context, spin_until
@@ -93,7 +94,7 @@ def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
 ) -> None:
     config = Run.of(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
     options = RosOptions(log_dir=tmp_path, host_metrics=False)
-    drive = session._Run.drive
+    drive = session._Session.drive
     with ExitStack() as at_end:
         client = Client(at_end)
 
@@ -101,8 +102,9 @@ def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
             client.is_heard_by(run)
             return drive(run, *words)
 
-        monkeypatch.setattr(session._Run, "drive", drive_once_heard)
-        result = run_through_ros(config, options, StopRequest(), None, [client])
+        monkeypatch.setattr(session._Session, "drive", drive_once_heard)
+        outputs = [Outputs(log_dir=options.log_dir, observers=[client])]
+        (result,) = run_through_ros(config, outputs, options, StopRequest())
     assert result.failure is None
     assert (result.lost, result.truth.resets) == (0, 1)
     rover = find_rover("leo")

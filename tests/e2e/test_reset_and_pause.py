@@ -24,7 +24,8 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.base.interrupt import StopRequest
 from harness.episode.batch import Batch
-from harness.episode.result import RunResult
+from harness.episode.loop import Observer
+from harness.episode.result import Outputs, RunResult
 from harness.episode.stream import AHEAD
 from harness.ros import session
 from harness.ros.context import make_executor, spin_until
@@ -78,8 +79,10 @@ def caller(ros_domain: int) -> Iterator[Caller]:  # noqa: ARG001 - the domain th
     caller.close()
 
 
-def run(folder: Path, config: Run, stop: StopRequest, **options: Any) -> RunResult:  # noqa: ANN401
-    return run_through_ros(config, RosOptions(log_dir=folder), stop, **options)
+def drive(folder: Path, run: Run, stop: StopRequest, observers: tuple[Observer, ...] = ()) -> RunResult:
+    outputs = [Outputs(log_dir=folder, observers=observers)]
+    (result,) = run_through_ros(run, outputs, RosOptions(log_dir=folder), stop)
+    return result
 
 
 def test_a_reset_is_a_jump_of_the_pose_and_of_nothing_else(
@@ -92,7 +95,7 @@ def test_a_reset_is_a_jump_of_the_pose_and_of_nothing_else(
         return executors[0]
 
     monkeypatch.setattr(session, "make_executor", remembered)
-    config = Run.of(terrain="flat", driver="straight", duration=6.0)
+    run = Run.of(terrain="flat", driver="straight", duration=6.0)
     batches: list[Batch] = []
     answers: list[Any] = []
 
@@ -104,7 +107,7 @@ def test_a_reset_is_a_jump_of_the_pose_and_of_nothing_else(
                 assert spin_until(executors[0], lambda: caller.has_heard(future), PATIENCE)
                 answers.append(future.result())
 
-    result = run(tmp_path, config, StopRequest(), observers=[Watcher()])
+    result = drive(tmp_path, run, StopRequest(), (Watcher(),))
     assert result.failure is None
     assert answers[0].success
     first_after = next(i for i, batch in enumerate(batches) if batch.truth.resets)
@@ -153,7 +156,7 @@ def test_a_paused_run_stands_still_answers_goes_on_and_can_be_stopped(
     with ThreadPoolExecutor() as threads:
         meddling = threads.submit(meddle)
         began = time.monotonic()
-        result = run(tmp_path, Run.of(terrain="flat", driver="spin", duration=3600.0), stop)
+        result = drive(tmp_path, Run.of(terrain="flat", driver="spin", duration=3600.0), stop)
         took = time.monotonic() - began
         first, again, on, _ = meddling.result()
     paused_at = first.removeprefix("paused at ")

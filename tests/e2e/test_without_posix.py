@@ -26,7 +26,9 @@ def run_all(folder: Path) -> None:
     codes = {}
     for command in reversed(COMMANDS):
         module, *words = command.split()
-        codes[command] = importlib.import_module(module).main(words)
+        loaded = importlib.import_module(module)
+        program = loaded if hasattr(loaded, "main") else importlib.import_module(f"{module}.__main__")
+        codes[command] = program.main(words)
     sys.exit(codes != COMMANDS)
 
 

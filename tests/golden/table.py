@@ -106,7 +106,8 @@ class GoldenRun:
         words += DRIVER.get(self.driver, ["--driver", self.driver])
         words += [] if self.sensors == NONE else ["--sensors", self.sensors.replace("+", ",")]
         words += [] if self.noise == NONE else ["--noise", self.noise]
-        words += [] if self.fault == NONE else ["--fault", self.fault]
+        faults = [] if self.fault == NONE else self.fault.split(";")
+        words += [word for fault in faults for word in ("--fault", fault)]
         words += ["--fault", "camera:rate=0.6"] if "camera" in self.sensors else []  # drawing is slow
         words += PEOPLE.get(self.people, []) + METRICS.get(self.metrics, []) + TF.get(self.tf, [])
         words += [] if self.numbers == NONE else OTHER_NUMBERS
@@ -143,7 +144,7 @@ def kind(column: str, value: str) -> str:
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
         "robot": {"sojourner": "husky"},
         "fleet": {"close": "twin"},
-        "reset": {"2.6": "1.3"},
+        "reset": {"2.6": "1.3", "1.35": "1.3"},
         "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},
     }
     if column == "driver" and value not in ("area", "policy", "goal", "cmd_vel", *STAGED):
@@ -185,7 +186,8 @@ def missing_values() -> set[str]:
     """Returns the registered terrains, drivers, sensors, presets and faults that no run has."""
     of = {column: {run.values[column] for run in RUNS} for column in RUNS[0].values}
     sensors = {name for value in of["sensors"] for name in value.split("+")}
-    faults = {name.partition("@")[0].partition("=")[0] for name in of["fault"]}
+    each = [fault for some in of["fault"] for fault in some.split(";")]
+    faults = {fault.partition("@")[0].partition("=")[0] for fault in each}
     drivers = of["driver"] | {"policy"}
     return (
         (set(TERRAINS) - of["terrain"])

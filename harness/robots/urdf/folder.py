@@ -14,13 +14,13 @@ from harness.robots.model import compiled, free_root, show_what_collides, sort_g
 from harness.robots.reading import read_rover
 from harness.robots.sections import ACKERMANN, SKID
 from harness.robots.spec import RoverSpec, schema
+from harness.robots.urdf.equipment import Equipment, equip
 from harness.robots.urdf.joints import Joints, find_joints
-from harness.robots.urdf.outfit import Outfit, fit_out
 from harness.robots.urdf.source import read_urdf
 
 SCHEMA = "rover.schema.json"  # for editors
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
-# Keys of which the file tells the derived value, so that they can be set by who knows better.
+# Keys whose derived values the file shows, so that whoever knows better can set them.
 SHOWN = (
     "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
     "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
@@ -36,7 +36,7 @@ class Written:
     Attributes:
         folder: Where the rover is.
         notes: What was dropped or mended, and what hangs loose.
-        guesses: What nobody told.
+        guesses: What nobody states, and the value that was chosen.
     """
 
     folder: Path
@@ -60,8 +60,8 @@ def write_folder(
         name: Of the rover.
         urdf: Its file.
         folder: To be made; must not exist.
-        left: Joints of the wheels on the left, front to rear; found if left out. Likewise `right`.
-        right: See `left`.
+        left: Joints of the wheels on the left, front to rear; sorted by their places if left out.
+        right: Joints of the wheels on the right.
         trust_xacro: Whether the file may be xacro.
 
     Raises:
@@ -80,7 +80,7 @@ def write_folder(
     notes += [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
     notes += [f"joint '{joint}' steers; held straight" for joint in joints.held]
     show_what_collides(spec)
-    outfit = fit_out(spec, source.robot, joints, float(model.body_mass.sum()))
+    equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
     notes += _loose(spec, joints)
     spec.modelname = name
     try:
@@ -88,25 +88,25 @@ def write_folder(
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{name}-") as made:
             half_made = Path(made) / folder.name
             half_made.mkdir()
-            rover = _write(half_made, name, spec, joints, outfit, urdf)
+            rover = _write(half_made, name, spec, joints, equipment, urdf)
             half_made.rename(folder)
             rover = rover.but(folder=folder.resolve())
     except OSError as error:
         raise UsageError(f"cannot write {folder}: {error.strerror}") from error
-    guesses = tuple(f"{key}: {told}" for key, told in outfit.guesses.items())
+    guesses = tuple(f"{key}: {guess}" for key, guess in equipment.guesses.items())
     return Written(folder, rover, tuple(notes), guesses)
 
 
 def _write(
-    folder: Path, name: str, spec: mujoco.MjSpec, joints: Joints, outfit: Outfit, urdf: Path
+    folder: Path, name: str, spec: mujoco.MjSpec, joints: Joints, equipment: Equipment, urdf: Path
 ) -> RoverSpec:
     model = _with_meshes_beside(spec.to_xml(), spec, folder)
     (folder / f"{name}.xml").write_text(model, encoding="utf-8")
-    said = _said(name, joints, outfit, urdf)
+    stated = _stated(name, joints, equipment, urdf)
     path = folder / "rover.yaml"
-    path.write_text(said, encoding="utf-8")
+    path.write_text(stated, encoding="utf-8")
     rover = read_rover(folder.resolve())
-    path.write_text(said + _derived(rover, outfit), encoding="utf-8")
+    path.write_text(stated + _derived(rover, equipment), encoding="utf-8")
     (folder / SCHEMA).write_text(schema(), encoding="utf-8")
     return rover
 
@@ -135,8 +135,8 @@ def _loose(spec: mujoco.MjSpec, joints: Joints) -> list[str]:
     ]
 
 
-def _said(name: str, joints: Joints, outfit: Outfit, urdf: Path) -> str:
-    """The keys that the URDF tells."""
+def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
+    """The keys that the URDF states."""
 
     def names(of: tuple[str, ...]) -> str:
         return "[" + ", ".join(f'"{joint}"' for joint in of) + "]"
@@ -148,10 +148,10 @@ def _said(name: str, joints: Joints, outfit: Outfit, urdf: Path) -> str:
         "",
         f"model: {name}.xml",
     ]
-    if "model: tyres" in outfit.guesses:
+    if "model: tyres" in equipment.guesses:
         lines += [
-            f"# guess in the model, {key[7:]}: {told}"
-            for key, told in outfit.guesses.items()
+            f"# guess in the model, {key[7:]}: {guess}"
+            for key, guess in equipment.guesses.items()
             if ": " in key
         ]
     lines += [
@@ -159,30 +159,30 @@ def _said(name: str, joints: Joints, outfit: Outfit, urdf: Path) -> str:
         f"  kind: {ACKERMANN if joints.steering else SKID}",
         f"  left: {names(joints.left)}  # front to rear, by their places",
         f"  right: {names(joints.right)}",
-        f"  driven: {names(outfit.driven)}",
+        f"  driven: {names(equipment.driven)}",
     ]
     if joints.steering:
-        guess = "  # guess" if "drive" in outfit.guesses else ""
+        guess = "  # guess" if "drive" in equipment.guesses else ""
         lines += [
             f"  steering: {names(joints.steering)}",
-            f"  steering_rate: {outfit.steering_rate:g}{guess}",
+            f"  steering_rate: {equipment.steering_rate:g}{guess}",
         ]
-    lines += [f"{key}: {value:g}  # a plugin of the URDF" for key, value in outfit.beliefs.items()]
-    if outfit.imu:
-        lines += [f'imu_frame: "{outfit.imu}"']
+    lines += [f"{key}: {value:g}  # a plugin of the URDF" for key, value in equipment.beliefs.items()]
+    if equipment.imu:
+        lines += [f'imu_frame: "{equipment.imu}"']
     for sensor in ("lidar", "imu"):
-        if sensor in outfit.guesses:
-            lines += [f"# guess, {sensor}: {outfit.guesses[sensor]}"]
+        if sensor in equipment.guesses:
+            lines += [f"# guess, {sensor}: {equipment.guesses[sensor]}"]
             lines += [f"# {sensor}: {{body: , xyz: [0, 0, 0], rpy: [0, 0, 0]}}"]
     return "\n".join([*lines, ""])
 
 
-def _derived(rover: RoverSpec, outfit: Outfit) -> str:
+def _derived(rover: RoverSpec, equipment: Equipment) -> str:
     lines = ["", "# Derived from the model, or guessed; take the # away to set another value."]
     for key in SHOWN:
         value = getattr(rover, key)
         rounded = [round(v, 4) for v in value] if isinstance(value, tuple) else value
         text = f"{rounded:.4g}" if isinstance(rounded, float) else f"{rounded}"
-        if key not in outfit.beliefs:
+        if key not in equipment.beliefs:
             lines.append(f"# {key}: {text}{'  # guess' if key in GUESSED else ''}")
     return "\n".join([*lines, ""])

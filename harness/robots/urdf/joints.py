@@ -18,9 +18,10 @@ class Joints:
     """The joints that matter; left ones front to rear, then right ones.
 
     Attributes:
-        left: Of wheels; likewise `right`.
+        left: Joints of the left wheels.
+        right: Joints of the right wheels.
         steering: Of the left and the right front wheel, if those two are steered and no other.
-        held: Steering joints that are held straight, since the house cannot steer so many.
+        held: Steering joints that are held straight, since no controller here steers so many.
         radius: Of each wheel [m].
         backwards: Wheels and steering whose axes point the other way.
     """
@@ -45,8 +46,8 @@ def find_joints(
 
     Args:
         model: Compiled, with a free joint first.
-        left: Wheels on the left, front to rear, as the user names them; found if empty.
-        right: Likewise.
+        left: Wheels on the left, front to rear, as the user names them; empty: by their places.
+        right: Wheels on the right, front to rear, as the user names them.
         where: The file, for messages.
 
     Raises:
@@ -97,18 +98,18 @@ def _rolling(
     boxes: dict[str, NDArray[np.float64]],
 ) -> list[str]:
     """Hinges about y without limits whose shapes reach the ground."""
-    found = [
+    rolling = [
         name
         for name, joint in names.items()
         if abs(data.xaxis[joint][1]) > ALONG
         and not model.jnt_limited[joint]
         and np.isfinite(boxes[name]).all()
     ]
-    if not found:
+    if not rolling:
         return []
-    lowest = min((boxes[name] for name in found), key=lambda box: box[0][2])
+    lowest = min((boxes[name] for name in rolling), key=lambda box: box[0][2])
     reach = lowest[0][2] + NEAR_GROUND * np.ptp(lowest[:, 2]) / 2
-    return [name for name in found if boxes[name][0][2] <= reach]
+    return [name for name in rolling if boxes[name][0][2] <= reach]
 
 
 def _box(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A URDF file as MuJoCo's own reader takes it: meshes found, what cannot be had dropped and told.
+"""A URDF file as MuJoCo's own reader takes it: with the paths of its meshes, without what is missing.
 
 A URDF is data. xacro is a program: it evaluates Python expressions of whoever wrote it, so a xacro file
 is only expanded where the user says that it is trusted.
@@ -118,19 +118,19 @@ def _without_missing_visuals(link: ET.Element, path: Path) -> Iterator[str]:
         mesh = visual.find("geometry/mesh")
         if mesh is None:
             continue
-        file, told = _file(mesh, path)
+        file, name_in_file = _file(mesh, path)
         if file is None or file.suffix.lower() not in READABLE:
             link.remove(visual)
             why = "is not there" if file is None else f"is no {' or '.join(READABLE)}"
-            yield f"link '{link.get('name')}': visual mesh {told} {why}; dropped"
+            yield f"link '{link.get('name')}': visual mesh {name_in_file} {why}; dropped"
         else:
             mesh.set("filename", str(file))
 
 
 def _find_collision_meshes(link: ET.Element, path: Path) -> None:
     for mesh in link.findall("collision/geometry/mesh"):
-        file, told = _file(mesh, path)
-        where = f"{path}: link '{link.get('name')}': collision mesh {told}"
+        file, name_in_file = _file(mesh, path)
+        where = f"{path}: link '{link.get('name')}': collision mesh {name_in_file}"
         if file is None:
             raise UsageError(
                 f"{where} is not there; put its package beside the file or above it, or give a shape"
@@ -142,8 +142,8 @@ def _find_collision_meshes(link: ET.Element, path: Path) -> None:
 
 def _file(mesh: ET.Element, path: Path) -> tuple[Path | None, str]:
     """Where a mesh is, and what the file calls it; packages are looked for beside and above it."""
-    told = mesh.get("filename", "")
-    url = urlparse(told)
+    name_in_file = mesh.get("filename", "")
+    url = urlparse(name_in_file)
     name = unquote(url.path)
     if url.scheme == "package":
         inside = name.lstrip("/")
@@ -154,11 +154,11 @@ def _file(mesh: ET.Element, path: Path) -> tuple[Path | None, str]:
         ]
     else:
         places = [path.resolve().parent / name]
-    return next((place for place in places if place.is_file()), None), told
+    return next((place for place in places if place.is_file()), None), name_in_file
 
 
 def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:
-    """Tells of an inertia that no body can have, which MuJoCo is told to mend."""
+    """Reports an inertia that no body can have, which MuJoCo balances."""
     inertia = link.find("inertial/inertia")
     if inertia is None:
         return
@@ -172,8 +172,8 @@ def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:
         ) from error
     moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if not (mass > 0 and moments[0] > 0):
-        told = f"mass {mass:g} and moments of inertia {moments.round(9).tolist()}"
-        raise UsageError(f"{path}: link '{name}' has {told}; give numbers above 0")
+        stated = f"mass {mass:g} and moments of inertia {moments.round(9).tolist()}"
+        raise UsageError(f"{path}: link '{name}' has {stated}; give numbers above 0")
     if moments[0] + moments[1] < moments[2]:
         yield f"link '{name}': no body has the inertia {moments.round(6).tolist()}; balanced"
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.spec.world import WorldSpec
@@ -23,7 +22,8 @@ from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
 from harness.world.solids.pieces import obstacles_of
 from harness.world.solids.primitives import obstacle_of
-from harness.world.solids.surface import Bounds, Surface, chosen_grid, surface_of
+from harness.world.solids.room import room_without_pits
+from harness.world.solids.surface import Surface, chosen_grid, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 START_ROOM = 0.7  # [m] around the start that is free
@@ -33,7 +33,6 @@ BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the ro
     ObstacleKind.HAZARD: (0.40, 0.42, 0.44, 1.0),
     ObstacleKind.DECK: (0.58, 0.57, 0.54, 1.0),
 }
-BLOCK = 1.0  # [m]: how finely the room is measured in which drivers wander
 
 
 def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
@@ -99,11 +98,11 @@ def assembled(
         tuple(obstacles),
         seed,
         None,
-        room=_room(surface),
+        room=room_without_pits(surface),
         friction=min((s.friction for s in solids if s.friction is not None), default=None),
         files=tuple((str(path), digest) for path, digest in sorted(parts.hashes.items())),
     )
-    start = _start(world, surface, rover.step_limit, notes) if rover.needs_start else ORIGIN
+    start = free_start(world, surface, rover.step_limit, notes) if rover.needs_start else ORIGIN
     return replace(world, start=start, notes=tuple(notes))
 
 
@@ -129,8 +128,14 @@ def _obstacles(
     return [replace(obstacle, color=obstacle.color or BUILT[obstacle.kind]) for obstacle in obstacles]
 
 
-def _start(world: World, surface: Surface, step_limit: float, notes: list[str]) -> Start:
-    """The free place on gentle ground that is nearest to the origin, or to the middle of the map.
+def free_start(world: World, surface: Surface, step_limit: float, notes: list[str]) -> Start:
+    """Returns the free and gentle place that is nearest to the origin, or to the middle of the map.
+
+    Args:
+        world: Ground and obstacles.
+        surface: Where the ground has a floor.
+        step_limit: Highest step that the rover climbs [m].
+        notes: Takes the start, if it is neither.
 
     Raises:
         UsageError: There is none.
@@ -166,34 +171,3 @@ def _start(world: World, surface: Surface, step_limit: float, notes: list[str]) 
     start = round(float(x[column]), 3), round(float(y[row]), 3), 0.0
     notes.append(f"starts at {start[0]:g},{start[1]:g}, the free and gentle place next to its middle")
     return start
-
-
-def _room(surface: Surface) -> Bounds | None:
-    """The largest rectangle without pits; None if there are none at all."""
-    if surface.has_floor.all():
-        return None
-    ground = surface.ground
-    step = max(1, round(BLOCK / ground.cell))
-    rows, columns = (count // step for count in surface.has_floor.shape)
-    blocks = surface.has_floor[: rows * step, : columns * step].reshape(rows, step, columns, step)
-    top, bottom, left, right = _largest_rectangle(np.asarray(blocks.all(axis=(1, 3))))
-    x, _, y, _ = ground.bounds()
-    width = step * ground.cell
-    return x + left * width, x + right * width, y + top * width, y + bottom * width
-
-
-def _largest_rectangle(free: NDArray[np.bool_]) -> tuple[int, int, int, int]:
-    """First and last row, first and last column (ends beyond) of the largest all-true rectangle."""
-    best, area = (0, 1, 0, 1), 0
-    heights = np.zeros(free.shape[1] + 1, int)
-    for row, line in enumerate(free):
-        heights[:-1] = np.where(line, heights[:-1] + 1, 0)
-        open_from: list[tuple[int, int]] = []  # column from which on it is at least that high
-        for column, height in enumerate(heights.tolist()):
-            begin = column
-            while open_from and open_from[-1][1] >= height:
-                begin, tall = open_from.pop()
-                if tall * (column - begin) > area:
-                    best, area = (row + 1 - tall, row + 1, begin, column), tall * (column - begin)
-            open_from.append((begin, height))
-    return best

@@ -141,7 +141,7 @@ METRES, ANGLES = st.floats(-50.0, 50.0), st.floats(-10.0, 10.0)
 
 
 @given(x=METRES, y=METRES, course=ANGLES, ahead=METRES, left=METRES)
-def test_a_meeting_tells_how_far_ahead_and_how_far_to_its_left_a_point_lies(
+def test_a_meeting_knows_how_far_ahead_and_how_far_to_its_left_a_point_lies(
     x: float, y: float, course: float, ahead: float, left: float
 ) -> None:
     """By complex numbers."""

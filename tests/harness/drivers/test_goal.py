@@ -1,4 +1,4 @@
-"""The driver that goes where it is told."""
+"""The driver that goes where it is said."""
 
 import math
 from dataclasses import replace

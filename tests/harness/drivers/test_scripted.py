@@ -55,9 +55,9 @@ def test_cmd_vel_stands_still_and_then_repeats_the_last_command() -> None:
 
 def test_a_command_ends_after_the_timeout_and_the_next_one_has_its_own() -> None:
     driver = CmdVel(replace(context(), command_timeout_ns=100_000_000))
-    period_ns, told = 50_000_000, []
+    period_ns, said = 50_000_000, []
     for period in range(9):
         if period in (1, 5):
             driver.obey(Twist(0.1 * period))
-        told.append(driver.command(Observation(period * period_ns, 0.0, 0.0, 0.0, None)).linear)
-    assert told == pytest.approx([0.0, 0.1, 0.1, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0])
+        said.append(driver.command(Observation(period * period_ns, 0.0, 0.0, 0.0, None)).linear)
+    assert said == pytest.approx([0.0, 0.1, 0.1, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0])

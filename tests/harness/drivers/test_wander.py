@@ -163,6 +163,8 @@ def test_after_3_s_without_25_cm_of_progress_it_backs_out_for_2_s_to_either_side
     assert commands[-1].linear == pytest.approx(-0.3)
     assert [command.linear < 0 for command in commands] == expected
     assert rng.draws == 6, "a new goal after backing out"  # type: ignore[attr-defined]
+    creeps = wander(dice(1.0, AHEAD))
+    assert all(creeps.command(seen(0.05 * n, 0.26 * (n // 59))).linear >= 0.0 for n in range(300))
 
 
 @pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])

@@ -52,7 +52,7 @@ def several(*texts: str, **shared: Any) -> Run:  # noqa: ANN401 - fields of a ru
         ({"faults": ["scan:beams=x"]}, "give "),
         ({"faults": ["clock:reset=1@2"]}, "takes no value"),
         ({"faults": ["clock:reset"]}, "clock:reset@START"),
-        ({"datum": (90.0, 0.0, 0.0)}, "give -89.9 to 89.9 degrees"),
+        ({"datum": (90.0, 0.0, 0.0)}, "give -89.9 to 89.9"),
         ({"commands": [(1.0, 0.3, 0.0)]}, "this needs driver 'cmd_vel'"),
         ({"goals": [(0.0, 1.0, 2.0, 0.0)]}, "this needs driver 'goal'"),
         ({"cmd_vel_timeout": 1.0}, "other drivers go on"),

@@ -36,7 +36,7 @@ def drive(
     **values: object,
 ) -> RunResult:
     outputs = [Outputs(log_dir=folder, observers=(Watching(watch),))]
-    options = RosOptions(log_dir=folder, rate=values.pop("rate", None))
+    options = RosOptions(log_dir=folder)
     (result,) = run_direct(Run.of(**FLAT | values), outputs, options, stop or StopRequest(), show)
     return result
 
@@ -86,7 +86,7 @@ def test_a_stop_ends_the_run_after_the_batch_in_hand_and_keeps_its_rows(tmp_path
 
     result = drive(tmp_path, stop, stop_it)
     stop.signal = None
-    assert (result.interrupted, result.simulated_s) == ("SIGTERM", pytest.approx(1.2))
+    assert (result.interrupted, result.truth.time_ns) == ("SIGTERM", 1_200_000_000)
     assert timestamps(result) == ["1"]
 
 

@@ -13,7 +13,7 @@ from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
-from harness.episode.result import Outputs, RunResult, TopicCount
+from harness.episode.result import Outputs, RunResult, Show, TopicCount
 from harness.samples import LaserScan, Pose, Tick
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -70,8 +70,13 @@ def test_equal_streams_have_equal_hashes_and_counts() -> None:
 
 
 def drive(
-    run: Run, outputs: Sequence[Outputs], options: RosOptions, _: StopRequest, **changes: object
-) -> tuple[RunResult]:
+    run: Run,
+    outputs: Sequence[Outputs],
+    options: RosOptions,
+    stop: StopRequest,  # noqa: ARG001 - as everything that drives a run
+    show: Show | None = None,  # noqa: ARG001
+    **changes: object,
+) -> tuple[RunResult, ...]:
     """A run of one batch that wrote a log of two rows."""
     for observer in outputs[0].observers:
         observer.take(BATCH)

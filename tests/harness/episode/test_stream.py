@@ -18,7 +18,7 @@ from harness.spec.run import Run
 
 def config(**changes: object) -> Run:
     values: dict[str, object] = {"terrain": "rocky", "duration": 2.0}
-    return Run.of(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+    return Run.of(**{**values, **changes})
 
 
 def flattened(batches: list[Batch]) -> list[str]:
@@ -127,6 +127,7 @@ def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None
                 process.rovers[1].command(Twist(linear=0.4))
             if index == 12:
                 assert process.rovers[1].reset() == 13 * CONTROL_PERIOD_NS
+                process.rovers[1].command(Twist())  # in the same period
         assert process.rovers[1].reset() is None, "the episode is over"
     assert max(still for still, _ in path) < 1e-3
     assert path[2][1] < 1e-3 < path[4][1]

@@ -15,11 +15,13 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import world_of
+from harness.physics.physics import Physics
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
 from harness.spec.run import Run
 from harness.world.obstacles import Obstacle, ObstacleKind
+from tests.harness.conftest import TIMESTEP_NS
 
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different
@@ -215,3 +217,14 @@ def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_headi
     assert not simulation.tick_sum.any()
     simulation.return_to_start()
     assert simulation.position[:2] == pytest.approx((0.0, 0.0), abs=0.1)
+
+
+def test_a_rover_that_began_on_the_move_is_put_down_at_rest(make_simulation: Make) -> None:
+    first = make_simulation()
+    (rover,) = first.physics.rovers
+    state = rover.state()
+    state[1][:2] = 5.0  # of its velocities
+    physics = Physics((first.scene,), TIMESTEP_NS, settled=[state])
+    simulation = Simulation(first.scene, TIMESTEP_NS, physics)
+    simulation.put(0.5, -0.5, 0.0)
+    assert simulation.position[:2] == pytest.approx((0.5, -0.5), abs=0.02)

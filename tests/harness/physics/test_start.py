@@ -59,19 +59,6 @@ def test_of_a_ridge_one_vertex_wide_below_it_three_quarters_are_seen(axis: int, 
     assert 0.75 * 0.2 <= pose[2] - ROVER_ZERO4WD.rest_height - DROP_HEIGHT <= 0.2
 
 
-def test_it_settles_there_with_its_heading_and_a_reset_brings_it_back() -> None:
-    simulation = Simulation(scene_of(0.05 * X, (-6.5, 3.0, 2.0)), TIMESTEP_NS)
-    x, y, z = simulation.position
-    assert (x, y, simulation.yaw) == pytest.approx((-6.5, 3.0, 2.0), abs=0.02)
-    assert z == pytest.approx(0.05 * -6.5 + ROVER_ZERO4WD.rest_height, abs=0.03)
-    check_start(simulation.scene, simulation.data)
-    simulation.command_wheels(np.full(4, 5.0))
-    for _ in range(20):
-        simulation.tick()
-    simulation.return_to_start()
-    assert simulation.position == (x, y, z)
-
-
 @pytest.mark.parametrize(
     ("start", "name"),
     [

@@ -31,9 +31,13 @@ class Ros:
 
     def bridge(self, **options: Any) -> Untyped:  # noqa: ANN401 - those of a Bridge
         """A bridge of a leo that the executor spins."""
-        from harness.ros.bridge import Bridge  # noqa: PLC0415 - see `ros`
+        from rclpy.logging import LoggingSeverity  # noqa: PLC0415 - see `ros`
 
-        return self.added(Bridge(LEO, LidarSpec(beams=4), context=self.context, **options))
+        from harness.ros.bridge import Bridge  # noqa: PLC0415
+
+        bridge = Bridge(LEO, LidarSpec(beams=4), context=self.context, **options)
+        bridge.get_logger().set_level(LoggingSeverity.INFO)  # whatever ran in this process before
+        return self.added(bridge)
 
     def added(self, node: Untyped) -> Untyped:
         """A node, once the executor spins it."""

@@ -50,7 +50,7 @@ def test_samples_of_one_kind_go_out_one_by_one_then_the_clock(ros: Ros, tells_ti
     expected = [("room", both, 0), ("samples", both, 2)]
     expected += [("room", pose, 2), ("samples", pose, 3), ("room", pose, 3), ("samples", pose, 4)]
     assert first.seen == second.seen == expected + [("clock 7", [], 5)] * tells_time
-    assert (bridge.time_ns, bridge.commands.told_ns) == (5, 7 * tells_time)
+    assert (bridge.time_ns, bridge.commands.clock_ns) == (5, 7 * tells_time)
 
 
 @pytest.mark.parametrize(("crowded", "kind"), [("/imu/data", ImuMessage), ("/clock", Clock)])

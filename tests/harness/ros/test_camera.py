@@ -1,6 +1,6 @@
 """Images and camera_info as a listener reads them; images only while there is one, and an OpenGL."""
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,8 +40,8 @@ def test_an_image_is_what_was_drawn_row_by_row() -> None:
     ("lens", "model", "focal"),
     [("pinhole", "plumb_bob", 4.5 / np.tan(0.5)), ("fisheye", "equidistant", 9)],
 )
-def test_camera_info_is_the_lens(lens: Literal["pinhole", "fisheye"], model: str, focal: float) -> None:
-    options = CameraOptions(name="eye", width=9, height=8, fov=1.0, lens=lens)
+def test_camera_info_is_the_lens(lens: str, model: str, focal: float) -> None:
+    options = EYE.but(lens=lens)
     told = heard(camera_info_fill(CameraInfo(), options)(STATE))
     assert (told.height, told.width, told.distortion_model) == (8, 9, model)
     assert told.d.tolist() == [0.0] * {"plumb_bob": 5, "equidistant": 4}[model]

@@ -92,7 +92,7 @@ def test_a_chosen_type_stays_and_what_it_misses_is_said_once_with_the_mend(
 
 def test_stamped_commands_older_than_the_present_are_taken_and_counted(ros: Ros) -> None:
     scene = Scene(ros, "stamped")
-    scene.commands.told_ns = 1_500_000_000
+    scene.commands.clock_ns = 1_500_000_000
     for at_ns in (1_499_999_999, 1_500_000_000, 2_000_000_000, 0):
         scene.commands.receive("stamped", stamped(at_ns / 1e9, at_ns=at_ns))
     assert [command.linear for command in scene.taken] == pytest.approx([1.5, 1.5, 2.0, 0.0])

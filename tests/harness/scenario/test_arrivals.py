@@ -22,11 +22,11 @@ def message(stamp_ns: int, *values: float) -> Any:  # noqa: ANN401 - as rclpy ha
     return SimpleNamespace(header=SimpleNamespace(stamp=stamp), values=values)
 
 
-def arrivals(*times_ns: int, told_ns: int = 0, before_ns: int = 0) -> Arrivals:
+def arrivals(*times_ns: int, clock_ns: int = 0, before_ns: int = 0) -> Arrivals:
     """Messages heard at these times, on a clock that is ahead; each stamp is older than the last."""
     made = Arrivals(["values"])
     for index, time_ns in enumerate(times_ns, 1):
-        shown = _paused(time_ns) + told_ns
+        shown = _paused(time_ns) + clock_ns
         made.take(message(shown - index * before_ns), time_ns, shown)
     return made
 
@@ -62,8 +62,8 @@ def test_latency_is_from_the_newest_input_that_was_heard(
     outputs: list[int], inputs: list[int], older: int
 ) -> None:
     heard = {
-        "/a": arrivals(*(tick * TICK_NS for tick in outputs), told_ns=7),
-        "/in": arrivals(*(tick * TICK_NS for tick in inputs), told_ns=7, before_ns=older * TICK_NS),
+        "/a": arrivals(*(tick * TICK_NS for tick in outputs), clock_ns=7),
+        "/in": arrivals(*(tick * TICK_NS for tick in inputs), clock_ns=7, before_ns=older * TICK_NS),
     }
     expected = []
     for output in outputs:
@@ -74,7 +74,7 @@ def test_latency_is_from_the_newest_input_that_was_heard(
 
 
 def test_age_is_on_the_clock_of_the_listeners_and_times_are_since_the_start() -> None:
-    heard = {"/a": arrivals(10**9, 2 * 10**9, told_ns=5 * 10**9, before_ns=10**8)}
+    heard = {"/a": arrivals(10**9, 2 * 10**9, clock_ns=5 * 10**9, before_ns=10**8)}
     heard["/a"].take(SimpleNamespace(values=()), 3 * 10**9, 7 * 10**9)  # of no age: it has no header
     age = series("age", heard)
     assert (list(age.times), age.unit) == ([1.0, 2.0, 3.0], "s")

@@ -19,7 +19,7 @@ from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
 from harness.scenario.junit import junit_of
 from harness.scenario.suite import run_all
-from harness.scenario.told import tell
+from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Outcome, exit_code, verdicts_of
 from harness.spec.run import Run
 from harness.workers import WorkerLost, Workers
@@ -194,7 +194,7 @@ def test_a_bad_run_is_shown_with_its_reasons_and_the_command_that_repeats_it(
 ) -> None:
     cases = make_cases(SPEED, "seeds: 2")
     verdicts = verdicts_of(outcomes(cases, "pf", simulated_s=12.0, wall_s=4.0))
-    tell(Console(width=40), verdicts)
+    print_verdicts(Console(width=40), verdicts)
     again = f"again: {cases[1].command}"
     assert [line.strip() for line in capsys.readouterr().out.splitlines()] == [
         "failed two: 1 of 2 runs (95 % interval 9% to 91%)",
@@ -217,12 +217,14 @@ def test_what_is_expected_to_fail_is_shown_with_the_reason(
     make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cases = make_cases(SPEED, f"seeds: 2\n{KNOWN}")
-    tell(Console(width=40), verdicts_of(outcomes(cases, "fp")))
+    print_verdicts(Console(width=40), verdicts_of(outcomes(cases, "fp")))
     shown = capsys.readouterr().out
     assert shown.count("it is blind") == 2
     assert f"passed, but was expected to fail: it is blind\n    again: {cases[1].command}" in shown
     assert cases[0].command not in shown
-    tell(Console(width=40), verdicts_of(outcomes(make_cases(SPEED, "seeds: 49"), "p" + 48 * "f")))
+    print_verdicts(
+        Console(width=40), verdicts_of(outcomes(make_cases(SPEED, "seeds: 49"), "p" + 48 * "f"))
+    )
     assert capsys.readouterr().out.startswith("failed two: 1 of 49 runs ")  # 1 / 49 * 49 < 1
 
 

@@ -113,11 +113,11 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
 ) -> None:
     path = ROOT / "scenarios/logging_node.scenario.yaml"
     trial = ScenarioTrial.load(path, seed=3, robot="rover_zero4wd")
-    assert (trial.run.seed, trial.run.rover.robot) == (3, "rover_zero4wd")
-    trial.run = trial.run.alone(duration=2.01)
+    run = trial.case.run
+    assert (run.seed, run.rover.robot) == (3, "rover_zero4wd")
     expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=2, max=2)}
     scenario = trial.case.scenario.model_copy(update={"expect": expect})
-    with ScenarioTrial(replace(trial.case, scenario=scenario, run=trial.run)) as trial:
+    with ScenarioTrial(replace(trial.case, scenario=scenario, run=run.alone(duration=2.01))) as trial:
         trial.bridge.channels_of[Imu][0].published += 1  # as if one had been lost
         assert trial.finish() == ("run.lost_messages: 1 > 0, first at 2.01 s",)
         result = trial.findings.result

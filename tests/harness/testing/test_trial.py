@@ -56,7 +56,7 @@ class WallClock(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 def trial(*faults: str, **changes: object) -> Iterator[Trial]:
     values: dict[str, object] = {"terrain": "flat", "driver": "cmd_vel", "lidar_beams": 8}
     values |= {"duration": 5.0, "faults": faults}
-    with Trial(Run.of(**{**values, **changes})) as made:  # type: ignore[arg-type]  # a table
+    with Trial(Run.of(**{**values, **changes})) as made:
         yield made
 
 

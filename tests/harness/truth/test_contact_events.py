@@ -50,10 +50,3 @@ def test_an_event_names_its_strongest_contact_and_where_on_the_rover_it_was() ->
     assert (event.force, event.part, event.other) == (80.0, "chassis", "hazard_0")
     assert [round(value, 9) for value in event.point] == [-0.1, -0.2, 0.3]
     assert (event.start_ns, event.end_ns) == (0, 3 * TICK_NS)
-
-
-def test_of_equally_strong_contacts_the_first_is_told() -> None:
-    events = watched()
-    observe(events, (1, {"rock": touch(5.0, part=1)}), (2, {"rock": touch(5.0, part=2)}))
-    assert [event.part for event in events.open] == ["wheel_FL"]
-    assert events.begun == {"hazard": 0, "rock": 1, "scrape": 0}

@@ -38,7 +38,7 @@ def test_a_journey_adds_up_the_true_way_and_the_one_that_the_wheels_believe(robo
     assert (journey.true_place.real, journey.true_place.imag) == pytest.approx(moved, abs=1e-9)
     assert rig.stance.yaw - start.yaw == journey.true_yaw
     left, right = np.split((angles[-1] - angles[0]) * rover.controller_radius, 2)
-    assert journey.told_path == pytest.approx((left.mean() + right.mean()) / 2, abs=0.005)
+    assert journey.stated_path == pytest.approx((left.mean() + right.mean()) / 2, abs=0.005)
     turn = (right.mean() - left.mean()) / rover.controller_separation
-    assert journey.told_yaw == pytest.approx(turn, rel=0.01)
-    assert abs(journey.told_place) > 0.1
+    assert journey.stated_yaw == pytest.approx(turn, rel=0.01)
+    assert abs(journey.stated_place) > 0.1

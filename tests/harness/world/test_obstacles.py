@@ -43,7 +43,7 @@ def test_scatter_gives_up_where_there_is_no_room() -> None:
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_a_placed_form_stands_on_the_ground_sunk_turned_and_tilted_as_told(kind: ObstacleKind) -> None:
+def test_a_placed_form_stands_on_the_ground_sunk_turned_and_tilted(kind: ObstacleKind) -> None:
     y, x = np.mgrid[-2:3, -2:3]
     ground = Heightfield(2.0 + 0.1 * x + 0.3 * y, cell=1.0)
     form = Form(kind=kind, shape="cylinder", half_size=(0.1, 0.5), sink=0.2, yaw=0.7, tilt=0.3)

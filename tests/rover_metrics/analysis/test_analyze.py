@@ -326,7 +326,7 @@ def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
         env={"PYTHONPATH": ":".join(paths)},
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=120,
         check=False,
     )
     assert program.stdout == "{"

@@ -168,5 +168,7 @@ def test_the_worlds_hash_depends_on_who_walks_and_where() -> None:
     hashes = {terrain_hash(with_actors(BARE, parse_actors(some))) for some in words}
     assert len(hashes) == len(words)
     assert terrain_hash(BARE) in hashes
+    kept = with_actors(BARE, parse_actors(["g=0,2/0,3:push=1", "s=social"]))  # as it always was
+    assert terrain_hash(kept) == "bcc9fc19cf7b34a9c5e7257cfbcdebc1432ebd5795a0e39567079519d6cfe2e8"
     others = with_actors(with_actors(BARE, parse_actors(["g=0,2/0,3"])), parse_actors(["h=random"]))
     assert [actor.name for actor in others.people] == ["h_actor"]

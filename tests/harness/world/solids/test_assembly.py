@@ -10,7 +10,8 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from harness.base.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.solids.assembly import _largest_rectangle, _room, _start
+from harness.world.solids.assembly import free_start
+from harness.world.solids.room import largest_rectangle, room_without_pits
 from harness.world.solids.surface import Surface
 from harness.world.world import Start, World
 
@@ -25,7 +26,7 @@ def test_no_rectangle_without_a_pit_is_larger(free: np.ndarray) -> None:
         for left, right in combinations(columns, 2)
         if free[top:bottom, left:right].all()
     ]
-    top, bottom, left, right = _largest_rectangle(free)
+    top, bottom, left, right = largest_rectangle(free)
     if areas:
         assert free[top:bottom, left:right].all()
         assert (bottom - top) * (right - left) == max(areas)
@@ -38,11 +39,11 @@ def surface(has_floor: np.ndarray, cell: float = 0.5) -> Surface:
 
 def test_the_room_of_drivers_is_measured_in_metres_where_the_map_lies() -> None:
     has_floor = np.ones((25, 41), bool)  # x from 40 to 60 m, y from -26 to -14 m
-    assert _room(surface(has_floor)) is None
+    assert room_without_pits(surface(has_floor)) is None
     has_floor[:, 30] = False  # x = 55
-    assert _room(surface(has_floor)) == (40.0, 55.0, -26.0, -14.0)
+    assert room_without_pits(surface(has_floor)) == (40.0, 55.0, -26.0, -14.0)
     has_floor[4] = False  # y = -24
-    assert _room(surface(has_floor)) == (40.0, 55.0, -23.0, -14.0)
+    assert room_without_pits(surface(has_floor)) == (40.0, 55.0, -23.0, -14.0)
 
 
 def start(
@@ -58,7 +59,7 @@ def start(
     found = Surface(ground, np.zeros(0, bool), np.hypot(x, y) >= floorless)
     notes = list[str]()
     world = World("w", ground, obstacles, 0, None)
-    return _start(world, found, 0.1, notes), notes
+    return free_start(world, found, 0.1, notes), notes
 
 
 def post(x: float, y: float, half: float = 0.5) -> Obstacle:
@@ -81,8 +82,8 @@ def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
     assert start(middle, kerb) == ((*wanted, 0.0), [])
     beside, notes = start(middle, post(*wanted))
     assert np.hypot(*np.subtract(beside[:2], wanted)) == pytest.approx(1.2, abs=0.2)  # 0.5 m + 0.7 m
-    told = f"starts at {beside[0]:g},{beside[1]:g}, the free and gentle place next to its middle"
-    assert (beside[2], notes) == (0.0, [told])
+    said = f"starts at {beside[0]:g},{beside[1]:g}, the free and gentle place next to its middle"
+    assert (beside[2], notes) == (0.0, [said])
     away, _ = start(middle, floorless=5.0)
     assert 5.3 < np.hypot(*np.subtract(away[:2], middle)) < 8.0  # to cells of 0.25 m
     coarse, _ = start(middle, post(*wanted), cell=2.0)  # looked at no finer than the heights are

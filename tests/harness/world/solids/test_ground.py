@@ -118,7 +118,7 @@ def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_a_sheet_that_faces_down_is_turned_over_and_told(turned: bool, tmp_path: Path) -> None:
+def test_a_sheet_that_faces_down_is_turned_over_and_noted(turned: bool, tmp_path: Path) -> None:
     sheet = flat(1.0)
     faces = sheet.faces[:, ::-1] if turned else sheet.faces
     path = write_mesh(tmp_path / "m.obj", Mesh(sheet.vertices, faces))
@@ -156,7 +156,7 @@ def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(
         (np.full((9, 11), 65_535, np.uint16), 2.0, 2.0),
     ],
 )
-def test_a_relief_is_as_high_as_its_values_tell(
+def test_a_relief_is_as_high_as_its_values_say(
     values: np.ndarray, height: float, top: float, tmp_path: Path
 ) -> None:
     path = tmp_path / "h.npy"

@@ -66,7 +66,7 @@ def test_collada_is_turned_upright_and_scaled_to_metres(
     assert volume(mesh) == pytest.approx(48.0 * unit**3)
 
 
-def test_unit_and_axis_may_be_told_instead(tmp_path: Path) -> None:
+def test_unit_and_axis_may_be_given_instead(tmp_path: Path) -> None:
     path = write_dae(tmp_path / "a.dae", BOX, "<unit meter='0.01'/>")
     for unit, length in {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}.items():
         assert np.ptp(read_mesh(path, unit=unit)[0].vertices[:, 0]) == pytest.approx(2.0 * length)
@@ -109,7 +109,7 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "told"),
+    ("name", "content", "said"),
     [
         ("a.fbx", b"x", "readable are .dae, .obj, .stl"),
         ("a.obj", b"", "it holds no triangles|damaged or cut short"),
@@ -129,10 +129,10 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
     ],
 )
 def test_what_is_no_mesh_is_refused_in_one_line(
-    tmp_path: Path, name: str, content: bytes, told: str
+    tmp_path: Path, name: str, content: bytes, said: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(UsageError, match=told) as raised:
+    with pytest.raises(UsageError, match=said) as raised:
         read_mesh(tmp_path / name)
     assert "\n" not in str(raised.value)
     assert str(raised.value).startswith(f"mesh {tmp_path / name}: ")

@@ -1,4 +1,4 @@
-"""Worlds from SDF files and meshes, whole: ground, obstacles, start, what is told and what refused."""
+"""Worlds from SDF files and meshes, whole: ground, obstacles, start, what is noted and what refused."""
 
 import hashlib
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Heightfields of meshes: cells, pits, small gaps, what is left over, and the error that is told."""
+"""Heightfields of meshes: cells, pits, small gaps, what is left over, and the error that is said."""
 
 import re
 from contextlib import nullcontext
@@ -22,8 +22,8 @@ def test_a_plane_is_met_exactly_and_the_error_of_a_bend_is_that_of_its_cells() -
     assert surface.has_floor.all()
     assert not surface.left_over.any()
     assert surface.ground.height_at(3.33, -2.5) == pytest.approx(0.416, abs=2e-6)
-    (told,) = notes
-    assert float(re.findall(r"by ([\d.e-]+) m at most", told)[0]) < 2e-6
+    (said,) = notes
+    assert float(re.findall(r"by ([\d.e-]+) m at most", said)[0]) < 2e-6
     # A ridge between two vertices 0.1 m apart is cut off by half a cell times its slope.
     bent = sheet(lambda x, _: np.abs(x) / 3.0, 10.05, 10.05, 10.05 / 8)
     surface_of(bent, chosen_grid((-10.05, 10.05, -5.0, 5.0), 0.1), None, notes)
@@ -31,7 +31,7 @@ def test_a_plane_is_met_exactly_and_the_error_of_a_bend_is_that_of_its_cells() -
 
 
 @pytest.mark.parametrize(
-    ("width", "depth", "cell", "told"),
+    ("width", "depth", "cell", "said"),
     [
         *((10.0, 20.0, None, ""), (20.0, 10.0, None, ""), (5e4, 20.0, None, ""), (20.0, 5e4, None, "")),
         (9.99, 20.0, None, "it is 9.99 x 20 m; between 10 and 50000 m can be driven; --mesh-unit"),
@@ -44,10 +44,10 @@ def test_a_plane_is_met_exactly_and_the_error_of_a_bend_is_that_of_its_cells() -
     ],
 )
 def test_maps_of_ten_metres_to_fifty_kilometres_are_driven_in_cells_that_are_not_too_many(
-    width: float, depth: float, cell: float | None, told: str
+    width: float, depth: float, cell: float | None, said: str
 ) -> None:
     bounds = (3.0, 3.0 + width, -7.0, -7.0 + depth)
-    with pytest.raises(UsageError, match=re.escape(told)) if told else nullcontext():
+    with pytest.raises(UsageError, match=re.escape(said)) if said else nullcontext():
         grid = chosen_grid(bounds, cell)
         assert grid.rows * grid.columns <= 1500 * 1500 + max(grid.rows, grid.columns)
         assert grid.cell == pytest.approx(cell or max(0.1, np.sqrt(width * depth) / 1499))
@@ -95,14 +95,14 @@ def test_beyond_the_outline_and_in_holes_there_are_pits_and_small_gaps_are_fille
         f"{filled} of the map filled from its surroundings: small gaps",
         f"{pits} of the map has no surface: a pit there, 2 m below the lowest point",
     ]
-    for part, told in ((small, "small gaps"), (outside, "below the lowest point")):
+    for part, said in ((small, "small gaps"), (outside, "below the lowest point")):
         notes.clear()
         surface_of(mesh.part(~part), grid, None, notes)
-        assert [note.endswith(told) for note in notes] == [True, False]
+        assert [note.endswith(said) for note in notes] == [True, False]
 
 
 def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -> None:
-    """A corner of the block is between vertices: no heightfield shows it, nor is its error told."""
+    """A corner of the block is between vertices: no heightfield shows it, nor is its error said."""
     corner = at(7.44 - np.sqrt(2.0), 6.05, 0.2, 0.0, 0.0, np.pi / 4)
     block, buried = box((0, 0, 0), (2, 2, 1)).moved(corner), box((-6, -6, -1), (1, 1, 1))
     posts = [box((6.05, y, 0), (0.06, 0.06, 2 * top)) for y, top in ((-6.05, 0.06), (-3.05, 0.04))]

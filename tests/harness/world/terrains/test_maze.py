@@ -33,17 +33,3 @@ def test_a_rover_can_reach_every_chamber_but_not_leave(seed: int, difficulty: fl
     assert reached[np.ix_(indices, indices)].all()
     assert not reached[:15].any()
     assert not reached[:, -15:].any()
-
-
-def test_walls_have_the_heights_and_lengths_of_the_original_and_run_in_both_directions() -> None:
-    walls = build_world("maze", 0).obstacles
-    outer = [w for w in walls if w.half_size[2] == 1.0]
-    inner = [w for w in walls if w.half_size[2] == 0.5]
-    assert len(outer) == 4
-    inner_faces = [max(abs(np.array(w.position[:2])) - np.array(w.half_size[:2])) for w in outer]
-    assert inner_faces == pytest.approx([0.5 * CHAMBERS * PITCH] * 4)
-    assert len(inner) == len(walls) - 4 > 15
-    assert all(1.0 <= 2 * max(w.half_size[:2]) <= 9.0 for w in inner)
-    assert {w.position[2] - w.half_size[2] for w in walls} == {0.0}
-    along_x = sum(w.half_size[0] > w.half_size[1] for w in inner)
-    assert 5 < along_x < len(inner) - 5

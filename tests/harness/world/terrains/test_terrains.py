@@ -1,7 +1,6 @@
 """What every named terrain owes."""
 
 import re
-from collections.abc import Callable
 from dataclasses import asdict, astuple, fields
 from functools import cache
 from itertools import pairwise
@@ -10,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.world.actors.free_space import from_wall
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import ObstacleKind
+from harness.world.obstacles import ObstacleKind, outline
 from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
 from harness.world.terrains import TERRAINS
@@ -88,16 +88,14 @@ def test_the_ground_is_as_large_as_it_says_and_gentle_at_the_spawn(name: str, di
 @pytest.mark.parametrize(
     "name", [n for n, t in TERRAINS.items() if t.obstacles is not Terrain.obstacles]
 )
-def test_no_obstacle_stands_near_the_spawn(
-    name: str, spawn_distances: Callable[[World], list[float]]
-) -> None:
+def test_no_obstacle_stands_near_the_spawn(name: str) -> None:
     """On a map so small that some must stand as near as they may."""
     small, terrain = Heightfield(np.zeros((121, 121)), 0.1), TERRAINS[name].at_difficulty(0.0)
-    worlds = [
-        World(name, small, terrain.obstacles(small, np.random.default_rng(seed)), seed, 0.0)
+    nearest = min(
+        float(from_wall(np.zeros((1, 2)), outline(obstacle))[0][0])
         for seed in range(30)
-    ]
-    nearest = min(min(spawn_distances(world)) for world in worlds)
+        for obstacle in terrain.obstacles(small, np.random.default_rng(seed))
+    )
     assert SPAWN_CLEARANCE == 1.5 <= nearest
     assert nearest < 1.6 or name == "maze"
 
@@ -135,32 +133,15 @@ def test_the_page_has_its_summary_values_and_promise(name: str) -> None:
 # Heights [m] at three places and their RMS about their mean, number of obstacles, and a sum over all
 # their numbers.
 FIRST_RELEASE = {
-    ("slope", 0.0): ((0.256627, -0.327518, 0.102073), 0.404282, 0, 0.0),
     ("slope", 1.0): ((2.951097, -3.797109, 1.209389), 4.676982, 0, 0.0),
-    ("rolling", 0.0): ((-0.057749, -0.0159, 0.175381), 0.079472, 0, 0.0),
     ("rolling", 0.5): ((-0.144373, -0.039751, 0.438451), 0.19868, 0, 0.0),
-    ("rolling", 1.0): ((-0.288747, -0.079502, 0.876903), 0.397361, 0, 0.0),
-    ("gravel", 0.0): ((-0.00306, 0.102181, -0.085448), 0.049868, 0, 0.0),
     ("gravel", 0.5): ((0.002418, 0.109632, -0.100984), 0.050769, 0, 0.0),
-    ("gravel", 1.0): ((0.010243, 0.120276, -0.123179), 0.053609, 0, 0.0),
-    ("rocky", 0.0): ((-0.121931, 0.143736, 0.062156), 0.05991, 83, 780.886),
     ("rocky", 0.5): ((-0.243863, 0.287473, 0.124311), 0.11982, 155, 2186.698),
-    ("rocky", 1.0): ((-0.51012, 0.601147, 0.256295), 0.249484, 303, 1429.072),
-    ("washboard", 0.0): ((0.007735, -0.004306, 0.004183), 0.007074, 0, 0.0),
     ("washboard", 0.5): ((0.019336, -0.010764, 0.010459), 0.017684, 0, 0.0),
-    ("washboard", 1.0): ((0.030938, -0.017223, 0.016734), 0.028295, 0, 0.0),
-    ("dunes", 0.0): ((0.035495, 0.177362, 0.196723), 0.073795, 0, 0.0),
     ("dunes", 0.5): ((0.079864, 0.399064, 0.442626), 0.166038, 0, 0.0),
-    ("dunes", 1.0): ((0.099386, 0.496613, 0.550823), 0.206625, 0, 0.0),
-    ("posts", 0.0): ((-0.069413, 0.004453, -0.035748), 0.049897, 16, 503.849),
     ("posts", 0.5): ((-0.069413, 0.004453, -0.035748), 0.049897, 44, 1242.481),
-    ("posts", 1.0): ((-0.069413, 0.004453, -0.035748), 0.049897, 110, 2436.913),
-    ("maze", 0.0): ((0.0, 0.0, 0.0), 0.0, 16, -14.822),
     ("maze", 0.5): ((0.0, 0.0, 0.0), 0.0, 32, 496.2),
-    ("maze", 1.0): ((0.0, 0.0, 0.0), 0.0, 41, 791.289),
-    ("marsyard", 0.0): ((-0.449376, 0.192651, 0.058005), 0.220496, 0, 0.0),
     ("marsyard", 0.5): ((-1.059638, 0.4072, 0.120853), 0.521665, 0, 0.0),
-    ("marsyard", 1.0): ((-1.429543, 0.568209, 0.175279), 0.667449, 0, 0.0),
 }
 PLACES = ((7.3, -5.1), (-9.4, 8.2), (3.0, 2.5))
 

@@ -17,13 +17,13 @@ _STYLES = {
 }
 
 
-def tell(console: Console, verdicts: Sequence[Verdict]) -> None:
+def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
     """Prints each scenario, and of each run that is not as it should be why, and the command for it."""
     for verdict in verdicts:
         _line(console, verdict.outcome, scenario_name(verdict.path) + _rate(verdict))
         for attempt in verdict.attempts:
             if outcome_of(attempt) is not Outcome.PASSED:
-                _tell_run(console, attempt)
+                _print_run(console, attempt)
     passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
     simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
@@ -39,7 +39,7 @@ def _rate(verdict: Verdict) -> str:
     return f": {round(verdict.rate * count)} of {count} runs (95 % interval {low:.0%} to {high:.0%})"
 
 
-def _tell_run(console: Console, attempt: Attempt) -> None:
+def _print_run(console: Console, attempt: Attempt) -> None:
     outcome = outcome_of(attempt)
     _line(console, outcome, attempt.case.name, indent="  ")
     for reason in reasons_of(attempt):

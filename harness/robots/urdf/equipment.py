@@ -1,4 +1,4 @@
-"""What a URDF lacks of a simulated rover: motors, tyres, sites, solver; each guess is told.
+"""What a URDF lacks of a simulated rover: motors, tyres, sites, solver; each guess is reported.
 
 Contact settings are those that were measured for rovers of 5 to 15 kg (models/README.md): wheels as
 ellipsoids climb kerbs that cylinders do not, and yielding contacts keep a skid-steer's turns calm.
@@ -15,11 +15,11 @@ from harness.robots.model import UNSEEN_GROUP
 from harness.robots.urdf.joints import Joints
 
 GRAVITY = 9.81
-TOP_SPEED = 1.0  # [m/s], of wheels whose joints tell no limit
+TOP_SPEED = 1.0  # [m/s], of wheels whose joints state no limit
 GRIP = 1.0  # friction of wheels; 1 is what RoboTerrain's rovers have
 SCRAPING = 0.3  # friction of all else
 TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.15, 0.95, 0.002, 0.5, 2.0]}
-UNTOLD_COLOR, RUBBER = (0.5, 0.5, 0.5, 1.0), (0.07, 0.07, 0.075, 1.0)
+DEFAULT_COLOR, RUBBER = (0.5, 0.5, 0.5, 1.0), (0.07, 0.07, 0.075, 1.0)
 STIFFNESS = 0.05  # of the top speed: so far behind it, a motor gives all its torque
 ROTOR = 0.2  # of a wheel's share of the mass, as a point at its rim: rotor and gear
 STEERING_SPEED = 2.0  # [rad/s]
@@ -29,14 +29,15 @@ IMU = re.compile(r"(^|_)imu(_|$)", re.IGNORECASE)
 
 
 @dataclass
-class Outfit:
+class Equipment:
     """What was added to a model.
 
     Attributes:
-        guesses: What nobody told, by the key of rover.yaml that says it or the part of the model.
-        lidar: The link that carries the lidar; empty if none was found. Likewise `imu`.
+        guesses: What nobody states, by the key of rover.yaml or the part of the model it is of.
+        lidar: The link that carries the lidar; empty if there is none.
+        imu: The link that carries the IMU; empty if there is none.
         driven: The wheels with motors.
-        steering_rate: [rad/s].
+        steering_rate: How fast the mean steered wheel turns [rad/s].
         beliefs: What the URDF says of its controller, by the keys of rover.yaml.
     """
 
@@ -48,7 +49,7 @@ class Outfit:
     beliefs: dict[str, float] = field(default_factory=dict)
 
 
-def fit_out(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> Outfit:
+def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> Equipment:
     """Adds to a model what its URDF does not say.
 
     Args:
@@ -57,7 +58,7 @@ def fit_out(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float)
         joints: Its wheels and steering.
         mass: Of the whole rover [kg].
     """
-    outfit = Outfit(beliefs=_beliefs(robot))
+    equipment = Equipment(beliefs=_beliefs(robot))
     option = spec.option
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025
@@ -65,18 +66,18 @@ def fit_out(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float)
     limits = {joint.get("name", ""): joint.find("limit") for joint in robot.findall("joint")}
     for name in joints.backwards:
         _turn_around(spec.joint(name))
-    outfit.driven = _driven(robot, joints)
-    _fit_tyres(spec, joints, outfit)
-    _fit_wheel_motors(spec, joints, limits, mass, outfit)
-    _fit_steering(spec, joints, limits, mass, outfit)
+    equipment.driven = _driven(robot, joints)
+    _fit_tyres(spec, joints, equipment)
+    _fit_wheel_motors(spec, joints, limits, mass, equipment)
+    _fit_steering(spec, joints, limits, mass, equipment)
     for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
         if link := _link(spec, pattern):
-            setattr(outfit, name, link)
+            setattr(equipment, name, link)
             spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
         else:
             place = "5 cm over the highest point" if name == "lidar" else "in the root link's origin"
-            outfit.guesses[name] = f"no link is called so; {place}"
-    return outfit
+            equipment.guesses[name] = f"no link is called so; {place}"
+    return equipment
 
 
 def _turn_around(joint: mujoco.MjsJoint) -> None:
@@ -84,12 +85,12 @@ def _turn_around(joint: mujoco.MjsJoint) -> None:
     joint.range = -np.array(joint.range)[::-1]
 
 
-def _fit_tyres(spec: mujoco.MjSpec, joints: Joints, outfit: Outfit) -> None:
+def _fit_tyres(spec: mujoco.MjSpec, joints: Joints, equipment: Equipment) -> None:
     wheels = {spec.joint(name).parent.name for name in joints.wheels}
     shapes = mujoco.mjtGeom
     for geom in spec.geoms:
         if geom.contype == 0:
-            if geom.parent.name in wheels and np.allclose(geom.rgba, UNTOLD_COLOR):
+            if geom.parent.name in wheels and np.allclose(geom.rgba, DEFAULT_COLOR):
                 geom.rgba = RUBBER
             continue
         if geom.parent.name not in wheels:
@@ -100,7 +101,7 @@ def _fit_tyres(spec: mujoco.MjSpec, joints: Joints, outfit: Outfit) -> None:
         geom.friction = [GRIP, 0.005, 0.0001]
         if geom.type == shapes.mjGEOM_CYLINDER:
             geom.type, geom.size = shapes.mjGEOM_ELLIPSOID, [geom.size[0], geom.size[0], geom.size[1]]
-    outfit.guesses["model: tyres"] = (
+    equipment.guesses["model: tyres"] = (
         f"friction {GRIP:g} of wheels, {SCRAPING:g} of all else; cylinders as ellipsoids"
     )
 
@@ -110,22 +111,22 @@ def _fit_wheel_motors(
     joints: Joints,
     limits: dict[str, ET.Element | None],
     mass: float,
-    outfit: Outfit,
+    equipment: Equipment,
 ) -> None:
     share = mass / len(joints.wheels)
     for name in joints.wheels:
         radius, joint = joints.radius[name], spec.joint(name)
         joint.armature = ROTOR * share * radius**2
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE  # its motor has that limit
-        if name not in outfit.driven:
+        if name not in equipment.driven:
             continue
         effort, speed = _limit(limits.get(name), "effort"), _limit(limits.get(name), "velocity")
         if not effort:
-            effort = round(GRIP * mass * GRAVITY * radius / len(outfit.driven), 3)
-            outfit.guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
+            effort = round(GRIP * mass * GRAVITY * radius / len(equipment.driven), 3)
+            equipment.guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
         if not speed:
             speed = round(TOP_SPEED / radius, 2)
-            outfit.guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
+            equipment.guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
         motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         motor.set_to_velocity(kv=effort / (STIFFNESS * speed))
         motor.ctrllimited = motor.forcelimited = True
@@ -137,7 +138,7 @@ def _fit_steering(
     joints: Joints,
     limits: dict[str, ET.Element | None],
     mass: float,
-    outfit: Outfit,
+    equipment: Equipment,
 ) -> None:
     """Position servos that turn the wheels of a car that stands, or hold them straight."""
     for name in joints.steering + joints.held:
@@ -153,29 +154,29 @@ def _fit_steering(
         low, high = np.array(joint.range).tolist()
         if not low < 0 < high:
             low, high = -STEERING_LIMIT, STEERING_LIMIT
-            outfit.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
+            equipment.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
         motor.ctrllimited, motor.ctrlrange = True, [low, high]
     rates = [_limit(limits.get(name), "velocity") for name in joints.steering]
     if rates and all(rates):
-        outfit.steering_rate = min(rates)
+        equipment.steering_rate = min(rates)
     elif joints.steering:
-        outfit.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
+        equipment.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
 
 
 def _driven(robot: ET.Element, joints: Joints) -> tuple[str, ...]:
     """The wheels that the URDF gives motors, by transmissions or ros2_control; all if it gives none."""
-    told = {
+    stated = {
         joint.get("name")
         for holder in (*robot.iter("transmission"), *robot.iter("ros2_control"))
         for joint in holder.iter("joint")
         if holder.tag == "transmission" or joint.find("command_interface") is not None
     }
-    return tuple(name for name in joints.wheels if name in told) or joints.wheels
+    return tuple(name for name in joints.wheels if name in stated) or joints.wheels
 
 
 def _beliefs(robot: ET.Element) -> dict[str, float]:
     """Radius and separation of the wheels that a controller's plugin in the URDF believes."""
-    found: dict[str, float] = {}
+    matches: dict[str, float] = {}
     for key, tags in (
         ("controller_separation", ("wheel_separation", "wheelSeparation")),
         ("controller_radius", ("wheel_radius", "wheelRadius")),
@@ -187,12 +188,12 @@ def _beliefs(robot: ET.Element) -> dict[str, float]:
             except ValueError:
                 continue
             if value > 0:
-                found.setdefault(key, value / 2 if "iameter" in element.tag else value)
-    return found
+                matches.setdefault(key, value / 2 if "iameter" in element.tag else value)
+    return matches
 
 
 def _limit(limit: ET.Element | None, key: str) -> float:
-    """A limit of a joint; 0 if none is told, or one that means none."""
+    """A limit of a joint; 0 without one, or with one that means none."""
     try:
         value = float(limit.get(key, "0")) if limit is not None else 0.0
     except ValueError:
@@ -202,5 +203,5 @@ def _limit(limit: ET.Element | None, key: str) -> float:
 
 def _link(spec: mujoco.MjSpec, pattern: re.Pattern[str]) -> str:
     """The link whose name says what it carries; of several the last, which others carry."""
-    found = [body.name for body in spec.bodies if pattern.search(body.name)]
-    return found[-1] if found else ""
+    matches = [body.name for body in spec.bodies if pattern.search(body.name)]
+    return matches[-1] if matches else ""
