@@ -107,10 +107,6 @@ def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
 def gravity(run: Run, number: int = 0) -> float:
     """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model.
 
-    Args:
-        run: The run.
-        number: The rover's place in it.
-
     Raises:
         UsageError: The terrain's file is not usable.
     """
@@ -119,12 +115,7 @@ def gravity(run: Run, number: int = 0) -> float:
 
 
 def injector(run: Run, number: int = 0) -> FaultInjector:
-    """Returns the faults of a rover.
-
-    Args:
-        run: The run.
-        number: The rover's place in it.
-    """
+    """Returns the faults of a rover."""
     rover = run.rovers[number]
     rows = sensor_rows(rover)
     return FaultInjector(find_faults(rover.faults, rows), run.own_seed(number), rows, run.seed)

@@ -123,9 +123,7 @@ class LoggedRun:
     def ended(self, failure: str | None = None, interrupted: str | None = None) -> RunResult:
         """Marks the log as complete or failed; returns what the run came to.
 
-        Args:
-            failure: Why it ended early; None if it did not.
-            interrupted: The signal's name if somebody stopped it.
+        It failed for a reason, or was interrupted by the signal of that name, or neither.
         """
         _mark(self._log, COMPLETE if failure is None else failed(failure))
         result = self._account.ended(failure=failure, interrupted=interrupted)

@@ -55,17 +55,14 @@ class RunResult:
     """Everything the summary and the manifest say of one rover's part of a run.
 
     Attributes:
-        run: What determined it.
         number: The rover's place in the run.
         wall_s: Wall time from the first batch on [s], without the time in which it was paused.
         paused_s: That time [s].
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
-        topics: Counts by topic name.
         commands: Those of /cmd_vel.
         waited_s: Wall time for which the run stood still for a node in lock-step, by its name [s].
         log_path: The metrics CSV; None without one.
-        last_row: Its last row by column name.
         thresholds: Those that the metrics had at the end.
         along: What the rover met on its way, as the simulator knows it.
         reception: The metrics node's own account of each topic; None without one.
@@ -138,8 +135,6 @@ class Outputs:
 
     Attributes:
         log_dir: Folder that gets the log.
-        observers: See every batch.
-        settings: Of the metrics, hosted or direct.
     """
 
     log_dir: Path

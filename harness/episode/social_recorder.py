@@ -25,7 +25,6 @@ class SocialRecorder:
 
     Attributes:
         path: The log; None before the first row's second has begun.
-        goals: Those reached and failed.
 
     Raises:
         UsageError: The file exists, or its name does not end in .csv.

@@ -42,8 +42,6 @@ class _Order(NamedTuple):
 
     Attributes:
         reset: Whether the rover goes back to its start, or to `place`.
-        command: Of the driver cmd_vel.
-        goal: Of the driver goal.
     """
 
     reset: bool = False
@@ -56,7 +54,6 @@ class Begun(NamedTuple):
     """What one rover's episode was made of.
 
     Attributes:
-        info: For the manifest.
         description: What its transforms are of; None without any.
     """
 
@@ -65,12 +62,7 @@ class Begun(NamedTuple):
 
 
 class RoverOrders:
-    """What the consumer orders of one rover.
-
-    Args:
-        process: Where it is driven.
-        rover: Its setup.
-    """
+    """What the consumer orders of one rover."""
 
     def __init__(self, process: "EpisodeProcess", rover: RoverSetup) -> None:
         self._process = process
@@ -118,10 +110,6 @@ class RoverOrders:
 class EpisodeProcess:
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
-    Args:
-        run: What is driven.
-        frame_options: As of an Episode.
-
     Attributes:
         rovers: Take the orders, in that order.
     """
@@ -132,7 +120,7 @@ class EpisodeProcess:
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(
-            target=_simulate, args=(run, frame_options, remote, world), daemon=True
+            target=_simulate, args=(remote, run, frame_options, world), daemon=True
         )
         try:
             with held_back():
@@ -210,16 +198,11 @@ def _built_world(run: Run) -> World | None:
     return world_of(run)
 
 
-def _simulate(
-    run: Run,
-    frame_options: FrameOptions | None,
-    connection: Connection,
-    world: World | None,
-) -> None:
+def _simulate(connection: Connection, *of: Any) -> None:  # noqa: ANN401 - arguments of _stream
     """The child: builds the episodes, then streams them until their end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(run, frame_options, connection, world)
+            _stream(connection, *of)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -228,10 +211,7 @@ def _simulate(
 
 
 def _stream(
-    run: Run,
-    frame_options: FrameOptions | None,
-    connection: Connection,
-    world: World | None,
+    connection: Connection, run: Run, frame_options: FrameOptions | None, world: World | None
 ) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import episodes_of, together  # noqa: PLC0415

@@ -65,12 +65,6 @@ def write_results(
 ) -> Iterator[Path]:
     """Writes the files, each there whole or not at all, and yields the path of each.
 
-    Args:
-        folder: Of the sweep.
-        studies: One per robot.
-        records: All episodes.
-        command: What makes these files.
-
     Raises:
         HarnessError: One cannot be written.
     """

@@ -60,9 +60,6 @@ class Drawing(AbstractContextManager["Drawing"]):
     def prepare(self, run: Run) -> None:
         """Finds out whether everything that drawing takes is there, and opens the logs of states.
 
-        Args:
-            run: What will be driven.
-
         Raises:
             UsageError: The files cannot be written, a package or OpenGL is missing.
         """

@@ -52,11 +52,6 @@ def prepare_folder(folder: Path) -> None:
 def save_plots(study: Study, result: Result, folder: Path) -> list[Path]:
     """Draws and writes the plots asked for.
 
-    Args:
-        study: The logs.
-        result: The statistics of the logs.
-        folder: Must exist.
-
     Returns:
         The files, two a figure.
 
@@ -101,12 +96,6 @@ def _file_names(codes: Sequence[str]) -> list[str]:
 
 def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -> list[Path]:
     """Writes the numbers of a result, and returns the files.
-
-    Args:
-        result: The statistics of the logs.
-        folder: Must exist.
-        as_csv: Whether to write every number to CSV files.
-        as_latex: Whether to write each table for LaTeX.
 
     Raises:
         OutputError: A file cannot be written.

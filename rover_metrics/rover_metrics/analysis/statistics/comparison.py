@@ -29,18 +29,15 @@ class Comparison:
     """How the second group differs from the first in one metric; None where that cannot be said.
 
     Attributes:
-        code: The metric.
         n: Observations of each group.
         means: Mean of each group's observations; None for a group without any.
         difference: Second mean minus first.
         interval: For the difference, Welch's, which allows different variances; of pairs Student's.
-        test: Name of the test.
         p: Two-sided probability of a difference at least this large if there were none.
         p_holm: The same, adjusted for the number of metrics compared.
         smallest_p: The lowest p that groups of these sizes can reach at all.
         hedges_g: Standardised difference.
         cliffs_delta: From -1 (all of the second below the first) to 1.
-        paired: Whether each observation has its partner.
     """
 
     code: str
@@ -105,13 +102,7 @@ def compare(
 
 
 def smallest_p(first: int, second: int, *, paired: bool) -> float:
-    """Returns the lowest two-sided p that groups of these sizes can reach at all.
-
-    Args:
-        first: Observations of the first group.
-        second: Those of the second.
-        paired: Whether they are pairs.
-    """
+    """Returns the lowest two-sided p that groups of these sizes can reach at all."""
     return min(1.0, 2 / (2**first if paired else comb(first + second, first)))
 
 

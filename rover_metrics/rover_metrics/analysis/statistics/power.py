@@ -11,10 +11,7 @@ _ROUNDING = 1 + 1e-9  # 1 - 0.95 is a little more than 0.05
 def describe_power(comparisons: Sequence[Comparison], unit: str, alpha: float) -> Iterator[str]:
     """Yields why no metric, or which ones, cannot differ by these tests, however they come out.
 
-    Args:
-        comparisons: One a metric; none if there are no groups.
-        unit: What one observation is.
-        alpha: Adjusted p-value below which a difference counts.
+    A difference counts if its adjusted p-value is below alpha; `unit` is what one observation is.
     """
     reachable = [each.smallest_p for each in comparisons if each.smallest_p is not None]
     if comparisons and not reachable:
