@@ -6,11 +6,10 @@ from the sample, in the same order: a tick's samples first, then the row if a se
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Self
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
@@ -68,7 +67,7 @@ def run_direct(
         return tuple(log.ended(*why) for log in logged)
 
 
-class LoggedRun:
+class LoggedRun(AbstractContextManager["LoggedRun"]):
     """Logs a run whose samples go straight into the metrics: a sink of ticks, an Observer, a context.
 
     Args:
@@ -109,9 +108,6 @@ class LoggedRun:
 
         begun = replace(begun, log_path=log.path)
         self._account = RunAccount(begun, started, show, counts, lambda: log.rows)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._log.close()

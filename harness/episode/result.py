@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
@@ -143,21 +143,8 @@ class Outputs:
 
 
 Show = Callable[[RunResult], None]
-
-
-class Drive(Protocol):
-    """What drives a run: run_direct, or run_through_ros."""
-
-    def __call__(
-        self,
-        run: Run,
-        outputs: Sequence[Outputs],
-        options: RosOptions,
-        stop: StopRequest,
-        show: Show | None = None,
-    ) -> tuple[RunResult, ...]:
-        """Returns what each rover's part came to."""
-        ...
+# run_direct, or run_through_ros: returns what each rover's part came to.
+Drive = Callable[[Run, Sequence[Outputs], RosOptions, StopRequest, Show | None], tuple[RunResult, ...]]
 
 
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
@@ -179,7 +166,7 @@ class RunAccount:
 
     begun: RunResult
     started: float
-    show: Callable[[RunResult], None] | None
+    show: Show | None
     topics: Callable[[], dict[str, TopicCount]]
     rows: Callable[[], int]
     paused_s: Callable[[], float] = float

@@ -15,7 +15,7 @@ import multiprocessing
 import traceback
 from collections.abc import Iterator
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from harness.base.errors import HarnessError, RunFailed
 from harness.base.interrupt import held_back
@@ -107,7 +107,7 @@ class RoverOrders:
         return at_ns
 
 
-class EpisodeProcess:
+class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
     Attributes:
@@ -135,9 +135,6 @@ class EpisodeProcess:
         self._ordered = 0
         for _ in range(0 if any(rover.obeys for rover in self.rovers) else AHEAD):
             self._order()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._connection.close()
@@ -187,11 +184,7 @@ class EpisodeProcess:
 
 
 def _built_world(run: Run) -> World | None:
-    """Returns the world of a file, which takes seconds to build and little to hand over; else None.
-
-    Raises:
-        UsageError: There is no such world.
-    """
+    """Returns the world of a file, which takes seconds to build and little to hand over; else None."""
     if not is_terrain_file(run.world.terrain):
         return None
     check_world(run)

@@ -130,11 +130,7 @@ def _call(
 
 
 def _working_environment(chosen: str) -> dict[str, str]:
-    """The environment in which MuJoCo draws without a display.
-
-    Raises:
-        UsageError: There is none; the message names the system's packages.
-    """
+    """The environment in which MuJoCo draws without a display; a UsageError if there is none."""
     system = platform.system()
     known = backends(chosen)
     for backend in known:
