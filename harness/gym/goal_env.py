@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.point_nav import latest
+from harness.gym.driven_rover import DrivenRover
 from harness.gym.env import Info
 from harness.gym.observation import Part, space_of
 from harness.gym.point_nav import PointNavEnv, PointNavOptions
-from harness.gym.ride import Ride
 from harness.samples import Pose
 from rover_metrics.core import rotation
 
@@ -84,22 +84,22 @@ class PointNavGoalEnv(PointNavEnv):
     def _reached(self, achieved: Numbers, desired: Numbers) -> NDArray[np.bool_]:
         return np.asarray(_apart(achieved, desired) < self.options.goal_radius)
 
-    def _observe(self, ride: Ride) -> Mapping[str, object]:
-        values = super()._observe(ride)
-        pose = latest(ride.readings, Pose)
+    def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
+        values = super()._observe(driven)
+        pose = latest(driven.readings, Pose)
         yaw = rotation.yaw(pose.orientation)
         flat = [np.asarray(values[name], np.float32) for name in self._own]
         flat.append(np.array([math.sin(yaw), math.cos(yaw)], np.float32))
         achieved, desired = pose.position[:2], self.goal
         return {"observation": np.concatenate(flat), "achieved_goal": achieved, "desired_goal": desired}
 
-    def _to_goal(self, ride: Ride) -> float:
+    def _to_goal(self, driven: DrivenRover) -> float:
         """By what is observed, so that a reward computed afterwards is the one that was given."""
-        achieved = np.array(latest(ride.readings, Pose).position[:2], np.float32)
+        achieved = np.array(latest(driven.readings, Pose).position[:2], np.float32)
         return float(_apart(achieved, np.array(self.goal, np.float32)))
 
-    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
-        _, ending, info = super()._judge(ride, failure)
+    def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
+        _, ending, info = super()._judge(driven, failure)
         del info["reward_terms"]
         return float(ending == "reached") - 1.0, ending, info
 

@@ -87,7 +87,7 @@ class Bare:
         self.places = Mock()
         self.places.draw.side_effect = lambda rng, *_: (rng.uniform(-3.0, 3.0), 1.0)
         monkeypatch.setattr("harness.gym.env.Course", self.course)
-        monkeypatch.setattr("harness.gym.env.Ride", self.ride)
+        monkeypatch.setattr("harness.gym.env.DrivenRover", self.ride)
         self.env = Counted(**options)  # type: ignore[arg-type]
 
     def _course(self, config: Run, camera: object) -> Any:  # noqa: ANN401, ARG002
@@ -236,15 +236,15 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
         told = env.step(AHEAD)
         assert told[0]["count"].tolist() == seen["count"].tolist()  # as it was before
         assert (*told[2:4], told[4]["ending"]) == (False, True, ending)  # the time is over, too
-        assert env._ladder.highest == 0.0
+        assert env._schedule.highest == 0.0
         with pytest.raises(ResetNeeded):
             env.step(AHEAD)
     for env.tell, highest in (("lost", 0.0), ("won", 0.5)):
         bare.reset()
-        assert (*env.step(AHEAD)[2:4], env._ladder.highest) == (True, False, highest)
+        assert (*env.step(AHEAD)[2:4], env._schedule.highest) == (True, False, highest)
     assert 0.0 < bare.reset(world_seed=3)["difficulty"] < 0.5
     bare.reset(0)
-    assert env._ladder.highest == 0.0
+    assert env._schedule.highest == 0.0
 
 
 def test_what_draws_is_closed_and_made_anew_and_a_window_shows_every_step(
@@ -261,7 +261,7 @@ def test_what_draws_is_closed_and_made_anew_and_a_window_shows_every_step(
             env.step(AHEAD)
     draws = painter.return_value.draw
     assert draws.call_count == 6
-    assert draws.call_args.args == (env._course, bare.rides[-1].simulation.data, env.goal)
+    assert draws.call_args.args == (env.course, bare.rides[-1].simulation.data, env.goal)
     env.close()
     env.close()
     assert (painter.call_count, painter.return_value.close.call_count) == (1, 1)
@@ -348,7 +348,7 @@ def test_the_world_of_a_seed_is_that_of_the_command_line() -> None:
     _, info = env.reset(options=options)
     assert {key: info[key] for key in options} == options
     expected = world_of(Run.of(terrain="gravel", seed=5, difficulty=0.25))
-    assert terrain_hash(env._course.scene.world) == terrain_hash(expected)
+    assert terrain_hash(env.course.scene.world) == terrain_hash(expected)
 
 
 def test_without_gymnasium_the_mend_is_told(
@@ -367,11 +367,11 @@ def test_start_and_goal_can_be_given(make: Make) -> None:
     env = make()
     _, info = env.reset(seed=0, options={"start": (1.0, -2.0, 0.5), "goal": (2.0, 2.0)})
     assert (info["start"].tolist(), info["goal"].tolist()) == ([1.0, -2.0, 0.5], [2.0, 2.0])
-    assert np.hypot(*(env._ride.simulation.position[:2] - np.array([1.0, -2.0]))) < 0.05
-    assert env._ride.simulation.yaw == pytest.approx(0.5, abs=0.05)
-    before_ns = env._ride.simulation.time_ns
+    assert np.hypot(*(env.driven.simulation.position[:2] - np.array([1.0, -2.0]))) < 0.05
+    assert env.driven.simulation.yaw == pytest.approx(0.5, abs=0.05)
+    before_ns = env.driven.simulation.time_ns
     env.step(AHEAD)
-    assert (env._ride.simulation.time_ns - before_ns) * env.metadata["render_fps"] == NANOSECONDS
+    assert (env.driven.simulation.time_ns - before_ns) * env.metadata["render_fps"] == NANOSECONDS
     _, info = env.reset(options={"goal": (1.0, 1.0)})
     assert info["world_seed"] == 0  # no other world for another goal
 
@@ -442,7 +442,7 @@ def test_options_that_are_not_valid_are_told_in_a_line(options: dict[str, Any], 
 
 
 WRONG_RESETS = [
-    ({"wrold_seed": 3}, "reset: option 'wrold_seed' does not exist; did you mean 'world_seed'?"),
+    ({"wrold_seed": 3}, "reset: key 'wrold_seed' does not exist; did you mean 'world_seed'?"),
     ({"start": (1.0, 2.0)}, "reset: start (1.0, 2.0) is not valid; give 3 finite numbers"),
     ({"goal": ("a", "b")}, "reset: goal ('a', 'b') is not valid; give 2 finite numbers"),
     ({"goal": (math.nan, 0.0)}, "give 2 finite numbers"),

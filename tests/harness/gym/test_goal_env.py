@@ -90,5 +90,5 @@ def test_the_heading_and_what_point_nav_observes_follow_one_another(make: Make) 
     assert np.arctan2(*seen["observation"][-2:]) == pytest.approx(2.0, abs=0.02)
     assert seen["achieved_goal"] == pytest.approx([1.0, 0.5], abs=0.02)
     assert seen["desired_goal"].tolist() == [3.0, 1.0]
-    env._ride.simulation.data.qpos[:2] += 1.0  # what is observed is what was read, not what is
-    assert env._observe(env._ride)["achieved_goal"] == pytest.approx([1.0, 0.5], abs=0.02)
+    env.driven.simulation.data.qpos[:2] += 1.0  # what is observed is what was read, not what is
+    assert env._observe(env.driven)["achieved_goal"] == pytest.approx([1.0, 0.5], abs=0.02)

@@ -57,11 +57,13 @@ def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
     assert height > 8 * width, (height, width)  # 1.2 m of it above the ground, 0.1 m thick, from above
     (position, yaw), _ = seen_from.call_args
     assert yaw == pytest.approx(np.pi / 2, abs=0.02)
-    assert position.tolist() == env._shown.qpos[:3].tolist()
+    assert position.tolist() == env.driven.simulation.data.qpos[:3].tolist()
     assert lit.call_args.args[1:] == (position, chase_view(position, yaw).azimuth)
     (_, (post,), _), _ = marked.call_args
-    above, down, model = np.array([0.5, 4.0, 3.0]), np.array([0.0, 0.0, -1.0]), env._course.scene.model
-    depth = mujoco.mj_ray(model, env._shown, above, down, None, 1, -1, np.zeros(1, np.int32), None)
+    above, down, model = np.array([0.5, 4.0, 3.0]), np.array([0.0, 0.0, -1.0]), env.course.scene.model
+    depth = mujoco.mj_ray(
+        model, env.driven.simulation.data, above, down, None, 1, -1, np.zeros(1, np.int32), None
+    )
     on_the_ground = [0.5, 4.0, 3.0 - depth + 0.6]
     assert post.position == pytest.approx(on_the_ground, abs=1e-6)
     env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera

@@ -118,7 +118,7 @@ def test_full_ahead_is_the_speed_at_which_the_wheels_turn_as_fast_as_they_can(
     env.reset(seed=0)
     for _ in range(20):
         seen, *_ = env.step(np.array([1.0, 0.0], np.float32))
-    simulation = env._ride.simulation
+    simulation = env.driven.simulation
     rover, limit = simulation.scene.rover, simulation.model.actuator_ctrlrange[0, 1]
     radius, believed = rover.wheel_radius, rover.controller_radius
     assert simulation.data.ctrl[0] * believed == pytest.approx(limit * radius)
@@ -142,7 +142,7 @@ def test_what_the_physics_comes_to_ends_episodes(make: Make) -> None:
         (2.0, "qvel", 0, [np.nan], "diverged", [False, True]),
     ):
         env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (x, 0.0)})
-        data = env._ride.simulation.data
+        data = env.driven.simulation.data
         getattr(data, state)[first : first + len(values)] = values
         seen, reward, *told, info = env.step(np.zeros(2, np.float32))
         assert (info["ending"], told, info["is_success"]) == (ending, ended, ending == "reached")
@@ -160,7 +160,7 @@ def test_depth_is_what_mujocos_rays_meet_along_the_axis_of_a_camera_above_the_li
     assert make().observation_space.spaces.keys() == env.observation_space.spaces.keys() - {"depth"}
     seen, _ = env.reset(seed=3)
     seen, *_ = env.step(np.array([0.5, 0.5], np.float32))
-    simulation = env._ride.simulation
+    simulation = env.driven.simulation
     model, data = simulation.model, simulation.data
     mujoco.mj_kinematics(model, data)
     turn, origin = data.body("rover").xmat.reshape(3, 3), data.site("lidar").xpos
@@ -192,10 +192,10 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
         policy.act({"lidar": np.zeros(44, np.float32)})
     env = make(robot=robot, noise="hardware", random_start=False)
     seen, _ = env.reset(seed=seed, options={"goal": goal})
-    driven = [env._ride.simulation.data.qpos.tolist()]
+    driven = [env.driven.simulation.data.qpos.tolist()]
     for _ in range(15):
         seen, *_ = env.step(policy.act(seen))
-        driven.append(env._ride.simulation.data.qpos.tolist())
+        driven.append(env.driven.simulation.data.qpos.tolist())
     run = config(robot=robot, seed=seed, duration=0.05 * 16, driver=f"policy:{path}")
     run = run.alone(goals=((0.0, *goal, 0.0),))
     episode = Episode(run)

@@ -28,7 +28,7 @@ TICK = TICK_NS / NANOSECONDS  # [s]
 Readings = dict[type[Sample], Sample]
 
 
-class Ride:
+class DrivenRover:
     """One episode's rover, settled, after one control period of standing: everything has been read.
 
     Args:
