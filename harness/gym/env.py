@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property
 from threading import Lock
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, TypeVar
 
 import gymnasium
 import numpy as np
@@ -15,6 +15,7 @@ from gymnasium import spaces
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
+from pydantic import Field
 
 from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD
@@ -53,8 +54,8 @@ class ResetOptions(Value):
     terrain: str | None = None
     difficulty: float | None = None
     world_seed: int | None = None
-    start: tuple[Finite, Finite, Finite] | None = None
-    goal: tuple[Finite, Finite] | None = None
+    start: Annotated[tuple[Finite, ...] | None, Field(min_length=3, max_length=3)] = None
+    goal: Annotated[tuple[Finite, ...] | None, Field(min_length=2, max_length=2)] = None
 
 
 _building = Lock()  # MuJoCo's compiler is not promised to work in two threads at once
