@@ -1,9 +1,6 @@
 import copy
-from contextlib import suppress
-from functools import partial
-from types import SimpleNamespace
 from typing import Any
-from unittest.mock import Mock, patch
+from unittest.mock import patch
 
 import mujoco
 import numpy as np
@@ -19,7 +16,6 @@ from harness.gym.options import Randomisation
 from harness.physics.physics import Physics
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.depth import DepthOptions
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
 from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
@@ -48,7 +44,7 @@ def flat_with_post() -> Course:
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
-def test_a_ride_reads_what_the_same_commands_of_an_episode_publish(
+def test_a_driven_rover_reads_what_the_same_commands_of_an_episode_publish(
     config: MakeConfig, robot: str
 ) -> None:
     run = config(robot=robot, seed=3, driver="cmd_vel", duration=0.05 * (1 + len(COMMANDS)))
@@ -87,18 +83,6 @@ def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did
     assert counts == [1, 2, 2, 2, 3, 4]
     assert ends[1] == ends[2] == ends[3] == ends[5]
     assert ends[4] != ends[1] != ends[0]
-
-
-def test_who_varies_settles_for_himself_but_not_for_being_late(flat_with_post: Course) -> None:
-    keys = []
-    for name in vars(PLAIN):
-        with patch.object(flat_with_post, "settled", side_effect=UsageError) as settled:
-            for variation in (PLAIN, Variation(**{name: 0.5})):
-                with suppress(UsageError):
-                    DrivenRover(flat_with_post, FREE, variation, 0)
-        plain, varied = (call.args[1] for call in settled.call_args_list)
-        keys.append((name, plain == varied))
-    assert keys == [(name, name == "latency") for name in vars(PLAIN)]
 
 
 def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) -> None:
@@ -145,21 +129,6 @@ def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: 
     assert 0.1 < seconds < 1.4
 
 
-def test_a_hundredth_with_contact_counts_once_however_many_parts_touch(flat_with_post: Course) -> None:
-    ride = DrivenRover(flat_with_post, FREE, PLAIN, 0)
-    hazard, *parts = ride._hazard, *ride._scrapes
-    assert len(parts) > 1
-    counts = np.zeros((5, ride.simulation.model.nsensordata))
-    counts[1:3, hazard] = 3.0, 1.0
-    counts[0, parts[0]] = counts[3, parts[-1]] = 1.0
-    counts[2, parts] = 2.0
-    there: Any = SimpleNamespace(tick_sum=None)
-    ticks = [partial(setattr, there, "tick_sum", row) for row in counts]
-    ride.simulation, ride._leap = there, Mock(ticks=lambda: (tick() for tick in ticks))
-    ride.read()
-    assert [ride.hazard_s, ride.scrape_s] == pytest.approx([0.02, 0.03])
-
-
 def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:
     ride = DrivenRover(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0)
     assert ride.upright == pytest.approx(1.0, abs=1e-3)
@@ -172,15 +141,6 @@ def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Cours
     assert ride.scrape_s == pytest.approx(0.05)
     assert ride.hazard_s == 0.0
     assert ride.upright == pytest.approx(-1.0, abs=0.05)
-
-
-def test_room_is_looked_for_at_any_start_but_the_worlds_own(flat_with_post: Course) -> None:
-    assert flat_with_post.lidar.spec == LidarSpec(beams=8)
-    for start in ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)):
-        room = patch("harness.gym.course.check_room", side_effect=UsageError("no room"))
-        with room as look, suppress(UsageError):
-            DrivenRover(flat_with_post, start, Variation(payload=1.0), 0)
-        assert look.call_count == any(start)
 
 
 def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course) -> None:

@@ -93,20 +93,6 @@ def test_without_opengl_or_display_the_mend_is_told(make: Make, monkeypatch: pyt
             make(render_mode="human").reset(seed=0)
 
 
-def test_what_opengl_gave_is_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    context, canvas = Mock(), Mock()
-    monkeypatch.setattr(picture, "gl_context", context)
-    monkeypatch.setattr(picture, "Canvas", canvas)
-    painter = picture.Painter(window=False)
-    context.assert_called_once_with("render_mode 'rgb_array'", 640, 400)
-    painter._view = picture._Image(Mock(), context.return_value)
-    for _ in range(2):
-        painter._leave()
-    assert canvas.return_value.close.call_count == 1
-    painter.close()
-    assert context.return_value.free.call_count == 1
-
-
 def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
