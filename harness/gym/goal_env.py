@@ -53,9 +53,9 @@ class PointNavGoalEnv(PointNavEnv):
         """Returns 0 where a goal is reached, else -1; for one pair or for many.
 
         Args:
-            achieved_goal: Shape (2,) or (n, 2) [m].
-            desired_goal: Likewise.
-            info: Not needed.
+            achieved_goal: x, y in the world [m], shape (2,) or (n, 2).
+            desired_goal: x, y in the world [m], shape (2,) or (n, 2).
+            info: Info of the step, which has no effect.
         """
         return np.asarray(self._reached(achieved_goal, desired_goal), np.float64) - 1.0
 
@@ -63,9 +63,9 @@ class PointNavGoalEnv(PointNavEnv):
         """Returns whether the episode ends there by itself.
 
         Args:
-            achieved_goal: Shape (2,) [m].
-            desired_goal: Likewise.
-            info: Of the step; what ended it for another reason still does.
+            achieved_goal: x, y in the world [m], shape (2,).
+            desired_goal: x, y in the world [m], shape (2,).
+            info: Info of the step; another ending that terminated it still does.
         """
         ended = info.get("ending", "") in self.terminal_endings - {"reached"}
         return ended or bool(self._reached(achieved_goal, desired_goal))
@@ -74,9 +74,9 @@ class PointNavGoalEnv(PointNavEnv):
         """Returns whether the step ended the episode without an outcome.
 
         Args:
-            achieved_goal: Not needed; likewise `desired_goal`.
-            desired_goal: See `achieved_goal`.
-            info: Of the step.
+            achieved_goal: x, y in the world [m], shape (2,), which has no effect.
+            desired_goal: x, y in the world [m], shape (2,), which has no effect.
+            info: Info of the step.
         """
         ending = info.get("ending", "")
         return bool(ending) and ending not in self.terminal_endings

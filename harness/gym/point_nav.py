@@ -85,7 +85,7 @@ class PointNavOptions(Options):
 
 
 class PointNavEnv(RoverEnv[PointNavOptions]):
-    """Drives to a goal that it is told the direction of; the action is speed and yaw rate."""
+    """Drives to a goal whose direction is observed; the action is speed and yaw rate."""
 
     options_class = PointNavOptions
     endings: ClassVar[Mapping[str, str]] = {
@@ -159,7 +159,7 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
         x, y, _ = driven.simulation.position
-        told = {
+        info = {
             "x_position": x,
             "y_position": y,
             "distance": self._distance,
@@ -167,7 +167,7 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "is_success": ending == "reached",
             "reward_terms": terms,
         }
-        return sum(terms.values()), ending, told
+        return sum(terms.values()), ending, info
 
     def _ending(self, driven: DrivenRover) -> str:
         if driven.upright < FLIPPED:

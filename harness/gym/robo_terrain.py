@@ -171,7 +171,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
 
     def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
         if failure == "diverged":
-            return 0.0, failure, self._told()
+            return 0.0, failure, self._info()
         self._places.append(self._pose.position[:2])
         reward, ending = OUTSIDE_REWARD, failure
         if max(abs(self._roll), abs(self._pitch)) > FLIPPED:
@@ -181,9 +181,9 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
             self._seen = self._observe(driven)  # of the goal that may be a new one
             if self._is_stuck():
                 reward, ending = STUCK_REWARD, "stuck"
-        return reward, ending, self._told()
+        return reward, ending, self._info()
 
-    def _told(self) -> Info:
+    def _info(self) -> Info:
         return {
             "distance": way_to(self.goal, self._pose)[0],
             "collisions": 0 if self._defects.collisions_uncounted else self._collisions,
