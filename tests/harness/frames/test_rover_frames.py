@@ -131,3 +131,11 @@ def test_a_model_without_a_tree_of_frames_is_refused(
 ) -> None:
     with pytest.raises(UsageError, match=message):
         rover_frames(made_rover(tmp_path, body, assets))
+
+
+def test_a_body_without_a_joint_is_fixed_in_its_parent(tmp_path: Path) -> None:
+    mast = '<body name="mast" pos="0.1 0 0.5"><geom size="0.1"/></body>'
+    frames = rover_frames(made_rover(tmp_path, mast))
+    (link,) = (link for link in frames.links if link.name == "mast_link")
+    assert link.joint == -1
+    assert frames.edge(link).translation == pytest.approx((0.1, 0.0, 0.5))
