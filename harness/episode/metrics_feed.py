@@ -33,10 +33,6 @@ def extended_settings(rover: RoverSpec, gravity: float | None = None) -> Extende
 class SampleFeed:
     """Hands samples to a session of metrics as they would come out of messages, and counts them.
 
-    Args:
-        session: Takes them.
-        lidar: Whose scans they are.
-
     Attributes:
         fed: Samples taken, by the name of the topic that each would have had.
     """
@@ -79,11 +75,6 @@ class SampleFeed:
 
 class DirectMetrics(SampleFeed):
     """Feeds ticks to a session of metrics and writes a row each simulated second.
-
-    Args:
-        session: The metrics.
-        lidar: Whose scans they are made of.
-        log: Where the rows go.
 
     Attributes:
         last_row: The latest row, or None.

@@ -63,17 +63,7 @@ def write_results(
     records: Mapping[Planned, EpisodeRecord],
     command: str,
 ) -> Iterator[Path]:
-    """Writes the files, each there whole or not at all, and yields the path of each.
-
-    Args:
-        folder: Of the sweep.
-        studies: One per robot.
-        records: All episodes.
-        command: What makes these files.
-
-    Raises:
-        HarnessError: One cannot be written.
-    """
+    """Writes the files, each there whole or not at all, and yields the path of each."""
     texts = {f"{study.name}.yaml": parameter_file(study, command) for study in studies}
     texts |= {SCORES: _scores(studies, command), REPORT: render(studies, records, command)}
     for name, text in texts.items():

@@ -55,7 +55,6 @@ class Studio(AbstractContextManager["Studio"]):
 
     Attributes:
         recording: The states of the first rover, which are as many as those of each other one.
-        model: The scene that they are states of.
         data: The state that was posed last.
         half_width: Half the width of an image at unit distance.
     """

@@ -76,10 +76,6 @@ def begin_program(name: str) -> None:
 def run_program(name: str, work: Callable[[], int]) -> int:
     """Does a program's work; what is known to go wrong is one line on stderr, a bug goes on as it is.
 
-    Args:
-        name: The program's, before the line.
-        work: Gives the exit code.
-
     Returns:
         The exit code: that of the work or of the KnownError that ended it; 2 where a file cannot be
         used or a library is missing.

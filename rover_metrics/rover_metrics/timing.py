@@ -25,12 +25,9 @@ def age(now_ns: int, stamp_ns: int) -> float | None:
 
 
 def rate(count: int, since_ns: int | None, now_ns: int) -> float | None:
-    """Returns how often something came [Hz]; None if no time has passed, or from when is not known.
+    """Returns how often something came between two times [ns], in Hz.
 
-    Args:
-        count: How many times it came.
-        since_ns: Start of the interval [ns].
-        now_ns: Its end [ns].
+    None if no time has passed, or from when is not known.
     """
     if since_ns is None or now_ns <= since_ns:
         return None

@@ -46,7 +46,6 @@ class DetectorStudy:
     """One way to tell contacts from scans, at one threshold.
 
     Attributes:
-        name: Of the detector.
         events: Its threshold and scores per event.
         scans: Its scores per scan on the test half.
         lead_s: Median time from alarm to contact there [s]; None if it finds none.

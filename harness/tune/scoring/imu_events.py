@@ -44,7 +44,6 @@ class Signal:
     """What one of the two thresholds is compared with.
 
     Attributes:
-        parameter: The threshold.
         name: On the page.
         imu_events: Takes it from an episode.
     """

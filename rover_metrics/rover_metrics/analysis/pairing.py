@@ -24,11 +24,6 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
     By seed, whatever else varies within a group must be equal too; what only differs between the
     groups is what they are compared for.
 
-    Args:
-        first: Logs of the first group.
-        second: Those of the second.
-        by: How to find partners.
-
     Raises:
         PairingError: The groups are to be paired by order and differ in length.
     """

@@ -116,9 +116,6 @@ class Study:
     """Logs, in one group or in two that are compared, and how to look at them.
 
     Attributes:
-        members: The logs.
-        groups: Names of the groups.
-        options: What to look at.
         pairs: Places of the logs that belong together, in the first group and in the second.
     """
 

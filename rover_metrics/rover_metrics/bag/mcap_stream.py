@@ -37,7 +37,6 @@ class Message(NamedTuple):
     """One recorded message.
 
     Attributes:
-        topic: Its topic.
         time_ns: When it was recorded, on the recorder's clock [ns].
         data: Its CDR bytes; empty where they were not asked for.
     """

@@ -25,7 +25,6 @@ class Column:
     Attributes:
         name: Its name without the unit.
         unit: Its unit; empty for a count, a flag, a ratio or text.
-        meaning: What it is.
         formula: How it is computed, and over which window.
         source: Topics and fields.
         rate_invariant: Whether the sensor's rate does not show in it, or how it does.

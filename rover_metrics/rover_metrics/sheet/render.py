@@ -29,13 +29,7 @@ _SIGN = re.compile(r"(?<![\w.])([+-])(?=\d)")
 
 
 def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator["RenderableType"]:
-    """Yields tables with their headings and findings.
-
-    Args:
-        sheets: The tables.
-        width: Columns of the terminal.
-        wide: Columns from which on spare columns are shown.
-    """
+    """Yields tables with headings and findings; spare columns only if the width is at least `wide`."""
     from rich.text import Text  # noqa: PLC0415 - what makes documents and pages does without rich
 
     for sheet in sheets:
