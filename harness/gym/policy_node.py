@@ -3,9 +3,9 @@
     python -m harness.gym.policy_node FILE.npz --goal 3,1 --ros-args -p use_sim_time:=true
     python -m harness.run --driver cmd_vel --wait-for /policy
 
-It subscribes to /scan, /imu/data, /rover/pose_array, /odometry/wheels and /goal_pose, and answers
-with /cmd_vel when /clock says that all of a scan's tick has been sent. In lock-step it drives the path
-that the policy drives in its environment.
+It subscribes to /scan, /imu/data, /rover/pose_array, /odometry/wheels and /goal_pose, and answers with
+/cmd_vel when /clock says that all of a scan's tick has been sent. In lock-step it drives the path that
+the policy drives in its environment.
 """
 
 import argparse

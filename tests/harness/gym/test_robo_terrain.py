@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS
 from harness.gym.driven_rover import DrivenRover
-from harness.samples import Imu, LaserScan, Odometry, Pose
+from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 from tests.harness.gym.conftest import Make, place
 
 STILL, AHEAD = np.zeros(2, np.float32), np.array([0.6, 0.0], np.float32)
@@ -47,7 +47,8 @@ def test_steps_are_observed_and_paid_as_robo_terrain_does_wherever_it_is(
 ) -> None:
     defects = {"nearest_is_farthest": defect, "collisions_uncounted": defect}
     env = make("RoboTerrain", lidar_beams=64, defects=defects)
-    rng, before, goals, collisions, paid = np.random.default_rng(0), None, 0, 0, set()
+    rng, before, goals, collisions = np.random.default_rng(0), None, 0, 0
+    paid: set[str] = set()
     env.reset(seed=3, options=MIDDLE)
     pose = env.driven.readings[Pose]
     for _ in range(400):
@@ -129,8 +130,14 @@ def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
 def test_the_heading_controller_is_pd_in_simulation_time(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    twists, command = [], DrivenRover.command
-    monkeypatch.setattr(DrivenRover, "command", lambda self, t: (twists.append(t), command(self, t))[1])
+    twists: list[Twist] = []
+    command = DrivenRover.command
+
+    def record(driven: DrivenRover, twist: Twist) -> None:
+        twists.append(twist)
+        command(driven, twist)
+
+    monkeypatch.setattr(DrivenRover, "command", record)
     env = make("RoboTerrain")
     speeds, errors = [0.4, -0.4, 0.0, 1.0, -1.0, 0.5], [0.5, 0.7, 0.7, -0.1, -3.1, 3.0]
     for _ in range(2):  # the second episode knows nothing of the first
