@@ -9,10 +9,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
+from harness.base.version import __version__
 from harness.episode.result import RunResult
 from harness.truth.traversal import ContactEvent
 from harness.world.files import is_terrain_file

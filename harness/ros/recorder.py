@@ -22,10 +22,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 
-from harness import __version__
 from harness.base.errors import RunFailed, UsageError
 from harness.base.files import check_target
 from harness.base.sim_time import NANOSECONDS
+from harness.base.version import __version__
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, Message
 from harness.sensors.message_types import typestore

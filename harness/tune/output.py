@@ -9,8 +9,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
-from harness import __version__
 from harness.base.files import write_whole
+from harness.base.version import __version__
 from harness.tune.episodes.plan import Part, Planned
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.page.page import render

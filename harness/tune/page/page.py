@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
 from harness.robots import find_rover
