@@ -72,8 +72,7 @@ HAZARDS = (
 def drawings(rovers: Sequence[tuple[str, RoverSpec, CollisionStudy]]) -> list[tuple[Plot, Plot]]:
     """Returns each rover from above and from the side, all to one scale, front to the right.
 
-    Args:
-        rovers: Their names on the page, the rovers, and what their contacts say of the thresholds.
+    With each comes its name on the page, and what its contacts say of the thresholds.
     """
     above = [[*_above(rover, study)] for _, rover, study in rovers]
     points = np.concatenate([np.array([t["x"], t["y"]], float).T for traces in above for t in traces])

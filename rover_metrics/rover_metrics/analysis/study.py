@@ -113,8 +113,7 @@ class Member:
 class Study:
     """Logs, in one group or in two that are compared, and how to look at them.
 
-    Attributes:
-        pairs: Places of the logs that belong together, in the first group and in the second.
+    Pairs are places of logs that belong together, in the first group and in the second.
     """
 
     members: tuple[Member, ...]
