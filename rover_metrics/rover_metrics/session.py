@@ -136,7 +136,7 @@ class MetricsSession:
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:
-        """Returns the row of the session at a ROS time [ns]; the middleware has lost so many by topic."""
+        """Returns the row at a ROS time [ns]; the middleware reports what it has lost, by topic."""
         if self.extended is None:
             return self.metrics.row(now_ns // NANOSECONDS)
         return self.extended.row(now_ns, reported_lost)
