@@ -43,11 +43,7 @@ class Fingerprint:
 
 
 class StreamHash:
-    """Takes a stream batch by batch.
-
-    Attributes:
-        samples: How many sensor readings it has taken; transforms are none.
-    """
+    """Takes a stream by batches; `samples` counts its sensor readings, of which transforms are none."""
 
     def __init__(self) -> None:
         self.samples = 0

@@ -131,11 +131,7 @@ class RunResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """Where the data of one rover go.
-
-    Attributes:
-        log_dir: Folder that gets the log.
-    """
+    """Where the data of one rover go: the log into a folder, every batch to its observers."""
 
     log_dir: Path
     observers: Sequence[Observer] = ()

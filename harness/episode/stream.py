@@ -40,8 +40,7 @@ EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 class _Order(NamedTuple):
     """What a batch begins with, in this order, that is not just the next one.
 
-    Attributes:
-        reset: Whether the rover goes back to its start, or to `place`.
+    With `reset` the rover goes back to its start, or to `place`.
     """
 
     reset: bool = False
@@ -51,11 +50,7 @@ class _Order(NamedTuple):
 
 
 class Begun(NamedTuple):
-    """What one rover's episode was made of.
-
-    Attributes:
-        description: What its transforms are of; None without any.
-    """
+    """What one rover's episode was made of; `description` is of its transforms, None without any."""
 
     info: EpisodeInfo
     description: Description | None
@@ -110,8 +105,7 @@ class RoverOrders:
 class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
-    Attributes:
-        rovers: Take the orders, in that order.
+    Its `rovers` take the orders, in that order.
     """
 
     def __init__(self, run: Run, frame_options: FrameOptions | None = None) -> None:

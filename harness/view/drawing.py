@@ -85,8 +85,7 @@ class Drawing(AbstractContextManager["Drawing"]):
     def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         """Draws in a process of its own; returns the files written.
 
-        Args:
-            show: Called with the number of frames drawn and of all frames; of a picture there is one.
+        `show` is called with the number of frames drawn and of all frames; of a picture there is one.
 
         Raises:
             DrawingFailed: They could not be drawn.

@@ -47,12 +47,10 @@ class MissingRosError(RoverMetricsError, ImportError):
 
 
 def missing_ros(error: ImportError, *, is_program: bool) -> BaseException:
-    """Returns what to raise where ROS 2 is missing.
+    """Returns what to raise where ROS 2 is missing, from what an import said.
 
-    Args:
-        error: What the import of rclpy or of a message package said.
-        is_program: Whether nobody is there to catch it; then it is a SystemExit after one line on
-            stderr, else a MissingRosError.
+    In a program, where nobody is there to catch it, a SystemExit after one line on stderr; else a
+    MissingRosError.
     """
     message = (
         f"metrics_node needs ROS 2, but: {error}; source one (source /opt/ros/<distro>/setup.bash) "

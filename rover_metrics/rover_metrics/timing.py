@@ -118,10 +118,8 @@ class TimeSource(Enum):
 class ClockRows:
     """The rows of a live node that heard /clock from the start on.
 
-    Nothing is due before the first full second, nor does a timer fire at the end.
-
-    Attributes:
-        jumps: Where time went back, or ahead by more than a second; a line each.
+    Nothing is due before the first full second, nor does a timer fire at the end. A line of `jumps` says
+    where time went back, or ahead by more than a second.
     """
 
     def __init__(self) -> None:
@@ -144,8 +142,7 @@ class ClockRows:
 class FullSeconds:
     """A row for each second that is full as recorded or header time goes on.
 
-    Attributes:
-        jumps: Where time went back, or ahead by more than LONGEST_GAP; a line each.
+    A line of `jumps` says where time went back, or ahead by more than LONGEST_GAP.
     """
 
     def __init__(self) -> None:

@@ -67,11 +67,7 @@ class UnseenContacts:
 
 @dataclass(frozen=True, slots=True)
 class ZoneRow:
-    """Contacts on one side with hazards that the lidar saw.
-
-    Attributes:
-        detected: How many of them each detector tells, by its name.
-    """
+    """Contacts on one side with hazards that the lidar saw, and how many of them each detector tells."""
 
     zone: Zone
     contacts: int

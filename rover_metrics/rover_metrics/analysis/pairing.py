@@ -39,7 +39,10 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
     varying = [
         name for name in _DESIGN if name == "seed" or _varies(first, name) or _varies(second, name)
     ]
-    keys, partners = ([_key(log, varying) for log in group] for group in (first, second))
+    keys, partners = (
+        [tuple(str(log.arguments.get(name)) for name in varying) for log in group]
+        for group in (first, second)
+    )
     if len(set(keys)) < len(keys) or sorted(keys) != sorted(partners):
         return ()
     return tuple((i, partners.index(key)) for i, key in enumerate(keys))
@@ -47,7 +50,3 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
 
 def _varies(logs: Sequence[Log], argument: str) -> bool:
     return len({str(log.arguments.get(argument)) for log in logs}) > 1
-
-
-def _key(log: Log, varying: Sequence[str]) -> tuple[str, ...]:
-    return tuple(str(log.arguments.get(argument)) for argument in varying)

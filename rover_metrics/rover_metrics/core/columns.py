@@ -150,8 +150,7 @@ COLUMNS: tuple[str, ...] = tuple(column.name for column in ROBOTERRAIN_COLUMNS)
 class Row:
     """The metrics at one second of ROS time; up to `notes` the fields are COLUMNS, in their order.
 
-    Attributes:
-        extended: The extended columns, by header; empty if they are not asked for.
+    The extended columns are by header; none if they are not asked for.
     """
 
     stamp_s: int

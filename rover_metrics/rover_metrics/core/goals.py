@@ -10,11 +10,9 @@ FLIPPED = 1.48  # [rad] of roll or pitch
 
 
 class GoalAccount:
-    """Counts goals; tell it each goal that is given, then where the rover is, again and again.
+    """Counts goals reached and given up; tell it each that is given, then where the rover is.
 
-    Attributes:
-        failed: Goals that were given up.
-        goal: x and y of the present one [m]; None before the first and once it is settled.
+    The present one, `goal`, is x and y [m]; None before the first and once it is settled.
     """
 
     def __init__(self) -> None:

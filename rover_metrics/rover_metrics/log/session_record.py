@@ -22,8 +22,7 @@ COMPLETE: Outcome = {"status": "complete", "reason": None}
 class SessionRecord:
     """The record of one running session; what cannot be written is reported and costs nothing else.
 
-    Attributes:
-        failure: Why the session has failed; None if it has not.
+    It has failed if `failure` says why.
     """
 
     def __init__(self, node: str, now: Callable[[], datetime], tell: Callable[[str], None]) -> None:

@@ -69,11 +69,9 @@ def markdown(sheet: Sheet) -> str:
 
 
 def csv_text(records: Sequence[Mapping[str, Any]], names: Sequence[str] = ()) -> str:
-    """Returns a header and a line for each record.
+    """Returns a header and a line for each record, whose cells are by name; None is an empty cell.
 
-    Args:
-        records: Cells by name; None is an empty cell.
-        names: Every name; without them the last record has them all.
+    Without names the last record has them all.
     """
     text = io.StringIO()
     writer = csv.DictWriter(text, names or list(records[-1]))

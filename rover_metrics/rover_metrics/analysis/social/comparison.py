@@ -30,11 +30,9 @@ METRICS = {"risk_s_per_goal": "Risk seconds a goal", "s_per_goal": "Seconds a go
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """The runs of one condition.
+    """The runs of one condition, with the figures of each.
 
-    Attributes:
-        logs: One a run; `figures` are theirs.
-        windows: Risk seconds and seconds for a goal of each of their windows, shape (windows, 2).
+    Windows: risk seconds and seconds for a goal of each, shape (windows, 2).
     """
 
     name: str
