@@ -15,6 +15,7 @@ import numpy as np
 from tests.golden.evidence import Evidence
 from tests.golden.invariants import VOLATILE, first_difference, flat
 from tests.golden.table import TABLE
+from tests.support.documents import ROOT
 
 REFERENCES = Path(__file__).with_name("references.json")
 ARITHMETIC = "arithmetic"  # the key of that of the machine that made them
@@ -45,7 +46,7 @@ def outcome(evidence: Evidence, folder: Path) -> dict[str, Any]:
 
     Args:
         evidence: The run.
-        folder: Whose name is left out of all that is hashed.
+        folder: Whose name is left out of all that is hashed, as that of the repository is.
     """
     summary, hashes, logs = dict[str, Any](), dict[str, Any](), dict[str, Any]()
     for number, driven in enumerate(evidence.direct):
@@ -72,10 +73,10 @@ def outcome(evidence: Evidence, folder: Path) -> dict[str, Any]:
 
 
 def _lasting(manifest: dict[str, Any], folder: Path) -> str:
-    """A manifest without times of the wall clock, versions and paths."""
+    """A manifest without times of the wall clock, versions and paths of this machine."""
     leaves_out = VOLATILE | {"social_log", "recording", "params"}
     kept = {key: value for key, value in manifest.items() if key not in leaves_out}
-    return json.dumps(kept, sort_keys=True).replace(f"{folder}/", "")
+    return json.dumps(kept, sort_keys=True).replace(f"{folder}/", "").replace(f"{ROOT}/", "")
 
 
 def _hash(data: bytes | str) -> str:
