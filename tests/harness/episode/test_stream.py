@@ -56,9 +56,10 @@ def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told(
         for index, (batch,) in enumerate(process.batches()):
             poses += [s for tick in batch.ticks for s in tick.samples if isinstance(s, Pose)]
             if index == 2:
-                put = process.rovers[0].put(Place(5.0, -3.0, 1.0))
+                put = process.rovers[0].put(Place(5.0, 3.0, 1.0))
             if index == 20:
-                headed = process.rovers[0].head_for(Place(6.0, -3.0, 0.0))
+                again = process.rovers[0].put(Place(5.0, -3.0, 1.0))
+                headed = process.rovers[0].head_for(Place(6.0, -3.0, 0.0))  # in the same period
         assert (
             process.rovers[0].put(Place(0.0, 0.0, 0.0))
             is process.rovers[0].head_for(Place(0.0, 0.0, 0.0))
@@ -66,11 +67,12 @@ def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told(
         )
     assert put is not None
     assert headed is not None
+    assert headed == again
     before = [pose.position[:2] for pose in poses if pose.stamp_ns <= put]
     there = [pose.position[:2] for pose in poses if put < pose.stamp_ns <= headed]
     assert np.abs(before).max() < 0.02
-    assert np.abs(np.array(there) - (5.0, -3.0)).max() < 0.02
-    assert poses[-1].position[0] > 5.3
+    assert np.abs(np.array(there) - (5.0, 3.0)).max() < 0.02
+    assert poses[-1].position[:2] == pytest.approx((5.7, -3.0), abs=0.4)
 
 
 def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
@@ -81,14 +83,23 @@ def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
         terrain_size=(10.0, 10.0),
         terrain_height=0.01,
         driver="straight",
+        start=(3.8, 0.0, 0.0),
         duration=120.0,
         timestep=0.005,
         lidar_beams=2,
     )
-    with EpisodeProcess(fast) as process:
+    until = failing(fast)
+    assert failing(fast.alone(duration=until)) == until, "in the last batch as in any other"
+
+
+def failing(run: Run) -> float:
+    """The time at which a run has failed at the edge of the map [s]."""
+    batches: list[Batch] = []
+    with EpisodeProcess(run) as process:
         process.begin()
         with pytest.raises(RunFailed, match="reached the edge of the map"):
-            list(process.batches())
+            batches += (batch for (batch,) in process.batches())
+    return batches[-1].truth.time_ns / 1e9
 
 
 def test_leaving_early_leaves_no_process_behind() -> None:
@@ -117,7 +128,7 @@ def test_death_of_the_child_fails_the_run() -> None:
 
 def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None:
     shared = config(terrain="flat", driver="cmd_vel", lidar_beams=2, duration=1.0)
-    two = fleet(shared, parse_rovers(("leo:a", "rover_zero4wd:b,x=2,y=0"), shared.rover))
+    two = fleet(shared, parse_rovers(("leo:a,driver=goal", "rover_zero4wd:b,x=2,y=0"), shared.rover))
     with EpisodeProcess(two) as process:
         assert [begun.info.start[0] for begun in process.begin()] == [0.0, 2.0]
         path = []
