@@ -100,7 +100,7 @@ def _physics_on_two(
 
     def leaping(each: Any) -> Callable[[], None]:  # noqa: ANN401
         each.reset(options=WHERE)
-        leap = each._ride._leap  # noqa: SLF001 - it gives the interpreter free, mj_step does not
+        leap = each.driven._leap  # noqa: SLF001 - it gives the interpreter free, mj_step does not
 
         def run() -> None:
             for period in periods:
@@ -162,7 +162,7 @@ def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: A
 def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64]]:  # noqa: ANN401
     """The wheel commands of a drive, tick by tick."""
     env.reset(options=WHERE)
-    leap = env._ride._leap  # noqa: SLF001 - to compare with what it does
+    leap = env.driven._leap  # noqa: SLF001 - to compare with what it does
     with patch.object(leap, "take", wraps=leap.take) as spy:
         for action in actions:
             env.step(action)
@@ -172,7 +172,7 @@ def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64
 def _physics(env: Any, commands: list[NDArray[np.float64]]) -> float:  # noqa: ANN401
     """Processor time [s] of mj_step alone under these commands: the same contacts, the same path."""
     env.reset(options=WHERE)
-    simulation = env._ride.simulation  # noqa: SLF001
+    simulation = env.driven.simulation
 
     def run() -> None:
         for speeds in commands:

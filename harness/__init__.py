@@ -6,6 +6,8 @@ What is named here is for use from elsewhere (docs/api.md), and is loaded when i
 import importlib
 from typing import TYPE_CHECKING
 
+from harness.base.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from harness.base.errors import HarnessError, RunFailed, UsageError
     from harness.episode.batch import Batch
@@ -14,7 +16,6 @@ if TYPE_CHECKING:
     from harness.episode.run import run_episode
     from harness.spec.run import Run
 
-__version__ = "0.1.0"
 __all__ = [
     "Batch",
     "Episode",

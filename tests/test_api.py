@@ -31,7 +31,8 @@ def test_the_page_the_types_and_the_package_name_the_same(name: str) -> None:
     tree = ast.parse(Path(str(package.__file__)).read_text())
     imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     typed = {alias.name: str(node.module) for node in imports for alias in node.names}
-    typed.pop("TYPE_CHECKING")
+    for beside in ("TYPE_CHECKING", "__version__"):
+        typed.pop(beside, None)
     _, _, table = PAGE.partition(f"| from `{name}` |")
     named = set(re.findall(r"`(\w+)`", table.partition("\n\n")[0]))
     assert typed == package._PLACES

@@ -73,11 +73,6 @@ def flags_of(*classes: type[BaseModel]) -> dict[str, str]:
 def from_flags(cls: type[V], given: argparse.Namespace, **others: object) -> V:
     """Returns a value of the options that were given, and of other fields.
 
-    Args:
-        cls: The value.
-        given: What the parser has read.
-        others: Fields that are no options.
-
     Raises:
         UsageError: One is not valid; the message names the flag.
     """

@@ -114,11 +114,7 @@ def _settings(run: Run, number: int, values: Mapping[str, Any], *, extended: boo
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
-    """Returns the parameters of metrics_node that a file sets, by name.
-
-    Raises:
-        UsageError: It cannot be read, or something in it is not valid.
-    """
+    """Returns the parameters of metrics_node that a file sets, by name; UsageError if one is wrong."""
     try:
         return read_values(path)
     except ParameterError as error:

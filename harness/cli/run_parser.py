@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.cli.flags import add_flags
 from harness.drivers import DRIVERS
 from harness.faults.lookup import describe_faults

@@ -76,40 +76,24 @@ def world_of(run: Run) -> World:
 
 
 def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
-    """Returns who walks, before there is a world: the actors of an SDF world, then those asked for.
-
-    Raises:
-        UsageError: One of them is not valid.
-    """
+    """Returns who walks, before there is a world: the actors of an SDF world, then those asked for."""
     return pedestrians(
         (*of_terrain(world.terrain, world.resource_path), *world.actors), world.resource_path
     )
 
 
 def actor_names(world: WorldSpec) -> tuple[str, ...]:
-    """Returns the names of the people as their topics and columns have them: NAME_actor.
-
-    Raises:
-        UsageError: One of them is not valid.
-    """
+    """Returns the names of the people as their topics and columns have them: NAME_actor."""
     return tuple(person.full_name for person in people(world))
 
 
 def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
-    """Returns the sensors that a rover carries, in publishing order.
-
-    Raises:
-        UsageError: One of the optional ones does not exist or is not valid.
-    """
+    """Returns the sensors that a rover carries, in publishing order."""
     return chosen(find_rover(rover.robot), rover.sensors)
 
 
 def gravity(run: Run, number: int = 0) -> float:
     """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model.
-
-    Args:
-        run: The run.
-        number: The rover's place in it.
 
     Raises:
         UsageError: The terrain's file is not usable.
@@ -119,12 +103,7 @@ def gravity(run: Run, number: int = 0) -> float:
 
 
 def injector(run: Run, number: int = 0) -> FaultInjector:
-    """Returns the faults of a rover.
-
-    Args:
-        run: The run.
-        number: The rover's place in it.
-    """
+    """Returns the faults of a rover."""
     rover = run.rovers[number]
     rows = sensor_rows(rover)
     return FaultInjector(find_faults(rover.faults, rows), run.own_seed(number), rows, run.seed)
@@ -178,11 +157,7 @@ def fleet(run: Run, rovers: tuple[RoverSetup, ...]) -> Run:
 
 
 def placed(run: Run) -> Run:
-    """Returns the run with a start for each rover but the first: beside the first where none is given.
-
-    Raises:
-        UsageError: There is no room for one.
-    """
+    """Returns the run with a start for each further rover: beside the first where none is given."""
     if all(rover.start is not None for rover in run.rovers[1:]):
         return run
     world = world_of(run)

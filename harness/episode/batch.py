@@ -13,7 +13,6 @@ class EpisodeInfo:
 
     Attributes:
         model_hash: SHA-256 of the rover's model file; `terrain_hash` is that of heights and obstacles.
-        obstacles: How many there are.
         map_size: Its lengths along x and y [m].
         start: Where the rover started: x, y [m], yaw [rad] of its model frame in the world.
         notes: What a file holds, and what was done to it to make this map of it.

@@ -6,11 +6,10 @@ from the sample, in the same order: a tick's samples first, then the row if a se
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Self
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
@@ -68,7 +67,7 @@ def run_direct(
         return tuple(log.ended(*why) for log in logged)
 
 
-class LoggedRun:
+class LoggedRun(AbstractContextManager["LoggedRun"]):
     """Logs a run whose samples go straight into the metrics: a sink of ticks, an Observer, a context.
 
     Args:
@@ -110,9 +109,6 @@ class LoggedRun:
         begun = replace(begun, log_path=log.path)
         self._account = RunAccount(begun, started, show, counts, lambda: log.rows)
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self._log.close()
 
@@ -123,9 +119,7 @@ class LoggedRun:
     def ended(self, failure: str | None = None, interrupted: str | None = None) -> RunResult:
         """Marks the log as complete or failed; returns what the run came to.
 
-        Args:
-            failure: Why it ended early; None if it did not.
-            interrupted: The signal's name if somebody stopped it.
+        It failed for a reason, or was interrupted by the signal of that name, or neither.
         """
         _mark(self._log, COMPLETE if failure is None else failed(failure))
         result = self._account.ended(failure=failure, interrupted=interrupted)

@@ -316,11 +316,6 @@ def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:
 def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
     """Returns what gives the goals of a rover, from a generator of its own; None without an area.
 
-    Args:
-        run: The run.
-        number: The rover's place in it.
-        world: Of the run.
-
     Raises:
         UsageError: There is no free place in the area.
     """
@@ -364,13 +359,7 @@ def installed(
 
 
 def sensor_noise(preset: str | None, seed: int, lidar: LidarSpec) -> SensorNoise | None:
-    """Returns the noise of an episode, from its own generators; None without.
-
-    Args:
-        preset: Its name.
-        seed: Of the rover.
-        lidar: Whose scans are corrupted.
-    """
+    """Returns the noise of an episode, from its own generators; None without."""
     if preset is None:
         return None
     _, scan_rng, imu_rng = generators(seed, 3)

@@ -31,7 +31,6 @@ class Fingerprint:
 
     Attributes:
         samples: Sensor readings of the stream.
-        rows: Rows of the CSV.
         lost: Messages that were published but not handled.
         stream: SHA-256 over the stream, hexadecimal; `csv` is that over the file.
     """
@@ -44,11 +43,7 @@ class Fingerprint:
 
 
 class StreamHash:
-    """Takes a stream batch by batch.
-
-    Attributes:
-        samples: How many sensor readings it has taken; transforms are none.
-    """
+    """Takes a stream by batches; `samples` counts its sensor readings, of which transforms are none."""
 
     def __init__(self) -> None:
         self.samples = 0
@@ -75,13 +70,7 @@ class StreamHash:
 
 
 def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[str] = ()) -> Fingerprint:
-    """Returns the fingerprint of a run in a folder that is gone afterwards.
-
-    Args:
-        drive: What drives it.
-        run: What to run, with one rover.
-        stop: Ends it early.
-        ros_args: Arguments from `--ros-args` on.
+    """Returns the fingerprint of a run with one rover, in a folder that is gone afterwards.
 
     Raises:
         RunFailed: It did not come to its planned end.
@@ -90,7 +79,8 @@ def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[st
     stream = StreamHash()
     with TemporaryDirectory(prefix="harness_check_") as folder:
         options = RosOptions(log_dir=Path(folder), ros_args=tuple(ros_args))
-        (result,) = drive(run, (Outputs(log_dir=options.log_dir, observers=[stream]),), options, stop)
+        outputs = (Outputs(log_dir=options.log_dir, observers=[stream]),)
+        (result,) = drive(run, outputs, options, stop, None)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
         if result.failure is not None or result.log_path is None:

@@ -32,7 +32,6 @@ class Route:
 
     Attributes:
         faults: Act on what leaves the rover; the episode itself does not see them.
-        sink: Where ticks go.
         observers: See every batch, in this order.
     """
 

@@ -9,10 +9,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
+from harness.base.version import __version__
 from harness.episode.result import RunResult
 from harness.truth.traversal import ContactEvent
 from harness.world.files import is_terrain_file
@@ -59,11 +59,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
 
 
 def write_manifest(result: RunResult, path: Path) -> None:
-    """Writes the manifest; the file is there whole or not at all.
-
-    Raises:
-        UsageError: It cannot be written there.
-    """
+    """Writes the manifest, there whole or not at all; a UsageError says that it cannot be written."""
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
     text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
     write_whole(path, text, "the summary", UsageError)

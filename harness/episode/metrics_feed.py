@@ -31,14 +31,9 @@ def extended_settings(rover: RoverSpec, gravity: float | None = None) -> Extende
 
 
 class SampleFeed:
-    """Hands samples to a session of metrics as they would come out of messages, and counts them.
+    """Hands samples to a session of metrics as they would come out of messages.
 
-    Args:
-        session: Takes them.
-        lidar: Whose scans they are.
-
-    Attributes:
-        fed: Samples taken, by the name of the topic that each would have had.
+    It counts those it has taken in `fed`, by the name of the topic that each would have had.
     """
 
     def __init__(self, session: MetricsSession, lidar: LidarSpec) -> None:
@@ -78,16 +73,7 @@ class SampleFeed:
 
 
 class DirectMetrics(SampleFeed):
-    """Feeds ticks to a session of metrics and writes a row each simulated second.
-
-    Args:
-        session: The metrics.
-        lidar: Whose scans they are made of.
-        log: Where the rows go.
-
-    Attributes:
-        last_row: The latest row, or None.
-    """
+    """Feeds ticks to a session of metrics and writes a row, the `last_row`, each simulated second."""
 
     def __init__(self, session: MetricsSession, lidar: LidarSpec, log: CsvLog) -> None:
         super().__init__(session, lidar)

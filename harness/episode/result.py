@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
@@ -55,17 +55,14 @@ class RunResult:
     """Everything the summary and the manifest say of one rover's part of a run.
 
     Attributes:
-        run: What determined it.
         number: The rover's place in the run.
         wall_s: Wall time from the first batch on [s], without the time in which it was paused.
         paused_s: That time [s].
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
-        topics: Counts by topic name.
         commands: Those of /cmd_vel.
         waited_s: Wall time for which the run stood still for a node in lock-step, by its name [s].
         log_path: The metrics CSV; None without one.
-        last_row: Its last row by column name.
         thresholds: Those that the metrics had at the end.
         along: What the rover met on its way, as the simulator knows it.
         reception: The metrics node's own account of each topic; None without one.
@@ -134,13 +131,7 @@ class RunResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """Where the data of one rover go.
-
-    Attributes:
-        log_dir: Folder that gets the log.
-        observers: See every batch.
-        settings: Of the metrics, hosted or direct.
-    """
+    """Where the data of one rover go: the log into a folder, every batch to its observers."""
 
     log_dir: Path
     observers: Sequence[Observer] = ()
@@ -148,21 +139,8 @@ class Outputs:
 
 
 Show = Callable[[RunResult], None]
-
-
-class Drive(Protocol):
-    """What drives a run: run_direct, or run_through_ros."""
-
-    def __call__(
-        self,
-        run: Run,
-        outputs: Sequence[Outputs],
-        options: RosOptions,
-        stop: StopRequest,
-        show: Show | None = None,
-    ) -> tuple[RunResult, ...]:
-        """Returns what each rover's part came to."""
-        ...
+# run_direct, or run_through_ros: returns what each rover's part came to.
+Drive = Callable[[Run, Sequence[Outputs], RosOptions, StopRequest, Show | None], tuple[RunResult, ...]]
 
 
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
@@ -184,7 +162,7 @@ class RunAccount:
 
     begun: RunResult
     started: float
-    show: Callable[[RunResult], None] | None
+    show: Show | None
     topics: Callable[[], dict[str, TopicCount]]
     rows: Callable[[], int]
     paused_s: Callable[[], float] = float

@@ -25,7 +25,6 @@ class SocialRecorder:
 
     Attributes:
         path: The log; None before the first row's second has begun.
-        goals: Those reached and failed.
 
     Raises:
         UsageError: The file exists, or its name does not end in .csv.
@@ -47,11 +46,7 @@ class SocialRecorder:
         return None if self._log is None else self._log.path
 
     def take(self, batch: Batch) -> None:
-        """Takes the next batch.
-
-        Raises:
-            RunFailed: A row cannot be written.
-        """
+        """Takes the next batch; RunFailed where a row cannot be written."""
         for goal in batch.goals:
             self.goals.begin((goal.x, goal.y), self._began_s)
         self._began_s = batch.truth.time_ns / NANOSECONDS

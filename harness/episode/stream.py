@@ -15,7 +15,7 @@ import multiprocessing
 import traceback
 from collections.abc import Iterator
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from harness.base.errors import HarnessError, RunFailed
 from harness.base.interrupt import held_back
@@ -40,10 +40,7 @@ EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 class _Order(NamedTuple):
     """What a batch begins with, in this order, that is not just the next one.
 
-    Attributes:
-        reset: Whether the rover goes back to its start, or to `place`.
-        command: Of the driver cmd_vel.
-        goal: Of the driver goal.
+    With `reset` the rover goes back to its start, or to `place`.
     """
 
     reset: bool = False
@@ -53,24 +50,14 @@ class _Order(NamedTuple):
 
 
 class Begun(NamedTuple):
-    """What one rover's episode was made of.
-
-    Attributes:
-        info: For the manifest.
-        description: What its transforms are of; None without any.
-    """
+    """What one rover's episode was made of; `description` is of its transforms, None without any."""
 
     info: EpisodeInfo
     description: Description | None
 
 
 class RoverOrders:
-    """What the consumer orders of one rover.
-
-    Args:
-        process: Where it is driven.
-        rover: Its setup.
-    """
+    """What the consumer orders of one rover."""
 
     def __init__(self, process: "EpisodeProcess", rover: RoverSetup) -> None:
         self._process = process
@@ -115,15 +102,10 @@ class RoverOrders:
         return at_ns
 
 
-class EpisodeProcess:
+class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
-    Args:
-        run: What is driven.
-        frame_options: As of an Episode.
-
-    Attributes:
-        rovers: Take the orders, in that order.
+    Its `rovers` take the orders, in that order.
     """
 
     def __init__(self, run: Run, frame_options: FrameOptions | None = None) -> None:
@@ -132,7 +114,7 @@ class EpisodeProcess:
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(
-            target=_simulate, args=(run, frame_options, remote, world), daemon=True
+            target=_simulate, args=(remote, run, frame_options, world), daemon=True
         )
         try:
             with held_back():
@@ -147,9 +129,6 @@ class EpisodeProcess:
         self._ordered = 0
         for _ in range(0 if any(rover.obeys for rover in self.rovers) else AHEAD):
             self._order()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._connection.close()
@@ -199,27 +178,18 @@ class EpisodeProcess:
 
 
 def _built_world(run: Run) -> World | None:
-    """Returns the world of a file, which takes seconds to build and little to hand over; else None.
-
-    Raises:
-        UsageError: There is no such world.
-    """
+    """Returns the world of a file, which takes seconds to build and little to hand over; else None."""
     if not is_terrain_file(run.world.terrain):
         return None
     check_world(run)
     return world_of(run)
 
 
-def _simulate(
-    run: Run,
-    frame_options: FrameOptions | None,
-    connection: Connection,
-    world: World | None,
-) -> None:
+def _simulate(connection: Connection, *of: Any) -> None:  # noqa: ANN401 - arguments of _stream
     """The child: builds the episodes, then streams them until their end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(run, frame_options, connection, world)
+            _stream(connection, *of)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -228,10 +198,7 @@ def _simulate(
 
 
 def _stream(
-    run: Run,
-    frame_options: FrameOptions | None,
-    connection: Connection,
-    world: World | None,
+    connection: Connection, run: Run, frame_options: FrameOptions | None, world: World | None
 ) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import episodes_of, together  # noqa: PLC0415

@@ -58,10 +58,10 @@ class Course:
         camera: The depth camera that the rover carries too; None for none.
 
     Attributes:
-        run: As it was given.
-        camera: As it was given.
+        run: The run that describes world, rover and lidar.
+        camera: The depth camera that the rover carries.
         scene: The rover where `harness.run` starts.
-        lidar: Of that rover in that world.
+        lidar: The rover's lidar in that world.
         places: Where episodes may start and end.
     """
 
@@ -79,8 +79,8 @@ class Course:
         """Returns the rover's depth camera, if it has one.
 
         Args:
-            simulation: Of an episode here.
-            seed: Of its noise.
+            simulation: The physics of an episode in this world.
+            seed: Seed of the camera's noise.
         """
         if self.camera is None or self._frames is None:
             return None
@@ -92,8 +92,8 @@ class Course:
         """Returns the scene of an episode, which may change its model as it likes.
 
         Args:
-            start: x, y [m] and yaw [rad].
-            variation: Of the rover.
+            start: x, y [m] and yaw [rad] in the world.
+            variation: How the rover differs from the one that ships.
 
         Raises:
             UsageError: The start is not on the map.
@@ -112,7 +112,7 @@ class Course:
 
         Raises:
             UsageError: The rover cannot stand there.
-            RunFailed: Nor fall there.
+            RunFailed: The rover left the map or the simulation diverged while it settled.
         """
         timestep_ns = self.run.timestep_ns
         if alike == self._alike:

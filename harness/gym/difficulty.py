@@ -5,11 +5,11 @@ import numpy as np
 from harness.gym.options import Curriculum, Range
 
 
-class Ladder:
-    """Climbs a range of difficulties while episodes succeed.
+class CurriculumSchedule:
+    """Draws difficulties from a range, whose upper end rises while episodes succeed.
 
     Attributes:
-        highest: Of the next world; without a curriculum the range's own upper end.
+        highest: Largest difficulty of the next world; without a curriculum the upper end of the range.
     """
 
     def __init__(self, curriculum: Curriculum, bounds: Range) -> None:
@@ -21,7 +21,7 @@ class Ladder:
         """Returns the difficulty of the next world."""
         return float(rng.uniform(self._bounds[0], self.highest))
 
-    def take(self, *, success: bool) -> None:
+    def record(self, *, success: bool) -> None:
         """Counts an episode; after a window of them, goes up, goes down or stays."""
         self._successes.append(success)
         if len(self._successes) < self._curriculum.window:

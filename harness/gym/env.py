@@ -1,13 +1,13 @@
-"""What all environments share: worlds and starts from the seed, actions checked, endings told."""
+"""The base of all environments: worlds, starts and goals from the seed, steps, endings, rendering."""
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property
 from threading import Lock
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, TypeVar
 
 import gymnasium
 import numpy as np
@@ -15,21 +15,22 @@ from gymnasium import spaces
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
+from pydantic import Field
 
-from harness.base.errors import Diverged, RunFailed, UsageError, unknown
+from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.gym.course import Course, draw_variation
-from harness.gym.difficulty import Ladder
+from harness.gym.course import Course, Variation, draw_variation
+from harness.gym.difficulty import CurriculumSchedule
+from harness.gym.driven_rover import DrivenRover
 from harness.gym.observation import Limits, Observation, Part
 from harness.gym.options import Options, parse_options
 from harness.gym.picture import Painter
-from harness.gym.ride import Ride
 from harness.samples import Twist
 from harness.sensors.depth import DepthOptions
+from harness.spec.value import Finite, Value, as_tuple, made
 from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
 
-RESET_OPTIONS = ("terrain", "difficulty", "world_seed", "start", "goal")
 MOST_TRIES = 20  # places at which a start is tried: a few are too steep to stand on
 LARGEST_SEED = 2**31
 FLIPPED = math.cos(TIPPED_OVER)
@@ -37,6 +38,25 @@ FLIPPED = math.cos(TIPPED_OVER)
 Info = dict[str, Any]
 Action = NDArray[np.float32]
 O = TypeVar("O", bound=Options)  # noqa: E741 - options
+
+
+class ResetOptions(Value):
+    """What the options of a reset may ask for.
+
+    Attributes:
+        terrain: Name or file of a new world.
+        difficulty: Difficulty of a new world, 0 to 1.
+        world_seed: Seed of a new world.
+        start: x, y [m] and yaw [rad] in the world.
+        goal: x, y in the world [m].
+    """
+
+    terrain: str | None = None
+    difficulty: float | None = None
+    world_seed: int | None = None
+    start: Annotated[tuple[Finite, ...] | None, Field(min_length=3, max_length=3)] = None
+    goal: Annotated[tuple[Finite, ...] | None, Field(min_length=2, max_length=2)] = None
+
 
 _building = Lock()  # MuJoCo's compiler is not promised to work in two threads at once
 
@@ -49,9 +69,11 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         options: Fields of `options_class`, by name.
 
     Attributes:
-        options: As they are understood.
-        goal: Where to drive in the world [m].
-        parts: Of the observation.
+        options: What the environment was made with, parsed.
+        course: The world of the current episode; there is none before the first reset.
+        driven: The rover of the current episode, or of the last one once that has ended.
+        goal: Where to drive, x and y in the world [m].
+        parts: Entries of the observation by name.
 
     Raises:
         UsageError: An option does not exist or is not valid.
@@ -64,6 +86,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     options_class: ClassVar[type[Options]]
     endings: ClassVar[Mapping[str, str]]  # by name: what it is, and whether it terminates or truncates
     actions: tuple[str, str]  # what the two numbers of an action are
+    course: Course
+    driven: DrivenRover
     parts: Mapping[str, Part]
     observation_space: spaces.Dict  # type: ignore[assignment]  # gymnasium's are generic
     action_space: spaces.Box  # type: ignore[assignment]
@@ -79,10 +103,9 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self.options: O = parse_options(self.options_class, options, name)  # type: ignore[assignment]
         self.render_mode = render_mode
         self._painter: Painter | None = None
-        self._ladder = Ladder(self.options.curriculum, self.options.difficulty)
-        self._course: Course | None = None
-        self._ride: Ride | None = None  # None: there is no episode to step
-        self._episodes = 0  # in this world
+        self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
+        self._episodes_left = 0  # in this world
+        self._is_over = True  # there is no episode to step
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -91,39 +114,39 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
 
         Args:
             seed: Of worlds, starts, goals and noise; None goes on with those there are.
-            options: Of this episode, any of RESET_OPTIONS: `start` is x, y [m], yaw [rad], `goal` x, y.
+            options: Fields of `ResetOptions`, for this episode.
 
         Raises:
             UsageError: An option is not valid, or the rover cannot stand at the start.
         """
         super().reset(seed=seed)
-        wanted = _checked_options(options or {})
+        given = {name: _plain(value) for name, value in (options or {}).items()}
+        wanted = made(ResetOptions, given, "reset").model_dump(exclude_none=True)
         rng = self.np_random
         noise_seed = int(rng.integers(LARGEST_SEED)) if seed is None else seed
         if seed is not None:
-            self._ladder = Ladder(self.options.curriculum, self.options.difficulty)
+            self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
         elsewhere = wanted.keys() & {"terrain", "difficulty", "world_seed"}
-        used_up = self._episodes >= self.options.episodes_per_world
-        if self._course is None or seed is not None or used_up or elsewhere:
-            self._course = self._new_course(noise_seed, wanted)
-            self._episodes = 0
-        self._episodes += 1
+        if not self._episodes_left or seed is not None or elsewhere:
+            self.course = self._new_course(noise_seed, wanted)
+            self._episodes_left = self.options.episodes_per_world
+        self._episodes_left -= 1
         variation = draw_variation(self.options.randomisation, rng)
-        ride = self._ride = self._started(self._course, noise_seed, variation, wanted.get("start"))
-        x, y, _ = ride.simulation.position
+        driven = self.driven = self._started(self.course, noise_seed, variation, wanted.get("start"))
+        x, y, _ = driven.simulation.position
         self.goal = wanted.get("goal") or self._draw_goal((x, y))
         self.steps = 0
-        self._shown = ride.simulation.data
-        self._begin(ride)
-        self._seen = self._observe(ride)
+        self._is_over = False
+        self._begin(driven)
+        self._seen = self._observe(driven)
         if self.render_mode == "human":
             self.render()
-        run = self._course.run
+        run = self.course.run
         return self._fresh_observation(), {
             "terrain": run.world.terrain,
             "world_seed": run.seed,
             "difficulty": run.world.difficulty,
-            "start": np.array(ride.simulation.scene.world.start),
+            "start": np.array(driven.simulation.scene.world.start),
             "goal": np.array(self.goal),
             "variation": asdict(variation),
         }
@@ -147,27 +170,24 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         Raises:
             InvalidAction: As `step`; likewise ResetNeeded.
         """
-        if self._ride is None:
+        if self._is_over:
             raise ResetNeeded("there is no episode to step; call reset() first, and after each episode")
         self._accepted = self._checked_action(action)
 
     def command(self) -> None:
         """Makes commands of the accepted action."""
-        assert self._ride is not None  # noqa: S101 - or nothing was accepted
-        self._ride.command(self._twist(self._accepted))
+        self.driven.command(self._twist(self._accepted))
 
     def drive(self) -> None:
         """Does the physics of the step."""
-        assert self._ride is not None  # noqa: S101 - it was commanded
-        self._ride.drive()
+        self.driven.drive()
         self.steps += 1
 
     def sense(self) -> None:
         """Reads the sensors after the step that was just driven, if it could be driven to its end."""
-        assert self._ride is not None  # noqa: S101 - it was driven
         self._failure = ""
         try:
-            self._ride.read()
+            self.driven.read()
         except Diverged:
             self._failure = "diverged"
         except RunFailed:
@@ -175,16 +195,15 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
 
     def conclude(self) -> tuple[Observation, float, bool, bool, Info]:
         """Returns what `step` returns, of what was just sensed."""
-        ride, failure = self._ride, self._failure
-        assert ride is not None  # noqa: S101 - it was driven
+        driven, failure = self.driven, self._failure
         if not failure:
-            self._seen = self._observe(ride)
-        reward, ending, info = self._judge(ride, failure)
+            self._seen = self._observe(driven)
+        reward, ending, info = self._judge(driven, failure)
         if not ending and self.steps * CONTROL_PERIOD >= self.options.time_limit - 1e-9:
             ending = "time"
         if ending:
-            self._ride = None
-            self._ladder.take(success=info["is_success"])
+            self._is_over = True
+            self._schedule.record(success=info["is_success"])
         if self.render_mode == "human":
             self.render()
         terminated = ending in self.terminal_endings
@@ -201,11 +220,11 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         if self.render_mode is None:
             gymnasium.logger.warn("render() draws nothing without render_mode='rgb_array' or 'human'")
             return None
-        if self._course is None:
+        if not hasattr(self, "driven"):
             raise ResetNeeded("there is nothing to draw yet; call reset() first")
         if self._painter is None:
             self._painter = Painter(window=self.render_mode == "human")
-        return self._painter.draw(self._course, self._shown, self.goal)
+        return self._painter.draw(self.course, self.driven.simulation.data, self.goal)
 
     def close(self) -> None:
         """Gives back the window and OpenGL; may be called twice."""
@@ -216,22 +235,22 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     @property
     def terminal_endings(self) -> frozenset[str]:
         """Endings by which an episode is terminated; by others it is truncated."""
-        return frozenset(name for name, told in self.endings.items() if told.startswith("terminated"))
+        return frozenset(name for name, what in self.endings.items() if what.startswith("terminated"))
 
     @abstractmethod
     def _twist(self, action: list[float]) -> Twist:
         """What an action commands."""
 
     @abstractmethod
-    def _begin(self, ride: Ride) -> None:
+    def _begin(self, driven: DrivenRover) -> None:
         """Called when an episode has begun, before its first observation."""
 
     @abstractmethod
-    def _observe(self, ride: Ride) -> Mapping[str, object]:
+    def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
         """What is observed now, by the names of the space."""
 
     @abstractmethod
-    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
+    def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
         """The reward of the step that was just driven, how the episode ended ("" if not), the info.
 
         `failure` is "edge" or "diverged" if the step could not be driven to its end.
@@ -253,8 +272,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return self.np_random
 
     def _draw_goal(self, start: tuple[float, float]) -> tuple[float, float]:
-        assert self._course is not None  # noqa: S101 - an episode has one
-        return self._course.places.draw(self._draws, start, self.options.goal_distance, self._box)
+        return self.course.places.draw(self._draws, start, self.options.goal_distance, self._box)
 
     def _draw_start(self, course: Course) -> Start:
         if not self.options.random_start:
@@ -263,12 +281,14 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         x, y = course.places.draw(rng, (0.0, 0.0), (0.0, math.inf), self._box)
         return x, y, round(float(rng.uniform(-math.pi, math.pi)), 3)
 
-    def _started(self, course: Course, noise_seed: int, variation: Any, start: Start | None) -> Ride:  # noqa: ANN401
+    def _started(
+        self, course: Course, noise_seed: int, variation: Variation, start: Start | None
+    ) -> DrivenRover:
         if start is not None:
-            return Ride(course, start, variation, noise_seed)
+            return DrivenRover(course, start, variation, noise_seed)
         for _ in range(MOST_TRIES):
             with suppress(UsageError, RunFailed):
-                return Ride(course, self._draw_start(course), variation, noise_seed)
+                return DrivenRover(course, self._draw_start(course), variation, noise_seed)
         raise UsageError(
             f"no start was found on {course.run.world.terrain}, seed {course.run.seed}, in {MOST_TRIES} "
             "tries; choose an easier world, or random_start=False"
@@ -277,7 +297,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     def _new_course(self, seed: int, wanted: Mapping[str, Any]) -> Course:
         rng, terrains = self.np_random, self.options.terrain
         terrain = terrains[int(rng.integers(len(terrains)))]
-        difficulty = self._ladder.draw(rng)
+        difficulty = self._schedule.draw(rng)
         run = self.options.episode(
             wanted.get("terrain", terrain),
             wanted.get("world_seed", seed),
@@ -309,22 +329,6 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return list(zip(low, high, strict=True))
 
 
-def _checked_options(options: Mapping[str, Any]) -> dict[str, Any]:
-    for name in options:
-        if name not in RESET_OPTIONS:
-            raise UsageError("reset: " + unknown("option", name, RESET_OPTIONS))
-    checked = dict(options)
-    for name, count in (("start", 3), ("goal", 2)):
-        if name in options:
-            checked[name] = _numbers(name, options[name], count)
-    return checked
-
-
-def _numbers(name: str, value: Sequence[float], count: int) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(item) for item in value)
-    except (TypeError, ValueError):
-        numbers = ()
-    if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise UsageError(f"reset: {name} {value} is not valid; give {count} finite numbers")
-    return numbers
+def _plain(value: object) -> object:
+    """Numbers of numpy, as the info of a reset has them, as numbers of Python."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else as_tuple(value)

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.point_nav import latest
+from harness.gym.driven_rover import DrivenRover
 from harness.gym.env import Info
 from harness.gym.observation import Part, space_of
 from harness.gym.point_nav import PointNavEnv, PointNavOptions
-from harness.gym.ride import Ride
 from harness.samples import Pose
 from rover_metrics.core import rotation
 
@@ -53,9 +53,9 @@ class PointNavGoalEnv(PointNavEnv):
         """Returns 0 where a goal is reached, else -1; for one pair or for many.
 
         Args:
-            achieved_goal: Shape (2,) or (n, 2) [m].
-            desired_goal: Likewise.
-            info: Not needed.
+            achieved_goal: x, y in the world [m], shape (2,) or (n, 2).
+            desired_goal: x, y in the world [m], shape (2,) or (n, 2).
+            info: Info of the step, which has no effect.
         """
         return np.asarray(self._reached(achieved_goal, desired_goal), np.float64) - 1.0
 
@@ -63,9 +63,9 @@ class PointNavGoalEnv(PointNavEnv):
         """Returns whether the episode ends there by itself.
 
         Args:
-            achieved_goal: Shape (2,) [m].
-            desired_goal: Likewise.
-            info: Of the step; what ended it for another reason still does.
+            achieved_goal: x, y in the world [m], shape (2,).
+            desired_goal: x, y in the world [m], shape (2,).
+            info: Info of the step; another ending that terminated it still does.
         """
         ended = info.get("ending", "") in self.terminal_endings - {"reached"}
         return ended or bool(self._reached(achieved_goal, desired_goal))
@@ -74,9 +74,9 @@ class PointNavGoalEnv(PointNavEnv):
         """Returns whether the step ended the episode without an outcome.
 
         Args:
-            achieved_goal: Not needed; likewise `desired_goal`.
-            desired_goal: See `achieved_goal`.
-            info: Of the step.
+            achieved_goal: x, y in the world [m], shape (2,), which has no effect.
+            desired_goal: x, y in the world [m], shape (2,), which has no effect.
+            info: Info of the step.
         """
         ending = info.get("ending", "")
         return bool(ending) and ending not in self.terminal_endings
@@ -84,22 +84,22 @@ class PointNavGoalEnv(PointNavEnv):
     def _reached(self, achieved: Numbers, desired: Numbers) -> NDArray[np.bool_]:
         return np.asarray(_apart(achieved, desired) < self.options.goal_radius)
 
-    def _observe(self, ride: Ride) -> Mapping[str, object]:
-        values = super()._observe(ride)
-        pose = latest(ride.readings, Pose)
+    def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
+        values = super()._observe(driven)
+        pose = latest(driven.readings, Pose)
         yaw = rotation.yaw(pose.orientation)
         flat = [np.asarray(values[name], np.float32) for name in self._own]
         flat.append(np.array([math.sin(yaw), math.cos(yaw)], np.float32))
         achieved, desired = pose.position[:2], self.goal
         return {"observation": np.concatenate(flat), "achieved_goal": achieved, "desired_goal": desired}
 
-    def _to_goal(self, ride: Ride) -> float:
+    def _to_goal(self, driven: DrivenRover) -> float:
         """By what is observed, so that a reward computed afterwards is the one that was given."""
-        achieved = np.array(latest(ride.readings, Pose).position[:2], np.float32)
+        achieved = np.array(latest(driven.readings, Pose).position[:2], np.float32)
         return float(_apart(achieved, np.array(self.goal, np.float32)))
 
-    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
-        _, ending, info = super()._judge(ride, failure)
+    def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
+        _, ending, info = super()._judge(driven, failure)
         del info["reward_terms"]
         return float(ending == "reached") - 1.0, ending, info
 

@@ -18,8 +18,8 @@ from rover_metrics.core import rotation
 Observation = dict[str, NDArray[np.float32]]
 
 AHEAD = tuple(round(-0.5 + 0.2 * n, 3) for n in range(11))  # [m] at which the ground is scanned
-LEFT = tuple(round(0.6 - 0.2 * n, 3) for n in range(7))  # [m] likewise, from left to right
-LARGEST_HEIGHT = 2.0  # [m] above or below the rover that is told
+LEFT = tuple(round(0.6 - 0.2 * n, 3) for n in range(7))  # [m] to the left at which the ground is scanned
+LARGEST_HEIGHT = 2.0  # [m] above or below the rover that is observed
 
 
 @dataclass(frozen=True)
@@ -27,14 +27,16 @@ class Part:
     """One entry of a Dict observation.
 
     Attributes:
-        low: Smallest value, of all or of each; likewise `high`.
+        low: Smallest value of all numbers, or of each.
+        high: Largest value of all numbers, or of each.
         about: What it is, with units, for the docs.
+        size: Count of numbers, if all have the same limits.
     """
 
     low: tuple[float, ...]
     high: tuple[float, ...]
     about: str
-    size: int = 0  # if all have the same limits
+    size: int = 0
 
     def space(self) -> spaces.Box:
         """Returns its space."""
@@ -83,14 +85,14 @@ def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
 
 
 def height_part() -> Part:
-    """Returns what `heights_around` tells, as a part of an observation."""
+    """Returns the heights of `heights_around` as a part of an observation."""
     where = f"{AHEAD[0]:g} to {AHEAD[-1]:g} m ahead, {LEFT[0]:g} m left to right, every 0.2 m"
     about = f"heights of the ground without obstacles over the rover [m], {where}"
     return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT))
 
 
 def depth_part(camera: DepthOptions) -> Part:
-    """Returns what a depth camera tells, as a part of an observation."""
+    """Returns the image of a depth camera as a part of an observation."""
     about = (
         f"depth image [m] of {camera.width} x {camera.height} pixels, row by row from the top left, "
         f"{math.degrees(camera.fov):.0f} deg wide, from the lidar's place ahead and "
@@ -103,8 +105,8 @@ def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:
     """Returns what RoverHarness/PointNav observes.
 
     Args:
-        beams: Of the lidar.
-        range_max: Of the lidar [m].
+        beams: Beams of the lidar.
+        range_max: Largest range of the lidar [m].
     """
     about = {
         "lidar": "ranges of /scan [m], the first ahead, then counter-clockwise; a miss is the largest",

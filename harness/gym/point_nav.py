@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, model_validator
 
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed, visible
+from harness.gym.driven_rover import DrivenRover
 from harness.gym.env import FLIPPED, Info, RoverEnv
 from harness.gym.observation import (
     Part,
@@ -20,7 +21,6 @@ from harness.gym.observation import (
     space_of,
 )
 from harness.gym.options import Options
-from harness.gym.ride import Ride
 from harness.robots import find_rover
 from harness.samples import Pose, Twist
 from harness.sensors.depth import DepthOptions
@@ -85,7 +85,7 @@ class PointNavOptions(Options):
 
 
 class PointNavEnv(RoverEnv[PointNavOptions]):
-    """Drives to a goal that it is told the direction of; the action is speed and yaw rate."""
+    """Drives to a goal whose direction is observed; the action is speed and yaw rate."""
 
     options_class = PointNavOptions
     endings: ClassVar[Mapping[str, str]] = {
@@ -119,8 +119,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
     def _camera(self) -> DepthOptions | None:
         return self.options.camera
 
-    def _begin(self, ride: Ride) -> None:
-        self._distance = self._to_goal(ride)
+    def _begin(self, driven: DrivenRover) -> None:
+        self._distance = self._to_goal(driven)
         self._hazard_s = self._action_rate = 0.0
         self._action: list[float] = [0.0, 0.0]
 
@@ -129,25 +129,25 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         self._action_rate = sum(abs(now - then) for now, then in zip(self._action, before, strict=True))
         return commanded(action, self._rover)
 
-    def _observe(self, ride: Ride) -> Mapping[str, object]:
-        values = observed(ride.readings, self.goal, self._range_max)
+    def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
+        values = observed(driven.readings, self.goal, self._range_max)
         if self.options.height_scan:
-            ground, pose = ride.simulation.scene.world.ground, latest(ride.readings, Pose)
+            ground, pose = driven.simulation.scene.world.ground, latest(driven.readings, Pose)
             values["heights"] = heights_around(ground, pose)
         if (camera := self._camera) is not None:
-            ranges = latest(ride.readings, RangeReading).ranges
+            ranges = latest(driven.readings, RangeReading).ranges
             values["depth"] = visible(ranges, camera.range_max)
         return values
 
-    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
-        before, distance = self._distance, self._to_goal(ride)
+    def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
+        before, distance = self._distance, self._to_goal(driven)
         diverged = failure == "diverged"
         self._distance = before if diverged else distance
-        hazard_s, scrape_s = (0.0, 0.0) if failure else (ride.hazard_s, ride.scrape_s)
+        hazard_s, scrape_s = (0.0, 0.0) if failure else (driven.hazard_s, driven.scrape_s)
         self._hazard_s += hazard_s
         ending = failure
         if not diverged:
-            ending = self._ending(ride) or failure
+            ending = self._ending(driven) or failure
         measured = {
             "progress": before - self._distance,
             "reached": float(ending == "reached"),
@@ -158,8 +158,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "action_rate": self._action_rate,
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
-        x, y, _ = ride.simulation.position
-        told = {
+        x, y, _ = driven.simulation.position
+        info = {
             "x_position": x,
             "y_position": y,
             "distance": self._distance,
@@ -167,15 +167,15 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "is_success": ending == "reached",
             "reward_terms": terms,
         }
-        return sum(terms.values()), ending, told
+        return sum(terms.values()), ending, info
 
-    def _ending(self, ride: Ride) -> str:
-        if ride.upright < FLIPPED:
+    def _ending(self, driven: DrivenRover) -> str:
+        if driven.upright < FLIPPED:
             return "flipped"
         if self._hazard_s >= self.options.hazard_budget - 1e-9:  # a sum of hundredths
             return "hazard"
         return "reached" if self._distance < self.options.goal_radius else ""
 
-    def _to_goal(self, ride: Ride) -> float:
-        x, y, _ = ride.simulation.position
+    def _to_goal(self, driven: DrivenRover) -> float:
+        x, y, _ = driven.simulation.position
         return math.dist(self.goal, (x, y))

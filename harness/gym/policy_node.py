@@ -3,9 +3,9 @@
     python -m harness.gym.policy_node FILE.npz --goal 3,1 --ros-args -p use_sim_time:=true
     python -m harness.run --driver cmd_vel --wait-for /policy
 
-It hears /scan, /imu/data, /rover/pose_array, /odometry/wheels and /goal_pose, and answers with /cmd_vel
-when /clock says that all of a scan's tick has been sent. In lock-step it drives the path that the policy
-drives in its environment.
+It subscribes to /scan, /imu/data, /rover/pose_array, /odometry/wheels and /goal_pose, and answers with
+/cmd_vel when /clock says that all of a scan's tick has been sent. In lock-step it drives the path that
+the policy drives in its environment.
 """
 
 import argparse
@@ -63,7 +63,7 @@ class PolicyNode(GuardedNode):
         self._readings: dict[type[samples.Sample], samples.Sample] = {}
         self._answered_ns = 0  # the stamp of the last scan that was answered
         self._command = self.create_publisher(Twist, "cmd_vel", 10)
-        heard: tuple[tuple[type, str, Callable[..., None], object], ...] = (
+        subscriptions: tuple[tuple[type, str, Callable[..., None], object], ...] = (
             (ScanMessage, "scan", self._on_scan, 10),
             (ImuMessage, "imu/data", self._on_imu, 10),
             (PoseArray, "rover/pose_array", self._on_pose, BEST_EFFORT),
@@ -71,7 +71,7 @@ class PolicyNode(GuardedNode):
             (PoseStamped, "goal_pose", self._on_goal, 10),
             (Clock, "/clock", self._on_clock, 10),
         )
-        for kind, topic, callback, qos in heard:
+        for kind, topic, callback, qos in subscriptions:
             self.create_subscription(kind, topic, callback, qos)
 
     def _on_scan(self, message: ScanMessage) -> None:
@@ -96,8 +96,8 @@ class PolicyNode(GuardedNode):
     def _on_pose(self, message: PoseArray) -> None:
         for pose in message.poses[:1]:
             place = (pose.position.x, pose.position.y, pose.position.z)
-            told = samples.Pose(stamp_ns(message), place, _quaternion(pose.orientation))
-            self._readings[samples.Pose] = told
+            attitude = _quaternion(pose.orientation)
+            self._readings[samples.Pose] = samples.Pose(stamp_ns(message), place, attitude)
 
     def _on_odometry(self, message: OdometryMessage) -> None:
         twist = message.twist.twist
@@ -115,9 +115,9 @@ class PolicyNode(GuardedNode):
         stamp_ns = point_nav.latest(self._readings, samples.LaserScan).stamp_ns
         if stamp_ns != self._answered_ns:
             self._answered_ns = stamp_ns
-            told = self._policy.command(self._readings, self._goal, self._rover)
+            command = self._policy.command(self._readings, self._goal, self._rover)
             twist = Twist()
-            twist.linear.x, twist.angular.z = told.linear, told.angular
+            twist.linear.x, twist.angular.z = command.linear, command.angular
             self._command.publish(twist)
 
 

@@ -15,10 +15,10 @@ from pydantic import AfterValidator, field_validator
 
 from harness.base.sim_time import CONTROL_PERIOD, check_duration
 from harness.drivers.point_nav import Point, latest, visible, way_to
+from harness.gym.driven_rover import DrivenRover
 from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import Part, space_of
 from harness.gym.options import Options, Positive
-from harness.gym.ride import Ride
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 from harness.spec.value import Length, Share, Value, checked
 from rover_metrics.core import rotation
@@ -126,7 +126,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
             return self.np_random
         return np.random.default_rng(np.random.randint(2**31))  # noqa: NPY002 - the global one is the defect
 
-    def _begin(self, ride: Ride) -> None:  # noqa: ARG002 - other environments need it
+    def _begin(self, driven: DrivenRover) -> None:  # noqa: ARG002 - other environments need it
         self._error, self._collisions, self._goals = 0.0, 0, 0
         self._terms: dict[str, float] = {}
         self._distance: float | None = None
@@ -149,8 +149,8 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
         before, self._asked_at = self._asked_at, time.perf_counter()
         return self._asked_at - before
 
-    def _observe(self, ride: Ride) -> Mapping[str, object]:
-        readings = ride.readings
+    def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
+        readings = driven.readings
         pose, twist = latest(readings, Pose), latest(readings, Odometry).twist
         attitude = latest(readings, Imu).orientation
         (roll, pitch), yaw = rotation.roll_pitch(attitude), rotation.yaw(attitude)
@@ -169,21 +169,21 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
             "velocities": (twist.linear, twist.angular),
         }
 
-    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
+    def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
         if failure == "diverged":
-            return 0.0, failure, self._told()
+            return 0.0, failure, self._info()
         self._places.append(self._pose.position[:2])
         reward, ending = OUTSIDE_REWARD, failure
         if max(abs(self._roll), abs(self._pitch)) > FLIPPED:
             reward, ending = (FLIPPED_REWARD if self.steps > SPARED_STEPS else 0.0), "flipped"
         elif not failure:
             reward = self._early_reward if self._defects.stale_reward else self._task_reward()
-            self._seen = self._observe(ride)  # of the goal that may be a new one
+            self._seen = self._observe(driven)  # of the goal that may be a new one
             if self._is_stuck():
                 reward, ending = STUCK_REWARD, "stuck"
-        return reward, ending, self._told()
+        return reward, ending, self._info()
 
-    def _told(self) -> Info:
+    def _info(self) -> Info:
         return {
             "distance": way_to(self.goal, self._pose)[0],
             "collisions": 0 if self._defects.collisions_uncounted else self._collisions,

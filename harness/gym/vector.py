@@ -8,9 +8,8 @@ All are commanded first, then driven, then sensed: the interpreter's own work of
 half as long while the processor still has it in its caches from the environment before.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -31,12 +30,12 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
     """Environments of one kind, of which each has worlds of its own.
 
     Args:
-        num_envs: How many.
-        make: Makes one; it is given the options.
-        autoreset_mode: When one that has ended begins anew, as Gymnasium defines it.
-        threads: How many step them; 0 for one a processor.
-        render_mode: Of each.
-        options: Of each.
+        make: Makes one environment from a render mode and options.
+        num_envs: Number of environments.
+        autoreset_mode: When an environment that has ended begins anew, as Gymnasium defines it.
+        threads: Number of threads that step the environments; 0 for one a processor.
+        render_mode: Render mode of each environment.
+        options: Options of each environment.
 
     Raises:
         UsageError: A value is not valid.
@@ -75,20 +74,20 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         """Begins an episode in each environment, or in those of options["reset_mask"].
 
         Args:
-            seed: Of each, or of the first: those that follow have the numbers that follow.
-            options: As of the single environment, for all, and the mask, of shape (num_envs,).
+            seed: Seeds of all, or the first one, which the following numbers follow.
+            options: Those of a single environment, for all, and the mask, of shape (num_envs,).
         """
         options = dict(options or {})
         mask = self._checked_mask(options.pop("reset_mask", np.ones(self.num_envs, np.bool_)))
         seeds = self._seeds(seed)
-        infos: list[Info | None] = [None] * self.num_envs
+        infos: list[Info] = [{}] * self.num_envs
 
         def begin(index: int) -> None:
             self._seen[index], infos[index] = self.envs[index].reset(seed=seeds[index], options=options)
 
         self._each(begin, np.flatnonzero(mask).tolist())
         self._ended[mask] = False
-        return self._observations(), stacked(infos)
+        return self._observations(), self._batched(infos)
 
     def step(self, actions: Action) -> tuple[Observation, NDArray[np.float64], Flags, Flags, Info]:
         """Steps all; with NEXT_STEP, one that has ended begins its next episode instead.
@@ -104,8 +103,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
             raise UsageError(f"{count} actions are not valid; give {self.num_envs}, one for each")
         rewards = np.zeros(self.num_envs)
         terminated, truncated = np.zeros((2, self.num_envs), np.bool_)
-        infos: list[Info | None] = [None] * self.num_envs
-        final: list[tuple[Observation, Info] | None] = [None] * self.num_envs
+        infos: list[Info] = [{}] * self.num_envs
 
         begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
         stepped = np.flatnonzero(~begun).tolist()
@@ -121,20 +119,18 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
                 self.envs[index].drive()
 
         def conclude(index: int) -> None:
-            told = self.envs[index].conclude()
-            self._seen[index], rewards[index], terminated[index], truncated[index], infos[index] = told
+            seen, rewards[index], terminated[index], truncated[index], info = self.envs[index].conclude()
             if self._mode is AutoresetMode.SAME_STEP and (terminated[index] or truncated[index]):
-                final[index] = told[0], told[4]
-                self._seen[index], infos[index] = self.envs[index].reset()
+                final = {"final_obs": seen, "final_info": info}
+                seen, info = self.envs[index].reset()
+                info |= final
+            self._seen[index], infos[index] = seen, info
 
         self._each(drive, range(self.num_envs))
         self._each(lambda index: self.envs[index].sense(), stepped)
         self._each(conclude, stepped)
         self._ended = terminated | truncated
-        told = stacked(infos)
-        if any(final):
-            told |= self._final(final)
-        return self._observations(), rewards, terminated, truncated, told
+        return self._observations(), rewards, terminated, truncated, self._batched(infos)
 
     def render(self) -> tuple[Any, ...]:
         """Returns what each environment draws."""
@@ -170,16 +166,12 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         seen = self._seen
         return {name: np.array([observation[name] for observation in seen]) for name in seen[0]}
 
-    def _final(self, final: Sequence[tuple[Observation, Info] | None]) -> Info:
-        observations = np.array([None if last is None else last[0] for last in final], dtype=object)
-        ended = np.array([last is not None for last in final])
-        infos = stacked([None if last is None else last[1] for last in final])
-        return {
-            "final_obs": observations,
-            "_final_obs": ended,
-            "final_info": infos,
-            "_final_info": ended,
-        }
+    def _batched(self, infos: Sequence[Info]) -> Info:
+        """The infos of all environments as Gymnasium has them: an array for a key, and who has it."""
+        batched: Info = {}
+        for index, info in enumerate(infos):
+            batched = self._add_info(batched, info, index)
+        return batched
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
         if seed is None:
@@ -199,33 +191,6 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         if not mask.all() and not all(self._seen):
             raise ResetNeeded("the first reset() begins all environments; leave out reset_mask")
         return mask
-
-
-def stacked(infos: Sequence[Mapping[str, Any] | None]) -> Info:
-    """Returns the infos of all environments as Gymnasium has them: an array a key, and who has it.
-
-    Args:
-        infos: Of each environment; None for one that told nothing.
-    """
-    told: Info = {}
-    some = [info or {} for info in infos]
-    for key in dict.fromkeys(chain.from_iterable(some)):
-        values = [info.get(key) for info in some]
-        has = np.array([value is not None for value in values])
-        told[key], told[f"_{key}"] = _stack(values, has), has
-    return told
-
-
-def _stack(values: list[Any], has: Flags) -> Any:  # noqa: ANN401 - an array, or a dict of arrays
-    first = values[int(has.argmax())]
-    if isinstance(first, dict):
-        return stacked(values)
-    if not isinstance(first, bool | int | float | np.ndarray):
-        return np.array(values, dtype=object)
-    if not has.all():
-        blank = np.zeros_like(first)
-        values = [blank if value is None else value for value in values]
-    return np.array(values)
 
 
 def _mode(mode: str | AutoresetMode) -> AutoresetMode:

@@ -159,11 +159,5 @@ def _summary(name: str, values: list[float]) -> str:
 def render(
     result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
 ) -> str:
-    """Returns the HTML of a run's report.
-
-    Args:
-        result: What the run came to.
-        recorder: What was recorded of it.
-        others: What was recorded of other rovers in the same world, by name.
-    """
+    """Returns the HTML of a run's report; `others` are further rovers in the same world, by name."""
     return fill("report", content(result, recorder, others), "harness.report")

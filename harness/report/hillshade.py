@@ -66,13 +66,7 @@ def shade(ground: Heightfield) -> Hillshade:
 
 
 def map_layout(ground: Heightfield, hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
-    """Returns axes of one scale over the terrain as a picture.
-
-    Args:
-        ground: The terrain.
-        hillshade: Its picture.
-        track: What the axes show at first.
-    """
+    """Returns axes of one scale over the terrain as a picture."""
     x_range, y_range = _view(track, ground)
     picture = {
         "source": hillshade.data_uri(),

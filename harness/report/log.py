@@ -5,7 +5,7 @@ import math
 import re
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -23,7 +23,6 @@ from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
 MOST_NOTES = 20  # kinds
-
 
 # The thresholds that the values of a column are compared with.
 THRESHOLDS = {metric.column: metric.thresholds for metric in METRICS.values() if metric.thresholds}
@@ -96,21 +95,20 @@ class Event:
 
 def contacts(track: Sequence[Stretch]) -> list[Event]:
     """Returns when the rover touched a hazard, and where it did so first."""
-    starts = [0.0, *(stretch.time_s for stretch in track)]
-    return _joined(
-        Event(start_s, stretch.time_s, stretch.position)
-        for start_s, stretch in zip(starts, track, strict=False)
-        if stretch.contact_s > 0.0
-    )
+    return _while(track, lambda stretch: stretch.contact_s > 0.0)
 
 
 def meetings(track: Sequence[Stretch]) -> list[Event]:
     """Returns when a person was in the rover's personal space, and where the rover was at first."""
+    return _while(track, lambda stretch: stretch.nearest_person < PERSONAL_SPACE)
+
+
+def _while(track: Sequence[Stretch], holds: Callable[[Stretch], bool]) -> list[Event]:
     starts = [0.0, *(stretch.time_s for stretch in track)]
     return _joined(
         Event(start_s, stretch.time_s, stretch.position)
         for start_s, stretch in zip(starts, track, strict=False)
-        if stretch.nearest_person < PERSONAL_SPACE
+        if holds(stretch)
     )
 
 

@@ -79,9 +79,8 @@ class Stretch:
 class RunRecorder:
     """Watches the batches of one run.
 
-    Attributes:
-        track: The run so far; the last stretch may be shorter than the others.
-        last_scan: The latest scan that fell on the tick of a pose, every 0.1 s; None before.
+    The last stretch of `track`, the run so far, may be shorter than the others; `last_scan` is the
+    latest scan that fell on the tick of a pose, every 0.1 s.
     """
 
     def __init__(self, fewest_stretches: int = FEWEST_STRETCHES) -> None:

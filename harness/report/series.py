@@ -48,16 +48,7 @@ def series_figure(
     contacts: Sequence[Event],
     gravity: float,
 ) -> fig.Figure:
-    """Returns one column over time.
-
-    Args:
-        name: Of the column.
-        log: Where its values are.
-        thresholds: Of the run.
-        track: What was recorded beside the log.
-        contacts: When the rover touched a hazard.
-        gravity: Of the run [m/s^2].
-    """
+    """Returns one column over time, beside what was recorded of the same run; gravity in m/s^2."""
     unit = fig.spelled(describe(name).unit)
     data = [*_samples(name, track), _logged(name, unit, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)

@@ -21,13 +21,7 @@ UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  #
 
 
 def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
-    """Returns the metrics of a run against its truth.
-
-    Args:
-        result: The run.
-        log: Its metrics log.
-        track: What was recorded of it.
-    """
+    """Returns the metrics of a run against its truth."""
     truth, row = result.truth, result.last_row or {}
     threshold = result.thresholds.collision_threshold
     clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]

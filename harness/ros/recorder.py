@@ -22,10 +22,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 
-from harness import __version__
 from harness.base.errors import RunFailed, UsageError
 from harness.base.files import check_target
 from harness.base.sim_time import NANOSECONDS
+from harness.base.version import __version__
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, Message
 from harness.sensors.message_types import typestore
@@ -256,12 +256,13 @@ def padding_of(data: bytes, type_name: str) -> list[int]:
     buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
     rosbags does not write.
     """
-    message = typestore().deserialize_cdr(data, type_name)
-    serialize = typestore().get_msgdef(type_name).serialize_cdr_le
+    definition = typestore().get_msgdef(type_name)
     body = len(data) - 4  # behind the encapsulation header
+    # Not `deserialize_cdr`, which refuses what DDS leaves behind lists that are empty.
+    message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
-        serialize(memoryview(buffer), 0, message, typestore())
+        definition.serialize_cdr_le(memoryview(buffer), 0, message, typestore())
     zeros, ones = (np.frombuffer(buffer, np.uint8) for buffer in buffers)
     return [4 + i for i in np.flatnonzero(zeros != ones).tolist()]
 

@@ -9,9 +9,9 @@ from typing import Any
 import mujoco
 from pydantic import Field
 
-from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
+from harness.base.version import __version__
 from harness.episode.result import RunResult
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, scenario_name

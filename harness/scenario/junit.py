@@ -6,8 +6,8 @@ from pathlib import Path
 from junitparser import Error, Failure, Skipped
 from junitparser.xunit2 import JUnitXml, TestCase, TestSuite
 
-from harness import __version__
 from harness.base.files import write_whole
+from harness.base.version import __version__
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
 from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.scenario.attempt import Attempt
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case

@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import Cell as Values
 from harness.scenario.case import scenario_name

@@ -9,8 +9,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
-from harness import __version__
 from harness.base.files import write_whole
+from harness.base.version import __version__
 from harness.tune.episodes.plan import Part, Planned
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.page.page import render
@@ -63,17 +63,7 @@ def write_results(
     records: Mapping[Planned, EpisodeRecord],
     command: str,
 ) -> Iterator[Path]:
-    """Writes the files, each there whole or not at all, and yields the path of each.
-
-    Args:
-        folder: Of the sweep.
-        studies: One per robot.
-        records: All episodes.
-        command: What makes these files.
-
-    Raises:
-        HarnessError: One cannot be written.
-    """
+    """Writes the files, each there whole or not at all, and yields the path of each."""
     texts = {f"{study.name}.yaml": parameter_file(study, command) for study in studies}
     texts |= {SCORES: _scores(studies, command), REPORT: render(studies, records, command)}
     for name, text in texts.items():

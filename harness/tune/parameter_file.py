@@ -5,7 +5,7 @@ from io import StringIO
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.episode.metrics_feed import extended_settings
 from harness.robots import find_rover
 from harness.tune.episodes.plan import Part

@@ -23,12 +23,7 @@ BEST_FRONT = math.radians(35.0)  # angle between the rover's heading and the cam
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A camera as MuJoCo's free camera has it: what it looks at, from where.
-
-    Attributes:
-        target: Point in the world [m].
-        azimuth: Direction of view [deg].
-    """
+    """A camera as MuJoCo's free camera has it: the target in the world [m], and from where [deg, m]."""
 
     target: Vector
     azimuth: float

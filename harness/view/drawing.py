@@ -60,9 +60,6 @@ class Drawing(AbstractContextManager["Drawing"]):
     def prepare(self, run: Run) -> None:
         """Finds out whether everything that drawing takes is there, and opens the logs of states.
 
-        Args:
-            run: What will be driven.
-
         Raises:
             UsageError: The files cannot be written, a package or OpenGL is missing.
         """
@@ -88,8 +85,7 @@ class Drawing(AbstractContextManager["Drawing"]):
     def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         """Draws in a process of its own; returns the files written.
 
-        Args:
-            show: Called with the number of frames drawn and of all frames; of a picture there is one.
+        `show` is called with the number of frames drawn and of all frames; of a picture there is one.
 
         Raises:
             DrawingFailed: They could not be drawn.
@@ -133,11 +129,7 @@ def _call(
 
 
 def _working_environment(chosen: str) -> dict[str, str]:
-    """The environment in which MuJoCo draws without a display.
-
-    Raises:
-        UsageError: There is none; the message names the system's packages.
-    """
+    """The environment in which MuJoCo draws without a display; a UsageError if there is none."""
     system = platform.system()
     known = backends(chosen)
     for backend in known:

@@ -86,13 +86,7 @@ def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
 
 
 def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> list[Mark]:
-    """Returns the imprints of the lugs along both sides of the path's end.
-
-    Args:
-        recording: The states of the run.
-        ground: What the rover drove on.
-        rover: Whose wheels left them.
-    """
+    """Returns the imprints of the lugs along both sides of the path's end."""
     length = _driven(recording)[-1]
     stations = np.arange(max(0.0, length - TRACK_LENGTH), length, TRACK_SPACING)
     size = (TRACK_HALF_LENGTH, 0.5 * rover.wheel_width, TRACK_HALF_HEIGHT)

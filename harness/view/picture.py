@@ -46,16 +46,12 @@ CALMED = 2.0 * FRAME_RATE  # states that the camera takes to follow a turn
 
 
 class Studio(AbstractContextManager["Studio"]):
-    """Draws the states of one run with its marks; a context manager that gives OpenGL back.
+    """Draws the states of one run with its marks, and the beams if asked; a context manager.
 
-    Args:
-        paths: The recording of each rover.
-        quality: Of the images.
-        lidar: Whether the beams are shown.
+    Leaving it gives OpenGL back.
 
     Attributes:
         recording: The states of the first rover, which are as many as those of each other one.
-        model: The scene that they are states of.
         data: The state that was posed last.
         half_width: Half the width of an image at unit distance.
     """

@@ -29,11 +29,7 @@ HALF_WINDOW = 0.25  # [s] of a speed that can be read
 
 
 class StateWriter:
-    """Appends the states of an episode to a new file until it is closed.
-
-    Attributes:
-        path: The file.
-    """
+    """Appends the states of an episode to a new file until it is closed."""
 
     def __init__(self, path: Path, run: Run, number: int = 0) -> None:
         self.path = path
@@ -73,8 +69,6 @@ class States:
     """What was recorded.
 
     Attributes:
-        run: What the scene was made from.
-        number: The rover's place in the run.
         times: Simulation times [s], shape (n,).
         path: Position of the rover's model frame at those times [m], shape (n, 3).
         orientations: Its attitude as (w, x, y, z), shape (n, 4).

@@ -24,9 +24,9 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import Any, ClassVar
 
-from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.interrupt import HANDLED
+from harness.base.version import __version__
 from harness.workers.pool import Item, Outcome, WorkerLost, Workers
 
 PACKAGES = ("mujoco", "numba", "numpy", "scipy")

@@ -47,12 +47,10 @@ class MissingRosError(RoverMetricsError, ImportError):
 
 
 def missing_ros(error: ImportError, *, is_program: bool) -> BaseException:
-    """Returns what to raise where ROS 2 is missing.
+    """Returns what to raise where ROS 2 is missing, from what an import said.
 
-    Args:
-        error: What the import of rclpy or of a message package said.
-        is_program: Whether nobody is there to catch it; then it is a SystemExit after one line on
-            stderr, else a MissingRosError.
+    In a program, where nobody is there to catch it, a SystemExit after one line on stderr; else a
+    MissingRosError.
     """
     message = (
         f"metrics_node needs ROS 2, but: {error}; source one (source /opt/ros/<distro>/setup.bash) "
@@ -75,10 +73,6 @@ def begin_program(name: str) -> None:
 
 def run_program(name: str, work: Callable[[], int]) -> int:
     """Does a program's work; what is known to go wrong is one line on stderr, a bug goes on as it is.
-
-    Args:
-        name: The program's, before the line.
-        work: Gives the exit code.
 
     Returns:
         The exit code: that of the work or of the KnownError that ended it; 2 where a file cannot be

@@ -56,12 +56,10 @@ class MetricsNode(GuardedNode):
         namespace: As for a Node.
 
     Attributes:
-        settings: The current parameter values.
         session: Takes the samples and makes the rows; `metrics` are its twelve columns.
         log: The CSV log of this session, and `record` the JSON beside it.
         reception: What arrived on each topic, what was odd about it and what is missing.
         topics: The resolved name of each topic that is listened to.
-        timer: Fires when a row is due.
         last_row: The latest row, written or not; None before the first.
         in_lock_step: Whether a simulator waits until this node has handled what it sent.
 

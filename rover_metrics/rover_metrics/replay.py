@@ -67,11 +67,7 @@ def _replay(options: argparse.Namespace) -> int:
 
 @contextmanager
 def _log(output: Path | None, bag: Path, columns: Sequence[str], *, overwrite: bool) -> Iterator[CsvLog]:
-    """The log to write to; a file asked for by name gets its name when it is whole.
-
-    Raises:
-        LogError: It cannot be created, or the name is taken.
-    """
+    """The log to write to; a file asked for by name gets its name when it is whole."""
     if output is None or output.is_dir():
         with CsvLog(output or DEFAULT_LOG_DIR, datetime.now(), columns=columns) as log:
             yield log

@@ -23,12 +23,7 @@ from rover_metrics.timing import NANOSECONDS
 
 
 class Remark(NamedTuple):
-    """What is odd about a sample, by a name under which it is counted.
-
-    Attributes:
-        what: The name.
-        left_out: Whether the metrics have not used the sample.
-    """
+    """What is odd about a sample, by its name in counts, and whether it was left out of the metrics."""
 
     what: str
     left_out: bool = True
@@ -141,12 +136,7 @@ class MetricsSession:
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:
-        """Returns the row of the session so far.
-
-        Args:
-            now_ns: ROS time of the row.
-            reported_lost: Messages that the middleware says it has lost, by topic.
-        """
+        """Returns the row at a ROS time [ns]; the middleware reports what it has lost, by topic."""
         if self.extended is None:
             return self.metrics.row(now_ns // NANOSECONDS)
         return self.extended.row(now_ns, reported_lost)

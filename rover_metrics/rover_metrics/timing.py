@@ -25,12 +25,9 @@ def age(now_ns: int, stamp_ns: int) -> float | None:
 
 
 def rate(count: int, since_ns: int | None, now_ns: int) -> float | None:
-    """Returns how often something came [Hz]; None if no time has passed, or from when is not known.
+    """Returns how often something came between two times [ns], in Hz.
 
-    Args:
-        count: How many times it came.
-        since_ns: Start of the interval [ns].
-        now_ns: Its end [ns].
+    None if no time has passed, or from when is not known.
     """
     if since_ns is None or now_ns <= since_ns:
         return None
@@ -121,10 +118,8 @@ class TimeSource(Enum):
 class ClockRows:
     """The rows of a live node that heard /clock from the start on.
 
-    Nothing is due before the first full second, nor does a timer fire at the end.
-
-    Attributes:
-        jumps: Where time went back, or ahead by more than a second; a line each.
+    Nothing is due before the first full second, nor does a timer fire at the end. A line of `jumps` says
+    where time went back, or ahead by more than a second.
     """
 
     def __init__(self) -> None:
@@ -147,8 +142,7 @@ class ClockRows:
 class FullSeconds:
     """A row for each second that is full as recorded or header time goes on.
 
-    Attributes:
-        jumps: Where time went back, or ahead by more than LONGEST_GAP; a line each.
+    A line of `jumps` says where time went back, or ahead by more than LONGEST_GAP.
     """
 
     def __init__(self) -> None:

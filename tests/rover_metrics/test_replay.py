@@ -139,12 +139,14 @@ def write_folder(
     storage: StoragePlugin = StoragePlugin.SQLITE3,
     compression: CompressionMode = CompressionMode.NONE,
     types: dict[str, str] = TYPES,
+    silent: tuple[str, ...] = (),
 ) -> Path:
+    """A recording as rosbag2 leaves it, which also lists topics that were silent."""
     writer = Rosbag2Writer(path, version=8, storage_plugin=storage)
     if compression is not CompressionMode.NONE:
         writer.set_compression(compression, CompressionFormat.ZSTD)
     with writer:
-        topics = dict.fromkeys(topic for topic, _, _ in messages)
+        topics = dict.fromkeys([*(topic for topic, _, _ in messages), *silent])
         connections = {t: writer.add_connection(t, types[t], typestore=STORE) for t in topics}
         for topic, time_ns, data in messages:
             writer.write(connections[topic], time_ns, data)
@@ -229,6 +231,16 @@ def test_rows_follow_the_clock_topic_where_there_is_one(tmp_path: Path) -> None:
     recorded = replay(bag, "--time", "recorded")
     assert [row[0] for row in recorded] == [str(1_000_000_000 + n) for n in range(1, 5)]
     assert [row[1:] for row in recorded] == [row[1:] for row in cells(expected_rows())]
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_topic_on_which_nothing_was_recorded_is_missing(
+    tmp_path: Path, storage: StoragePlugin, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = [m for m in drive(offset_s=1e9, clock=False) if m[0] != "/scan"]
+    bag = write_folder(tmp_path / "bag", messages, storage=storage, silent=("/scan", CLOCK))
+    assert [row[0] for row in replay(bag)] == [str(1_000_000_000 + n) for n in range(1, 5)]
+    assert "/scan is missing" in capsys.readouterr().err
 
 
 def test_a_clock_that_is_no_time_is_left_out_as_the_node_leaves_it_out(

@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
 from harness.scenario.attempt import Attempt

@@ -33,10 +33,7 @@ GROUNDS = (
     ("gravel", "wander"),
 )
 ROAMING = ("roam", "wander")  # who drives there; another driver can take their place
-GOAL_PERIOD, FARTHEST_GOAL = (
-    15.0,
-    12.0,
-)  # [s], [m] along x and y: where one that needs goals is sent
+GOAL_PERIOD, FARTHEST_GOAL = 15.0, 12.0  # [s], [m] along x and y: where one that needs goals is sent
 STRATA = tuple(
     stratum
     for number, hazard in enumerate(HAZARDS)

@@ -25,10 +25,6 @@ FOOTPRINT = "Footprint Clearance [m]"  # an extended column: of the scans since 
 class Collected:
     """Observes an episode: keeps its samples, and what the metrics say at each scan and IMU sample.
 
-    Args:
-        rover: Who drives.
-        lidar: Whose scans they are.
-
     Attributes:
         scans: Every scan in order of time, as are `poses`.
         events: Contacts that have ended.

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
+from harness.base.version import __version__
 from harness.drivers.policy import PREFIX
 from harness.robots import ROVERS, find_rover
 from harness.robots.reading import model_hash

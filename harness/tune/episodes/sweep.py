@@ -66,11 +66,7 @@ def sweep(
 ) -> dict[Planned, EpisodeRecord]:
     """Drives every episode that the store does not hold yet, and returns all records.
 
-    Args:
-        planned: The episodes.
-        store: Where each goes as soon as it is done.
-        workers: Who drives.
-        show: Is called with how many are done.
+    The store gets each as soon as it is done; `show` is called with how many are.
 
     Raises:
         RunFailed: Workers died again and again, or an episode cannot be written.

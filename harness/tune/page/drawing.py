@@ -72,11 +72,10 @@ HAZARDS = (
 def drawings(rovers: Sequence[tuple[str, RoverSpec, CollisionStudy]]) -> list[tuple[Plot, Plot]]:
     """Returns each rover from above and from the side, all to one scale, front to the right.
 
-    Args:
-        rovers: Their names on the page, the rovers, and what their contacts say of the thresholds.
+    With each comes its name on the page, and what its contacts say of the thresholds.
     """
     above = [[*_above(rover, study)] for _, rover, study in rovers]
-    points = np.concatenate([_points(trace) for traces in above for trace in traces])
+    points = np.concatenate([np.array([t["x"], t["y"]], float).T for traces in above for t in traces])
     low, high = np.nanmin(points, axis=0) - MARGIN, np.nanmax(points, axis=0) + MARGIN
     front = max(rover.footprint[1] for _, rover, _ in rovers) + GAP
     back = min(rover.footprint[0] for _, rover, _ in rovers) - GAP
@@ -196,7 +195,3 @@ def _joined(shapes: Iterable[Points]) -> Points:
     nothing = np.full((1, 2), np.nan)
     parts = [part for shape in shapes for part in (shape, shape[:1], nothing)]
     return np.concatenate(parts or [nothing])
-
-
-def _points(trace: Trace) -> Points:
-    return np.array([trace["x"], trace["y"]], np.float64).T

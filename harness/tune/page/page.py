@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness import __version__
+from harness.base.version import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
 from harness.robots import find_rover
@@ -32,13 +32,7 @@ NUMBERS = {  # of the method
 
 
 def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecord], command: str) -> str:
-    """Returns the HTML of a tuning's report; the same arguments give the same bytes.
-
-    Args:
-        studies: One per robot, in the order of the page.
-        records: All episodes that they were made from.
-        command: What makes this page.
-    """
+    """Returns the HTML of a tuning's report, robots in order; the same arguments give the same bytes."""
     drawn = drawings([(one.name, find_rover(one.robot), one.collision) for one in studies])
     robots: list[dict[str, Any]] = [
         {

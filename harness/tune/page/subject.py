@@ -34,16 +34,7 @@ class Subject:
         y: fig.Layout,
         shapes: Sequence[fig.Layout] = (),
     ) -> fig.Plot:
-        """Returns a figure of this robot.
-
-        Args:
-            name: Tells it from the robot's others.
-            summary: What it shows, as text.
-            data: Its traces.
-            x: Its horizontal axis.
-            y: Its vertical axis.
-            shapes: Levels on it.
-        """
+        """Returns a figure of this robot; the summary tells in words what it shows."""
         layout = fig.common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
         figure = {"data": list(data), "layout": layout}
         return fig.Plot(f"{self.study.name}-{name}", f"{self.study.name}: {summary}", figure)
@@ -52,15 +43,7 @@ class Subject:
 def curve(
     name: str, x: Iterable[float], y: Iterable[float], color: str = fig.METRIC, **style: object
 ) -> fig.Trace:
-    """Returns a curve that tells its values under the pointer.
-
-    Args:
-        name: In the legend.
-        x: Of its points.
-        y: Of its points, as many.
-        color: Name of a custom property of the style sheet.
-        style: Of the line, in Plotly's terms.
-    """
+    """Returns a curve that tells its values under the pointer; color and style as of `figure.line`."""
     return fig.line(name, [*x], [*y], color, hover=f"{name}<br>%{{x}}: %{{y:.3f}}", **style)
 
 
@@ -70,15 +53,7 @@ def chance(name: str, share: tuple[float, float] = (0.0, 1.0)) -> fig.Trace:
 
 
 def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> fig.Trace:
-    """Returns a point: of a default, or an open one of a tuned value.
-
-    Args:
-        name: In the legend.
-        x: Where.
-        y: Where.
-        tuned: Colour of a tuned value; empty for a default.
-        hover: Text under the pointer; the name and the place if empty.
-    """
+    """Returns a point: of a default, or an open one of a tuned value, in the colour `tuned`."""
     return {
         "type": "scatter",
         "mode": "markers",
@@ -107,14 +82,7 @@ def levels(verdict: Verdict) -> list[fig.Layout]:
 
 
 def upright(name: str, x: float, dash: str, color: str = fig.INK) -> fig.Layout:
-    """Returns a line from bottom to top of the plot.
-
-    Args:
-        name: In the legend.
-        x: Where.
-        dash: As of `level`.
-        color: Name of a custom property of the style sheet.
-    """
+    """Returns a line from bottom to top of the plot; dash and color as of `figure.level`."""
     return fig.level(name, {"x0": x, "x1": x, **fig.COLUMN}, dash, color)
 
 

@@ -58,9 +58,7 @@ def _alarms(
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Returns the alarms of many thresholds: of which one, shape (n,), and as `alarms`, shape (n, 2).
 
-    Args:
-        record: The episode.
-        below: Which scan is below which threshold, shape (thresholds, scans).
+    `below` says which scan is below which threshold, shape (thresholds, scans).
     """
     row, scan = np.nonzero(below)
     times = record.times[scan]

@@ -77,13 +77,7 @@ class ClearanceStudy:
 
 
 def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceStudy:
-    """Computes the clearance and checks it against the contacts that followed.
-
-    Args:
-        records: The rover's episodes.
-        rover: Which.
-        seed: For the measured stop.
-    """
+    """Computes the clearance and checks it against the contacts that followed."""
     braking = measure_braking(rover, seed)
     overhang = rover.footprint[1] - rover.lidar_x
     value = math.ceil((overhang + braking.stopping_distance + MARGIN) / STEP) * STEP

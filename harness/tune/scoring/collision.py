@@ -46,7 +46,6 @@ class DetectorStudy:
     """One way to tell contacts from scans, at one threshold.
 
     Attributes:
-        name: Of the detector.
         events: Its threshold and scores per event.
         scans: Its scores per scan on the test half.
         lead_s: Median time from alarm to contact there [s]; None if it finds none.
@@ -68,11 +67,7 @@ class UnseenContacts:
 
 @dataclass(frozen=True, slots=True)
 class ZoneRow:
-    """Contacts on one side with hazards that the lidar saw.
-
-    Attributes:
-        detected: How many of them each detector tells, by its name.
-    """
+    """Contacts on one side with hazards that the lidar saw, and how many of them each detector tells."""
 
     zone: Zone
     contacts: int

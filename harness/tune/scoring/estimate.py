@@ -24,11 +24,9 @@ Measure = Callable[[Sums], NDArray[np.float64]]  # shape (...)
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number and its interval.
+    """A number, NaN if there was nothing to count, and its 95 % interval.
 
-    Attributes:
-        value: NaN if there was nothing to count.
-        low: End of the 95 % interval, as is `high`; None if there are too few episodes for one.
+    Both ends are None if there are too few episodes for one.
     """
 
     value: float

@@ -55,7 +55,6 @@ class GroundStudy:
     """One of the two thresholds for one robot.
 
     Attributes:
-        verdict: On it.
         what: Name of the signal on the page.
         auc: Area under the ROC curve by part.
         speed_bins: Over all episodes.

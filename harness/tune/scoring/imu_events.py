@@ -41,13 +41,7 @@ class ImuEvents(NamedTuple):
 
 @dataclass(frozen=True)
 class Signal:
-    """What one of the two thresholds is compared with.
-
-    Attributes:
-        parameter: The threshold.
-        name: On the page.
-        imu_events: Takes it from an episode.
-    """
+    """What one of the two thresholds is compared with, by its name on the page, from an episode."""
 
     parameter: str
     name: str

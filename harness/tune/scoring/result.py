@@ -11,11 +11,9 @@ Scores = Mapping[str, Estimate]  # by measure
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One value of a threshold with how it did.
+    """One value of a threshold, a bool if it is a switch, with how it did by part of the plan.
 
-    Attributes:
-        value: A bool if the parameter is a switch.
-        scores: By part of the plan; the part on which it was chosen flatters it.
+    The part on which it was chosen flatters it.
     """
 
     value: float

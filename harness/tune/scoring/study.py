@@ -66,13 +66,7 @@ class RobotStudy:
 
 
 def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> RobotStudy:
-    """Returns the scores of one robot's thresholds on its episodes of a sweep.
-
-    Args:
-        robot: Its name, or its folder.
-        records: All episodes of the sweep.
-        seed: Of the sweep, for the measured stop.
-    """
+    """Returns the scores of one robot's thresholds on its episodes of a sweep, of which the seed is."""
     rover = find_rover(robot)
     parts = scored_records(robot, records)
     return RobotStudy(

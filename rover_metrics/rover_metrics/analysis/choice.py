@@ -26,15 +26,12 @@ def choose(words: Iterable[str], headers: Iterable[Sequence[str]]) -> tuple[Metr
         UnknownMetric: A word is none of these; the message names what is.
     """
     columns = list(dict.fromkeys(name for header in headers for name in header))
-    chosen: dict[str, Metric] = {}
+    others = (other_metric(column) for column in columns if is_other(column))
+    everything, chosen = [*METRICS.values(), *others], dict[str, Metric]()
     for word in words:
-        metrics = _all(columns) if word.casefold() == ALL else [_one(word.strip(), columns)]
+        metrics = everything if word.casefold() == ALL else [_one(word.strip(), columns)]
         chosen.update((metric.code, metric) for metric in metrics)
     return tuple(chosen.values())
-
-
-def _all(columns: Sequence[str]) -> list[Metric]:
-    return [*METRICS.values(), *(other_metric(column) for column in columns if is_other(column))]
 
 
 def _one(word: str, columns: Sequence[str]) -> Metric:

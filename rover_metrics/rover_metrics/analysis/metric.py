@@ -39,9 +39,7 @@ class Metric:
 
     Attributes:
         code: RoboTerrain's short name; of any other column its name in the log.
-        column: Column of the log.
         title: What is reported, for tables and axes.
-        unit: Unit of what is reported.
         kind: How the column is read.
         thresholds: Names in thresholds.py that bound this very quantity.
         rough_only: Whether only rows with Is Rough Terrain = 1 count.

@@ -8,10 +8,9 @@ import numpy as np
 from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.result import LogResult, Result
-from rover_metrics.analysis.statistics.comparison import Comparison, compare
+from rover_metrics.analysis.statistics.comparison import Comparison, compare, describe_power
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
 from rover_metrics.analysis.statistics.holm import with_holm
-from rover_metrics.analysis.statistics.power import describe_power
 from rover_metrics.analysis.statistics.series import rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study

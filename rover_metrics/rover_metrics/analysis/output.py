@@ -1,16 +1,20 @@
-"""What is written to the output folder. File names come from metrics, never from the names of logs."""
+"""What is written to the output folder. File names come from metrics, never from the names of logs.
+
+What cannot be written is an OutputError.
+"""
 
 import contextlib
 import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from rover_metrics.analysis.numbers import write_csv
 from rover_metrics.analysis.plots.aggregate import draw_aggregate
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
@@ -26,6 +30,13 @@ from rover_metrics.sheet.render import csv_text, latex
 
 _LONGEST_NAME = 60  # letters of a file name
 OUTLIER = ("Log", "Path", "Timestamp", "Metric", "Value", "Unit")  # columns of outliers.csv
+
+_PARTS = {  # of values that are two
+    "n": ("first", "second"),
+    "means": ("first", "second"),
+    "interval": ("low", "high"),
+    "bootstrap_interval": ("low", "high"),
+}
 
 
 class OutputError(RoverMetricsError):
@@ -50,19 +61,7 @@ def prepare_folder(folder: Path) -> None:
 
 
 def save_plots(study: Study, result: Result, folder: Path) -> list[Path]:
-    """Draws and writes the plots asked for.
-
-    Args:
-        study: The logs.
-        result: The statistics of the logs.
-        folder: Must exist.
-
-    Returns:
-        The files, two a figure.
-
-    Raises:
-        OutputError: A file cannot be written.
-    """
+    """Draws and writes the plots asked for to a folder that exists; returns the files, two a figure."""
     files: list[Path] = []
     with mpl.rc_context(STYLE):
         for name, figure in _figures(study, result):
@@ -100,17 +99,7 @@ def _file_names(codes: Sequence[str]) -> list[str]:
 
 
 def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -> list[Path]:
-    """Writes the numbers of a result, and returns the files.
-
-    Args:
-        result: The statistics of the logs.
-        folder: Must exist.
-        as_csv: Whether to write every number to CSV files.
-        as_latex: Whether to write each table for LaTeX.
-
-    Raises:
-        OutputError: A file cannot be written.
-    """
+    """Writes the numbers of a result into a folder that exists, and returns the files."""
     with _writing(folder):
         files = write_csv(result, folder) if as_csv else []
         for sheet in sheets(result) if as_latex else ():
@@ -119,12 +108,58 @@ def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -
     return files
 
 
-def save_outliers(study: Study, folder: Path) -> Path:
-    """Writes every outlier of every log to outliers.csv: log, path, time, metric, value, unit.
+def write_csv(result: Result, folder: Path) -> list[Path]:
+    """Writes logs.csv and, where there is something to say, across.csv, comparison.csv, correlation.csv.
 
-    Raises:
-        OutputError: The file cannot be written.
+    Returns the files; None is an empty cell.
     """
+    tables = {
+        "logs": list(_logs(result)),
+        "across": list(_across(result)) if len(result.logs) > 1 else [],
+        "comparison": [_record(result, asdict(item)) for item in result.comparisons],
+        "correlation": [asdict(item) for item in result.correlations],
+    }
+    files = {folder / f"{name}.csv": rows for name, rows in tables.items() if rows}
+    for path, rows in files.items():
+        path.write_text(csv_text(rows), encoding="utf-8", newline="")
+    return list(files)
+
+
+def _logs(result: Result) -> Iterator[dict[str, Any]]:
+    for log in result.logs:
+        for code, summary in log.metrics.items():
+            yield {
+                "log": log.label,
+                "path": log.path,
+                "group": log.group,
+                **_record(result, {"code": code, **asdict(summary)}),
+                "outliers": log.outliers[code],
+                "per_metre": log.per_metre.get(code),
+            }
+
+
+def _across(result: Result) -> Iterator[dict[str, Any]]:
+    for group, summaries in result.across.items():
+        for code, summary in summaries.items():
+            yield {"group": group, **_record(result, {"code": code, **asdict(summary)})}
+
+
+def _record(result: Result, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the values of a metric by column: pairs as two, what it reports beside its code."""
+    record: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in _PARTS or isinstance(value, int):
+            record[name] = value
+        else:
+            first, second = (f"{name}_{part}" for part in _PARTS[name])
+            record[first], record[second] = value or (None, None)
+        if name == "code":
+            record["title"] = result.titles[value]
+    return record
+
+
+def save_outliers(study: Study, folder: Path) -> Path:
+    """Writes every outlier of every log to outliers.csv: log, path, time, metric, value, unit."""
     path = folder / "outliers.csv"
     with _writing(folder):
         path.write_text(csv_text(list(_outliers(study)), OUTLIER), encoding="utf-8", newline="")

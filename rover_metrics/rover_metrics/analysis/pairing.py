@@ -24,11 +24,6 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
     By seed, whatever else varies within a group must be equal too; what only differs between the
     groups is what they are compared for.
 
-    Args:
-        first: Logs of the first group.
-        second: Those of the second.
-        by: How to find partners.
-
     Raises:
         PairingError: The groups are to be paired by order and differ in length.
     """
@@ -44,7 +39,10 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
     varying = [
         name for name in _DESIGN if name == "seed" or _varies(first, name) or _varies(second, name)
     ]
-    keys, partners = ([_key(log, varying) for log in group] for group in (first, second))
+    keys, partners = (
+        [tuple(str(log.arguments.get(name)) for name in varying) for log in group]
+        for group in (first, second)
+    )
     if len(set(keys)) < len(keys) or sorted(keys) != sorted(partners):
         return ()
     return tuple((i, partners.index(key)) for i, key in enumerate(keys))
@@ -52,7 +50,3 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
 
 def _varies(logs: Sequence[Log], argument: str) -> bool:
     return len({str(log.arguments.get(argument)) for log in logs}) > 1
-
-
-def _key(log: Log, varying: Sequence[str]) -> tuple[str, ...]:
-    return tuple(str(log.arguments.get(argument)) for argument in varying)

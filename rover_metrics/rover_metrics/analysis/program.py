@@ -36,13 +36,7 @@ level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 def read_each(
     program: str, paths: Sequence[Path], read: Callable[[Path], AnyLog]
 ) -> tuple[list[AnyLog], list[Skipped]]:
-    """Reads the logs that can be read, and says on stderr which cannot.
-
-    Args:
-        program: Name of the command.
-        paths: The files.
-        read: Returns a log, or raises UnreadableLog.
-    """
+    """Reads the logs that can be read, and says on stderr which cannot."""
     logs: list[AnyLog] = []
     skipped: list[Skipped] = []
     for path in paths:

@@ -20,16 +20,11 @@ class LogResult:
 
     Attributes:
         label: Short name, unique among the logs.
-        path: Where it was read from.
-        group: Name of its group.
         rows: Usable rows.
         duration: Time logged [s].
-        episodes: How many.
-        findings: What was odd about the file.
         metrics: By code; a metric the log has no column for is missing.
         per_metre: Rates per metre driven, by code, where they make sense.
         outliers: Values beyond the fences, by code.
-        correlations: Pairs of metrics.
     """
 
     label: str
@@ -63,14 +58,11 @@ class Result:
         iqr_multiplier: Where the fences stand.
         unit: What was one observation in the comparison.
         groups: Names of the groups: one, or two that are compared.
-        logs: One by one.
         across: By group and code, the means of the logs as independent observations.
         correlations: Combined over the logs.
         comparisons: Second group against the first, one a metric.
         titles: What each metric reports, with its unit, by code.
         notes: What to know before the comparisons are believed.
-        skipped: Files that could not be analysed.
-        files: What was written.
     """
 
     confidence: float

@@ -37,7 +37,9 @@ def labels(logs: Sequence[Log]) -> list[str]:
     names = [_name(log) for log in logs]
     counts = Counter(names)
     names = [
-        f"{name}, {_time_stamp(log.path)}" if counts[name] > 1 and name != log.path.stem else name
+        f"{name}, {log.path.stem.removeprefix(_LOG_PREFIX)}"
+        if counts[name] > 1 and name != log.path.stem
+        else name
         for name, log in zip(names, logs, strict=True)
     ]
     parts = [(*log.path.absolute().parts[1:-1], name) for log, name in zip(logs, names, strict=True)]
@@ -66,10 +68,6 @@ def _name(log: Log) -> str:
     if terrain.suffix or not isinstance(difficulty, int | float):
         return f"{arguments['robot']} {terrain.stem} seed {arguments['seed']}"
     return f"{arguments['robot']} {terrain.stem} {difficulty:g} seed {arguments['seed']}"
-
-
-def _time_stamp(path: Path) -> str:
-    return path.stem.removeprefix(_LOG_PREFIX)
 
 
 def _shortened(name: str) -> str:
@@ -115,11 +113,7 @@ class Member:
 class Study:
     """Logs, in one group or in two that are compared, and how to look at them.
 
-    Attributes:
-        members: The logs.
-        groups: Names of the groups.
-        options: What to look at.
-        pairs: Places of the logs that belong together, in the first group and in the second.
+    Pairs are places of logs that belong together, in the first group and in the second.
     """
 
     members: tuple[Member, ...]

@@ -34,12 +34,9 @@ class BagError(RoverMetricsError):
 
 
 class Message(NamedTuple):
-    """One recorded message.
+    """One recorded message, with its time on the recorder's clock [ns].
 
-    Attributes:
-        topic: Its topic.
-        time_ns: When it was recorded, on the recorder's clock [ns].
-        data: Its CDR bytes; empty where they were not asked for.
+    Its data are CDR bytes; empty where they were not asked for.
     """
 
     topic: str

@@ -25,7 +25,6 @@ class Column:
     Attributes:
         name: Its name without the unit.
         unit: Its unit; empty for a count, a flag, a ratio or text.
-        meaning: What it is.
         formula: How it is computed, and over which window.
         source: Topics and fields.
         rate_invariant: Whether the sensor's rate does not show in it, or how it does.
@@ -151,8 +150,7 @@ COLUMNS: tuple[str, ...] = tuple(column.name for column in ROBOTERRAIN_COLUMNS)
 class Row:
     """The metrics at one second of ROS time; up to `notes` the fields are COLUMNS, in their order.
 
-    Attributes:
-        extended: The extended columns, by header; empty if they are not asked for.
+    The extended columns are by header; none if they are not asked for.
     """
 
     stamp_s: int

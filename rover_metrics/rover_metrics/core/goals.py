@@ -10,12 +10,9 @@ FLIPPED = 1.48  # [rad] of roll or pitch
 
 
 class GoalAccount:
-    """Counts goals; tell it each goal that is given, then where the rover is, again and again.
+    """Counts goals reached and given up; tell it each that is given, then where the rover is.
 
-    Attributes:
-        reached: Goals that were reached.
-        failed: Goals that were given up.
-        goal: x and y of the present one [m]; None before the first and once it is settled.
+    The present one, `goal`, is x and y [m]; None before the first and once it is settled.
     """
 
     def __init__(self) -> None:
@@ -28,18 +25,11 @@ class GoalAccount:
         self.goal, self._since_s = goal, time_s
 
     def observe(self, time_s: float, place: tuple[float, float], orientation: Quaternion) -> None:
-        """Takes a pose of the rover.
-
-        Args:
-            time_s: Time of the pose [s].
-            place: x and y in the goal's frame [m].
-            orientation: x, y, z, w.
-        """
+        """Takes a pose: its time [s], x and y in the goal's frame [m], attitude (x, y, z, w)."""
         if self.goal is None:
             return
-        if max(map(abs, roll_pitch(orientation))) > FLIPPED:
-            self.failed, self.goal = self.failed + 1, None
-        elif math.dist(place, self.goal) < REACHED:
+        is_flipped = max(map(abs, roll_pitch(orientation))) > FLIPPED
+        if not is_flipped and math.dist(place, self.goal) < REACHED:
             self.reached, self.goal = self.reached + 1, None
-        elif time_s - self._since_s > PATIENCE_S:
+        elif is_flipped or time_s - self._since_s > PATIENCE_S:
             self.failed, self.goal = self.failed + 1, None

@@ -20,7 +20,6 @@ class ParameterInfo:
 
     Attributes:
         default: As ROS has it; an empty tuple is a list of numbers that is not set.
-        description: What it means.
         unit: Unit of its numbers; empty if the description states it.
         minimum: The smallest valid number.
         maximum: The largest; infinite for what is no number.

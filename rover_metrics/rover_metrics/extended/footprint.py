@@ -19,10 +19,7 @@ ROUNDING = 1e-9  # m
 
 @dataclass(frozen=True)
 class Footprint:
-    """A simple polygon in the base frame, convex or not.
-
-    Attributes:
-        corners: In order, clockwise or counter-clockwise [m].
+    """A simple polygon in the base frame, convex or not; corners [m] are in order, either way round.
 
     Raises:
         ParameterError: A corner lacks its y, or they are not those of a simple polygon.

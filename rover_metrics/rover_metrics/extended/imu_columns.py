@@ -46,13 +46,7 @@ class ImuColumns:
         self._jerk: float | None = None
 
     def add(self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None) -> None:
-        """Take a sample that the metrics have used.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            acceleration: In the IMU's frame, gravity included [m/s^2].
-            orientation: Attitude of the IMU as (x, y, z, w); None if it is not known.
-        """
+        """Takes a sample that the metrics have used; arguments as of `MetricsSession.take_imu`."""
         step = self._step(stamp_ns)
         if step is not None and self._last is not None:
             self._jerk = max(self._jerk or 0.0, math.dist(acceleration, self._last[1]) / step)

@@ -62,14 +62,7 @@ class ExtendedMetrics:
     def add_scan(
         self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float], *, used: bool
     ) -> None:
-        """Take a scan; one without a finite range is open space, not a fault.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            ranges: Distances [m], coded as REP-117 says.
-            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
-            used: Whether the metrics have used it.
-        """
+        """Takes a scan; arguments as of `MetricsSession.take_scan`."""
         self._traffic.add(SCAN, stamp_ns, used=True)
         collides = used and self._metrics.clearance < self._metrics.thresholds.collision_threshold
         self._scans.add(stamp_ns, ranges, angles, collides=collides)
@@ -77,14 +70,7 @@ class ExtendedMetrics:
     def add_imu(
         self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None, *, used: bool
     ) -> None:
-        """Take an IMU sample.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            acceleration: In the IMU's frame, gravity included [m/s^2].
-            orientation: Attitude of the IMU as (x, y, z, w); None if the sensor does not give it.
-            used: Whether the metrics have used it.
-        """
+        """Takes an IMU sample; arguments as of `MetricsSession.take_imu`."""
         self._traffic.add(IMU, stamp_ns, used=used)
         if used:
             self._imu.add(stamp_ns, acceleration, orientation)
@@ -92,25 +78,13 @@ class ExtendedMetrics:
             self._travel.add_imu(stamp_ns, is_rough=math.hypot(*acceleration) > threshold)
 
     def add_pose(self, stamp_ns: int, position: Vector3 | None, *, used: bool) -> None:
-        """Take a true position.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            position: In the world [m]; None for an array without one.
-            used: Whether the metrics have used it.
-        """
+        """Takes a true position in the world [m]; None for an array without one."""
         self._traffic.add(POSE, stamp_ns, used=used)
         if used and position is not None:
             self._travel.add_pose(stamp_ns, position, self._metrics.thresholds.distance_threshold)
 
     def add_odometry(self, stamp_ns: int, velocity: Vector3, *, used: bool) -> None:
-        """Take the velocity by the wheels.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            velocity: Linear, in the base frame [m/s].
-            used: Whether the metrics have used it.
-        """
+        """Takes the linear velocity by the wheels, in the base frame [m/s]."""
         self._traffic.add(ODOMETRY, stamp_ns, used=used)
         if used:
             self._travel.add_odometry(stamp_ns, math.hypot(*velocity))

@@ -71,14 +71,7 @@ class ScanColumns:
     def add(
         self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float], *, collides: bool
     ) -> None:
-        """Take a scan.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            ranges: Distances [m], coded as REP-117 says.
-            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
-            collides: Whether the metrics have counted it as a collision.
-        """
+        """Takes a scan, as `ExtendedMetrics.add_scan`, and whether it counts as a collision."""
         values = np.asarray(ranges, dtype=np.float32)
         self._events = self._events or 0
         if collides:

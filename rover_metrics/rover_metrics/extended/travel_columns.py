@@ -69,13 +69,7 @@ class TravelColumns:
         self._speeds.append((stamp_ns, speed))
 
     def add_pose(self, stamp_ns: int, position: Vector3, jump: float) -> None:
-        """Take a position that the metrics have used.
-
-        Args:
-            stamp_ns: Stamp of its header [ns].
-            position: In the world [m].
-            jump: Length from which on a step is no travel [m].
-        """
+        """Takes a position that the metrics have used [m]; a step of `jump` [m] or more is no travel."""
         last, self._pose = self._pose, (stamp_ns, position)
         if last is None:
             return

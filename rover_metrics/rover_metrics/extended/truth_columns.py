@@ -77,11 +77,7 @@ def slip_column(wheel: str) -> Column:
 
 
 class TruthColumns:
-    """The account of the truth topics.
-
-    Args:
-        wheels: Names of the rover's wheels, in the order of the columns.
-    """
+    """The account of the truth topics of a rover with these wheels, in the order of the columns."""
 
     def __init__(self, wheels: Sequence[str] = WHEELS) -> None:
         self._names = traversal_names(wheels)

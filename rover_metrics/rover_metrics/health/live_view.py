@@ -24,7 +24,6 @@ class Status:
     """One status.
 
     Attributes:
-        level: How bad it is.
         name: Subject of the status, without the node's name.
         message: Why the level is what it is.
         values: Key and value, both text; numbers in plain decimal, so that they can be plotted.
@@ -50,14 +49,7 @@ class LiveView:
     def statuses(
         self, row: Row, topics: Iterable[TopicState], thresholds: Thresholds, now_ns: int
     ) -> list[Status]:
-        """Returns the status of the traversal, then one for each topic.
-
-        Args:
-            row: The latest row.
-            topics: What is known of each topic now.
-            thresholds: What is compared with what.
-            now_ns: ROS time of the row [ns].
-        """
+        """Returns the status of the traversal, then one for each topic."""
         traversal = self._traversal(row, thresholds)
         statuses = [traversal, *(self._topic(state, now_ns) for state in topics)]
         self._previous_ns = now_ns

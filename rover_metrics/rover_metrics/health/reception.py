@@ -21,7 +21,6 @@ class TopicState(NamedTuple):
         lost: Messages lost on the way, as far as that shows.
         stamp_ns: The latest stamp [ns]; 0 without one.
         is_silent: Whether it has been silent for too long.
-        publishers: How many there are.
     """
 
     topic: str
@@ -86,14 +85,7 @@ class Reception:
         self.remark(topic, reason, detail=f"{detail}, left out")
 
     def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
-        """Counts something odd.
-
-        Args:
-            topic: Where it was met.
-            what: Its name, by which it is counted.
-            times: How often.
-            detail: Text for the report; the count does not depend on it.
-        """
+        """Counts something odd."""
         remarks = self.remarks[topic]
         before = remarks[what]
         remarks[what] = before + times

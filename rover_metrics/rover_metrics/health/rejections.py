@@ -55,12 +55,8 @@ def unusable_scan(ranges: ArrayLike) -> str | None:
 def scan_oddity(nearest: float, farthest: float, range_min: float, range_max: float) -> str | None:
     """Returns what is odd about a scan that counts all the same; None if nothing is.
 
-    Args:
-        nearest: Its nearest finite range [m].
-        farthest: Its farthest finite range [m].
-        range_min: Below it the sensor says that it cannot measure [m].
-        range_max: Above it the sensor says that it cannot measure [m]; limits that are no interval
-            are ignored.
+    Nearest and farthest are of its finite ranges; beyond range_min and range_max the sensor says that it
+    cannot measure. All in metres; limits that are no interval are ignored.
     """
     if nearest <= 0.0:
         return ZERO_OR_LESS

@@ -71,11 +71,7 @@ class SilenceWatch:
 
 
 class StampWatch:
-    """Judges each stamp by the one before it.
-
-    Attributes:
-        period_ns: Usual time from one stamp to the next [ns]; None until enough have come.
-    """
+    """Judges each stamp by the one before it; `period_ns` is None until enough have come."""
 
     def __init__(self) -> None:
         self.period_ns: float | None = None

@@ -23,9 +23,6 @@ class BufferedLog(CsvLog):
         directory: As `started`, `fsync` and `columns` for CsvLog.
         tell: Is given a line for the user.
         capacity: How many rows may wait.
-
-    Attributes:
-        dropped: Rows that were given up.
     """
 
     def __init__(

@@ -47,7 +47,6 @@ class CsvLog(AbstractContextManager["CsvLog"]):
 
     Attributes:
         path: The file, absolute.
-        rows: Rows written.
 
     Raises:
         LogError: The folder or the file cannot be created.

@@ -22,13 +22,7 @@ COMPLETE: Outcome = {"status": "complete", "reason": None}
 class SessionRecord:
     """The record of one running session; what cannot be written is reported and costs nothing else.
 
-    Args:
-        node: The node's full name.
-        now: Wall clock.
-        tell: Is given a line for the user.
-
-    Attributes:
-        failure: Why the session has failed; None if it has not.
+    It has failed if `failure` says why.
     """
 
     def __init__(self, node: str, now: Callable[[], datetime], tell: Callable[[str], None]) -> None:
@@ -41,13 +35,7 @@ class SessionRecord:
         self._write(log, None, {"ended": None})
 
     def end(self, log: Path, lost_rows: int, details: Mapping[str, Any]) -> None:
-        """Writes that the session is over, once.
-
-        Args:
-            log: The log's file.
-            lost_rows: Rows that are not in it.
-            details: Other JSON values to keep.
-        """
+        """Writes that the session is over, once."""
         if self._is_over:
             return
         self._is_over = True

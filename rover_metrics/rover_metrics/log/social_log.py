@@ -49,13 +49,9 @@ class SocialRows:
         self._step, self._before, self._before_s = 0, (math.nan, math.nan), 0.0
 
     def next(self, time_s: float, rover: Point, people: Mapping[str, Point], goals: int) -> SocialRow:
-        """Returns the next row.
+        """Returns the next row, from the time since the start [s] and the goals reached so far.
 
-        Args:
-            time_s: Since the start [s].
-            rover: x and y in the world [m].
-            people: x and y of each by name [m].
-            goals: Reached so far.
+        Rover and people, by name, are at x and y in the world [m].
         """
         passed = time_s - self._before_s
         speed = math.dist(rover, self._before) / passed if passed > 0.0 else math.nan

@@ -29,9 +29,7 @@ def split_ros_args(words: Iterable[str]) -> tuple[list[str], list[str]]:
 def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     """Returns what is wrong with the options behind `--ros-args`, with the nearest valid one.
 
-    Args:
-        words: Words of a command line.
-        own: The options of the command itself, which stand elsewhere.
+    The options of the command itself, its `own`, stand elsewhere.
     """
     behind, awaits_value = False, False
     for word in words:

@@ -38,12 +38,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     negative seconds, of a parameter whose type does not exist. Timers are not guarded: they handle
     nothing of others.
 
-    Args:
-        name: Name of the node.
-        options: As for a Node.
-
-    Attributes:
-        reception: The account of what arrived and what was left out, by resolved name.
+    What arrived and what was left out is in the account `reception`, by resolved name.
     """
 
     def __init__(self, name: str, **options: Any) -> None:  # noqa: ANN401 - rclpy's

@@ -18,10 +18,6 @@ RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 def declare_settings(node: Node, settings: Settings) -> Settings:
     """Declares all parameters; returns what the launch has made of them.
 
-    Args:
-        node: The node whose parameters they become.
-        settings: The default of every parameter.
-
     Raises:
         ParameterError: The launch gave a value that is not valid.
     """

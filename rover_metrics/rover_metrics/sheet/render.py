@@ -29,13 +29,7 @@ _SIGN = re.compile(r"(?<![\w.])([+-])(?=\d)")
 
 
 def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator["RenderableType"]:
-    """Yields tables with their headings and findings.
-
-    Args:
-        sheets: The tables.
-        width: Columns of the terminal.
-        wide: Columns from which on spare columns are shown.
-    """
+    """Yields tables with headings and findings; spare columns only if the width is at least `wide`."""
     from rich.text import Text  # noqa: PLC0415 - what makes documents and pages does without rich
 
     for sheet in sheets:
@@ -75,11 +69,9 @@ def markdown(sheet: Sheet) -> str:
 
 
 def csv_text(records: Sequence[Mapping[str, Any]], names: Sequence[str] = ()) -> str:
-    """Returns a header and a line for each record.
+    """Returns a header and a line for each record, whose cells are by name; None is an empty cell.
 
-    Args:
-        records: Cells by name; None is an empty cell.
-        names: Every name; without them the last record has them all.
+    Without names the last record has them all.
     """
     text = io.StringIO()
     writer = csv.DictWriter(text, names or list(records[-1]))

@@ -16,7 +16,6 @@ class Sheet:
         titles: Titles of the columns; the cells of the first column name the rows.
         rows: Cells of each row, one a title; a page also takes rows that end early, and cells that
             are HTML (with a method `__html__`).
-        title: Heading of the table.
         caption: How the numbers were computed.
         findings: What is odd about the data behind the numbers.
         spare: Titles of the columns that a narrow page does without.
@@ -35,13 +34,7 @@ class Sheet:
 
     @classmethod
     def of(cls, records: Iterable[Mapping[str, str]], title: str = "", **about: Any) -> "Sheet":  # noqa: ANN401
-        """Returns the table of some rows.
-
-        Args:
-            records: Each row as cells by title; all have the same titles, in the same order.
-            title: Heading of the table.
-            about: The other attributes of a Sheet.
-        """
+        """Returns the table of rows, which are cells by title, all of the same titles in one order."""
         rows = list(records)
         titles = tuple(rows[0]) if rows else ()
         return cls(titles, tuple(tuple(row.values()) for row in rows), title, **about)

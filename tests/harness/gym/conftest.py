@@ -7,10 +7,14 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import harness.gym  # noqa: F401 - registers
 from harness.drivers.policy import BESIDE_LIDAR, Policy
 from harness.spec.run import Run
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World
 
 SIDE, VERTICES = 14.0, 57  # [m], a vertex every 25 cm
 
@@ -51,6 +55,16 @@ def make(small: dict[str, Any]) -> Make:
     return made
 
 
+@pytest.fixture
+def make_fenced(make: Make, monkeypatch: pytest.MonkeyPatch) -> Make:
+    """Makes an environment on level ground with a wall to drive against."""
+    ground, wall = Heightfield(np.zeros((57, 57)), 0.25), (0.1, 1.5, 0.5)
+    hazard = Obstacle(ObstacleKind.HAZARD, "box", wall, (0.6, 0.0, 0.5))
+    world = World("fenced", ground, (hazard,), seed=0, difficulty=None)
+    monkeypatch.setattr("harness.gym.course.world_of", lambda _: world)
+    return make
+
+
 @pytest.fixture(scope="session")
 def config(small: dict[str, Any]) -> MakeConfig:
     """Makes episodes of `harness.run` there, with noise."""
@@ -65,3 +79,20 @@ def policy(small: dict[str, Any]) -> Policy:
     rng, shapes = np.random.default_rng(1), ((BESIDE_LIDAR + small["lidar_beams"], 6), (6, 2))
     weights = [(rng.normal(0.0, 0.2, shape), rng.normal(0.0, 0.3, shape[1])) for shape in shapes]
     return Policy(tuple((w.astype(np.float32), b.astype(np.float32)) for w, b in weights))
+
+
+def place(env: Any, where: Any, height: float, angles: tuple[float, float, float]) -> None:  # noqa: ANN401
+    """Sets the rover of an environment down, with its wheels as they turn.
+
+    Args:
+        env: The environment, in an episode.
+        where: x, y in the world [m].
+        height: Of its model frame over the ground [m].
+        angles: Yaw, pitch, roll [rad].
+    """
+    simulation = env.driven.simulation
+    x, y = map(float, where)
+    ground = simulation.scene.world.ground.height_at(x, y)
+    turn = Rotation.from_euler("ZYX", angles).as_quat()
+    simulation.data.qpos[:7] = x, y, ground + height, *np.roll(turn, 1)
+    simulation.data.qvel[:6] = 0.0

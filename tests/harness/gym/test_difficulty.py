@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from harness.gym.difficulty import Ladder
+from harness.gym.difficulty import CurriculumSchedule
 from harness.gym.options import Curriculum
 
 
 def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
-    ladder, rng = Ladder(Curriculum(window=1), (0.2, 0.6)), np.random.default_rng(0)
-    ladder.take(success=False)
+    ladder, rng = CurriculumSchedule(Curriculum(window=1), (0.2, 0.6)), np.random.default_rng(0)
+    ladder.record(success=False)
     draws = [ladder.draw(rng) for _ in range(100)]
     assert 0.2 <= min(draws) < 0.22
     assert 0.58 < max(draws) <= 0.6
@@ -30,9 +30,9 @@ def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() 
 def test_a_window_of_episodes_moves_the_upper_end(
     share: float, windows: list[int], highest: float
 ) -> None:
-    ladder = Ladder(Curriculum(step=0.3, window=4, success=share), (0.2, 0.9))
+    ladder = CurriculumSchedule(Curriculum(step=0.3, window=4, success=share), (0.2, 0.9))
     for successes in windows:
         for episode in range(4):
-            ladder.take(success=episode < successes)
+            ladder.record(success=episode < successes)
     assert ladder.highest == pytest.approx(highest)
     assert 0.2 <= ladder.draw(np.random.default_rng(1)) <= highest

@@ -57,11 +57,13 @@ def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
     assert height > 8 * width, (height, width)  # 1.2 m of it above the ground, 0.1 m thick, from above
     (position, yaw), _ = seen_from.call_args
     assert yaw == pytest.approx(np.pi / 2, abs=0.02)
-    assert position.tolist() == env._shown.qpos[:3].tolist()
+    assert position.tolist() == env.driven.simulation.data.qpos[:3].tolist()
     assert lit.call_args.args[1:] == (position, chase_view(position, yaw).azimuth)
     (_, (post,), _), _ = marked.call_args
-    above, down, model = np.array([0.5, 4.0, 3.0]), np.array([0.0, 0.0, -1.0]), env._course.scene.model
-    depth = mujoco.mj_ray(model, env._shown, above, down, None, 1, -1, np.zeros(1, np.int32), None)
+    above, down, model = np.array([0.5, 4.0, 3.0]), np.array([0.0, 0.0, -1.0]), env.course.scene.model
+    depth = mujoco.mj_ray(
+        model, env.driven.simulation.data, above, down, None, 1, -1, np.zeros(1, np.int32), None
+    )
     on_the_ground = [0.5, 4.0, 3.0 - depth + 0.6]
     assert post.position == pytest.approx(on_the_ground, abs=1e-6)
     env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera
@@ -89,20 +91,6 @@ def test_without_opengl_or_display_the_mend_is_told(make: Make, monkeypatch: pyt
         monkeypatch.setenv("DISPLAY", display)
         with pytest.raises(UsageError, match="'human' needs a display; use render_mode 'rgb_array'"):
             make(render_mode="human").reset(seed=0)
-
-
-def test_what_opengl_gave_is_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    context, canvas = Mock(), Mock()
-    monkeypatch.setattr(picture, "gl_context", context)
-    monkeypatch.setattr(picture, "Canvas", canvas)
-    painter = picture.Painter(window=False)
-    context.assert_called_once_with("render_mode 'rgb_array'", 640, 400)
-    painter._view = picture._Image(Mock(), context.return_value)
-    for _ in range(2):
-        painter._leave()
-    assert canvas.return_value.close.call_count == 1
-    painter.close()
-    assert context.return_value.free.call_count == 1
 
 
 def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(

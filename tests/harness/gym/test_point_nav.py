@@ -1,6 +1,5 @@
 import math
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco
@@ -12,102 +11,76 @@ from harness.base.errors import UsageError
 from harness.drivers import sensed_by
 from harness.drivers.policy import Policy, write_policy
 from harness.episode.episode import Episode
-from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
-from harness.sensors.depth import DepthOptions
-from harness.sensors.ranging import RangeReading
-from harness.world.heightfield import Heightfield
-from tests.harness.gym.conftest import Make, MakeConfig
+from harness.samples import Imu, LaserScan, Odometry, Pose
+from tests.harness.gym.conftest import Make, MakeConfig, place
 
 WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "hazard": -2.0, "scrape": -4.0}
 WEIGHTS |= {"flipped": -9.0, "action_rate": -0.25}
-TOUCHING = 0.05  # [s] in each step of the table below
-STEPS = [  # failure, tilt [deg], contact before [s], distance [m], ending; limits 75 deg, 0.3 s, 0.5 m
-    ("", 0.0, 0.0, 0.5, ""),
-    ("", 0.0, 0.0, 0.4999, "reached"),
-    ("", 75.0, 0.0, 2.0, ""),
-    ("", 75.001, 0.0, 2.0, "flipped"),
-    ("", 180.0, 0.0, 2.0, "flipped"),
-    ("", 0.0, 0.24, 2.0, ""),
-    ("", 0.0, 0.25, 2.0, "hazard"),
-    ("", 0.0, 0.25 - 1e-12, 2.0, "hazard"),  # a sum of hundredths
-    ("", 0.0, 0.25 - 1.1e-9, 2.0, ""),
-    ("", 0.0, 0.25, 0.1, "hazard"),  # nobody reaches a goal through a wall
-    ("", 80.0, 0.25, 0.1, "flipped"),
-    ("edge", 0.0, 0.25, 2.0, "edge"),  # the contacts of a step that broke off are not known
-    ("edge", 0.0, 0.0, 0.1, "reached"),
-    ("edge", 80.0, 0.0, 0.1, "flipped"),
-    ("diverged", 80.0, 0.3, 0.1, "diverged"),  # what is no state has no place and no tilt
-]
+DEFAULTS = {"progress": 1.0, "reached": 10.0, "time": -0.01, "hazard": -10.0, "scrape": -1.0}
+DEFAULTS |= {"flipped": -10.0, "action_rate": -0.01}
+FAR = {"start": (-0.2, 0.0, 0.0), "goal": (4.0, 3.0)}
 
 
-def riding(distance: float, tilt: float = 0.0, hazard_s: float = 0.0, scrape_s: float = 0.0) -> Any:  # noqa: ANN401
-    """What is judged of a ride: so far north of the origin [m], tilted [deg]."""
-    upright, place = math.cos(math.radians(tilt)), SimpleNamespace(position=(0.0, distance, 0.2))
-    return SimpleNamespace(upright=upright, hazard_s=hazard_s, scrape_s=scrape_s, simulation=place)
+def driven(env: Any, steps: int = 60) -> list[tuple[Any, ...]]:  # noqa: ANN401
+    """Drives against the wall; each step's result with the contacts of hazards and body [s]."""
+    told: list[tuple[Any, ...]] = []
+    rng = np.random.default_rng(2)
+    env.reset(seed=1, options=FAR)
+    while not told or (len(told) < steps and not told[-1][4]["ending"]):
+        action = np.array([0.5, 0.0]) + rng.uniform(-0.1, 0.1, 2)
+        told.append((*env.step(action), env.driven.hazard_s, env.driven.scrape_s, action))
+    return told
 
 
-def test_each_step_ends_and_is_paid_as_the_table_says(make: Make) -> None:
-    env = make(reward=WEIGHTS, hazard_budget=0.3)
-    env.goal = (0.0, 0.0)
-    for failure, tilt, touched, distance, ending in STEPS:
-        env._begin(riding(2.5))
-        for _ in range(2):  # what an episode had of everything is not the next one's
-            env._twist([0.5, -1.0])
-            env._judge(riding(3.0, hazard_s=0.2), "")
-            env._begin(riding(2.5))
-        assert env._judge(riding(2.5, hazard_s=touched), "")[2]["hazard_s"] == touched
-        env._twist([-0.25, 0.5])
-        reward, told, info = env._judge(riding(distance, tilt, TOUCHING, 0.03), failure)
-        seconds = (0.0, 0.0) if failure else (TOUCHING, 0.03)
-        measured = {
-            "progress": 0.0 if failure == "diverged" else 2.5 - distance,
-            "reached": ending == "reached",
-            "time": 1.0,
-            "hazard": seconds[0],
-            "scrape": seconds[1],
-            "flipped": ending == "flipped",
-            "action_rate": 0.75,
-        }
-        terms = {name: WEIGHTS[name] * value for name, value in measured.items()}
-        case = (failure, tilt, touched, distance)
-        assert (*case, told, info["is_success"]) == (*case, ending, ending == "reached")
-        assert info["reward_terms"] == pytest.approx(terms), case
-        assert reward == pytest.approx(sum(terms.values()))
-        assert info["distance"] == (2.5 if failure == "diverged" else distance)
-        assert info["hazard_s"] == touched + seconds[0]
-        assert (info["x_position"], info["y_position"]) == (0.0, distance)
-    usual = {"progress": 1.0, "reached": 10.0, "time": -0.01, "hazard": -10.0, "scrape": -1.0}
-    assert vars(make().options.reward) == {**usual, "flipped": -10.0, "action_rate": -0.01}
+@pytest.mark.parametrize("weights", [DEFAULTS, WEIGHTS])
+def test_each_step_is_paid_by_what_the_simulator_did(
+    make_fenced: Make, weights: dict[str, float]
+) -> None:
+    own = {} if weights is DEFAULTS else {"reward": weights}
+    env = make_fenced(hazard_budget=9.0, **own)
+    for _ in range(2):  # what an episode had of everything is not the next one's
+        before, acted, touched = 0.0, np.zeros(2), 0.0
+        for n, (_, reward, *_, info, hazard_s, scrape_s, action) in enumerate(driven(env)):
+            here = info["x_position"], info["y_position"]
+            distance, touched = math.dist((4.0, 3.0), here), touched + hazard_s
+            measured = {
+                "progress": before - distance,
+                "reached": 0.0,
+                "time": 1.0,
+                "hazard": hazard_s,
+                "scrape": scrape_s,
+                "flipped": float(info["ending"] == "flipped"),
+                "action_rate": float(np.abs(action.clip(-1, 1) - acted).sum()),
+            }
+            terms = {name: weights[name] * value for name, value in measured.items()}
+            if n:
+                assert info["reward_terms"] == pytest.approx(terms, abs=1e-12)
+            assert reward == pytest.approx(sum(info["reward_terms"].values()))
+            assert (info["distance"], info["hazard_s"]) == pytest.approx((distance, touched))
+            assert info["is_success"] is False
+            before, acted = distance, action.clip(-1, 1)
+        assert here == tuple(env.driven.simulation.data.qpos[:2])
+        assert touched > 0.3
 
 
-def test_what_is_observed_is_what_was_read(make: Make) -> None:
-    env, level = make(depth=(2, 2), height_scan=True), (0.0, 0.0, 0.0, 1.0)
-    x, y, z, w = Rotation.from_euler("ZYX", [0.5, 0.2, -0.1]).as_quat().tolist()
-    tilted = x, y, z, w
-    readings = (
-        LaserScan(0, np.array([np.nan, np.inf, -np.inf, *np.linspace(1.0, 8.0, 29)], np.float32)),
-        Imu(0, tilted, (0.1, 0.2, 0.3), (1.0, 2.0, 9.5)),
-        Pose(0, (1.0, 2.0, 0.5), level),
-        Odometry(0, 0.0, 0.0, 0.0, Twist(0.1, 0.2)),
-        RangeReading(0, "depth", np.array([np.nan, np.inf, -np.inf, 3.0], "f4"), np.zeros(4, np.bool_)),
-    )
-    slope, _ = np.meshgrid(0.1 * np.arange(-4.0, 5.0), np.arange(9))
-    scene = SimpleNamespace(world=SimpleNamespace(ground=Heightfield(slope, 1.0)))
-    ride = SimpleNamespace(
-        readings={type(reading): reading for reading in readings},
-        simulation=SimpleNamespace(scene=scene),
-    )
-    env.goal = (1.0, 5.0)
-    seen = env._observe(ride)
-    assert seen.keys() == env.observation_space.spaces.keys()
-    assert seen["lidar"] == pytest.approx([10.0, 10.0, 0.0, *np.linspace(1.0, 8.0, 29)])
-    assert seen["imu"] == pytest.approx((1.0, 2.0, 9.5, 0.1, 0.2, 0.3, -0.1, 0.2))  # roll, then pitch
-    assert seen["velocities"] == (0.1, 0.2)
-    assert seen["depth"].tolist() == [10.0, 10.0, 0.0, 3.0]  # a miss and a fault are the largest
-    ahead = np.repeat(0.1 * (1.0 - 0.5 + 0.2 * np.arange(11)) - 0.5, 7)
-    assert seen["heights"] == pytest.approx(ahead)
-    assert seen["goal"] == pytest.approx((3.0, 1.0, 0.0))
-    assert env.options.camera == DepthOptions(name="depth", width=2, height=2, rate=20)
+def test_the_budget_of_contact_with_hazards_ends_an_episode(make_fenced: Make) -> None:
+    seconds = [told[5] for told in driven(make_fenced(hazard_budget=9.0))]
+    sums = np.cumsum(seconds)
+    last = next(n for n in range(60) if sums[n] > 0.3 and seconds[n + 1])
+    for slack, ends in ((0.0, last), (1e-12, last), (2e-9, last + 1)):  # a sum of hundredths
+        told = driven(make_fenced(hazard_budget=float(sums[last]) + slack))
+        assert len(told) == ends + 1
+        assert (*told[-1][2:4], told[-1][4]["ending"]) == (True, False, "hazard")
+    # Nobody reaches a goal through a wall.
+    env = make_fenced(hazard_budget=float(sums[last]))
+    env.reset(seed=1, options=FAR)
+    rng = np.random.default_rng(2)
+    for n in range(last + 1):
+        if n == last:
+            x, y, _ = env.driven.simulation.position
+            env.goal = (x + 0.3, y)
+        *_, info = env.step(np.array([0.5, 0.0]) + rng.uniform(-0.1, 0.1, 2))
+    assert (info["ending"], info["distance"] < 0.5) == ("hazard", True)
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
@@ -118,40 +91,78 @@ def test_full_ahead_is_the_speed_at_which_the_wheels_turn_as_fast_as_they_can(
     env.reset(seed=0)
     for _ in range(20):
         seen, *_ = env.step(np.array([1.0, 0.0], np.float32))
-    simulation = env._ride.simulation
+    simulation = env.driven.simulation
     rover, limit = simulation.scene.rover, simulation.model.actuator_ctrlrange[0, 1]
     radius, believed = rover.wheel_radius, rover.controller_radius
     assert simulation.data.ctrl[0] * believed == pytest.approx(limit * radius)
     assert seen["velocities"][0] == pytest.approx(limit * radius, rel=0.1)
 
 
-def rolled(degrees: float) -> list[float]:
-    """Height [m] and attitude of a rover in the air."""
-    half = math.radians(degrees) / 2
-    return [1.0, math.cos(half), math.sin(half), 0.0, 0.0]
+@pytest.mark.parametrize(
+    ("goal", "x", "roll", "speed", "ending"),
+    [
+        (0.29, 0.0, None, 0.0, "reached"),
+        (0.35, 0.0, None, 0.0, ""),
+        (2.0, 0.0, 74.0, 0.0, ""),
+        (2.0, 0.0, 76.0, 0.0, "flipped"),
+        (2.0, 0.0, 180.0, 0.0, "flipped"),
+        (0.1, 0.0, 80.0, 0.0, "flipped"),  # nobody reaches a goal on the side
+        (2.0, 6.6, None, 0.0, "edge"),  # the map ends at 7 m
+        (6.6, 6.6, None, 0.0, "reached"),
+        (6.6, 6.6, 80.0, 0.0, "flipped"),
+        (0.1, 0.0, 80.0, math.nan, "diverged"),  # what is no state has no place and no tilt
+    ],
+)
+def test_what_the_physics_comes_to_ends_episodes(
+    make: Make, goal: float, x: float, roll: float | None, speed: float, ending: str
+) -> None:
+    env = make(goal_radius=0.3, time_limit=0.05)
+    env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (goal, 0.0)})
+    simulation = env.driven.simulation
+    if roll is None:
+        simulation.data.qpos[0] += x
+    else:
+        place(env, (x, 0.0), 1.0, (0.0, 0.0, math.radians(roll)))
+    simulation.data.qvel[0] = speed
+    seen, reward, *told, info = env.step(np.zeros(2, np.float32))
+    ended = ending in ("reached", "flipped")
+    assert (info["ending"], info["is_success"]) == (ending or "time", ending == "reached")
+    assert told == [ended, not ended]
+    assert all(np.isfinite(part).all() for part in seen.values())
+    paid = info["reward_terms"]
+    if ending == "diverged":
+        assert (paid["progress"], info["distance"]) == (0.0, pytest.approx(goal, abs=0.01))
+    else:
+        assert (info["x_position"], info["y_position"]) == tuple(simulation.data.qpos[:2])
+        there = math.dist(simulation.data.qpos[:2], (goal, 0.0))
+        assert info["distance"] == pytest.approx(there)
+        assert paid["progress"] == pytest.approx(goal - there, abs=0.01)
+    goals, flips = 10.0 * (ending == "reached"), -10.0 * (ending == "flipped")
+    assert (paid["reached"], paid["flipped"]) == (goals, flips)
+    assert math.isfinite(reward)
 
 
-def test_what_the_physics_comes_to_ends_episodes(make: Make) -> None:
-    env = make(goal_radius=0.3)
-    for x, state, first, values, ending, ended in (  # the goal; what is changed from where on
-        (0.29, "qpos", 0, [], "reached", [True, False]),
-        (0.35, "qpos", 0, [], "", [False, False]),
-        (0.35, "qpos", 2, rolled(69.0), "", [False, False]),
-        (0.35, "qpos", 2, rolled(80.0), "flipped", [True, False]),
-        (2.0, "qpos", 0, [6.6], "edge", [False, True]),  # the map ends at 7 m
-        (2.0, "qvel", 0, [np.nan], "diverged", [False, True]),
-    ):
-        env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (x, 0.0)})
-        data = env._ride.simulation.data
-        getattr(data, state)[first : first + len(values)] = values
-        seen, reward, *told, info = env.step(np.zeros(2, np.float32))
-        assert (info["ending"], told, info["is_success"]) == (ending, ended, ending == "reached")
-        assert all(np.isfinite(part).all() for part in seen.values())
-        assert math.isfinite(reward)
-        if ending != "diverged":
-            assert (info["x_position"], info["y_position"]) == tuple(data.qpos[:2])
-            assert info["distance"] == pytest.approx(math.dist(data.qpos[:2], (x, 0.0)))
-            assert info["reward_terms"]["progress"] == pytest.approx(x - info["distance"], abs=0.05)
+def test_what_is_observed_is_what_was_read(make: Make) -> None:
+    env = make(height_scan=True)
+    env.reset(seed=2)
+    for yaw in (0.5, -2.5):
+        place(env, (0.5, 0.3), 0.3, (yaw, 0.2, -0.3))
+        seen, *_ = env.step(np.array([0.5, 1.0]))
+        readings = env.driven.readings
+        imu, twist, pose = readings[Imu], readings[Odometry].twist, readings[Pose]
+        _, pitch, roll = Rotation.from_quat(imu.orientation).as_euler("ZYX")
+        sensed = *imu.linear_acceleration, *imu.angular_velocity, roll, pitch
+        assert seen["imu"] == pytest.approx(sensed, abs=1e-4)
+        assert seen["velocities"] == pytest.approx((twist.linear, twist.angular))
+        assert seen["lidar"] == pytest.approx(readings[LaserScan].ranges.clip(0.0, 10.0))
+        east, north = np.subtract(env.goal, pose.position[:2])
+        turn = Rotation.from_quat(pose.orientation).as_euler("ZYX")[0]
+        bearing = math.atan2(north, east) - turn
+        expected = math.hypot(east, north), math.sin(bearing), math.cos(bearing)
+        assert seen["goal"] == pytest.approx(expected, abs=1e-5)
+        ahead = np.add(pose.position[:2], 1.5 * np.array([math.cos(turn), math.sin(turn)]))
+        height = env.course.scene.world.ground.height_at(*ahead) - pose.position[2]
+        assert seen["heights"].reshape(11, 7)[-1, 3] == pytest.approx(height, abs=1e-4)
 
 
 def test_depth_is_what_mujocos_rays_meet_along_the_axis_of_a_camera_above_the_lidar(make: Make) -> None:
@@ -160,7 +171,7 @@ def test_depth_is_what_mujocos_rays_meet_along_the_axis_of_a_camera_above_the_li
     assert make().observation_space.spaces.keys() == env.observation_space.spaces.keys() - {"depth"}
     seen, _ = env.reset(seed=3)
     seen, *_ = env.step(np.array([0.5, 0.5], np.float32))
-    simulation = env._ride.simulation
+    simulation = env.driven.simulation
     model, data = simulation.model, simulation.data
     mujoco.mj_kinematics(model, data)
     turn, origin = data.body("rover").xmat.reshape(3, 3), data.site("lidar").xpos
@@ -192,10 +203,10 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
         policy.act({"lidar": np.zeros(44, np.float32)})
     env = make(robot=robot, noise="hardware", random_start=False)
     seen, _ = env.reset(seed=seed, options={"goal": goal})
-    driven = [env._ride.simulation.data.qpos.tolist()]
+    driven = [env.driven.simulation.data.qpos.tolist()]
     for _ in range(15):
         seen, *_ = env.step(policy.act(seen))
-        driven.append(env._ride.simulation.data.qpos.tolist())
+        driven.append(env.driven.simulation.data.qpos.tolist())
     run = config(robot=robot, seed=seed, duration=0.05 * 16, driver=f"policy:{path}")
     run = run.alone(goals=((0.0, *goal, 0.0),))
     episode = Episode(run)

@@ -148,7 +148,7 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
     driven = []
     for _ in range(PERIODS):
         seen, *_ = env.step(policy.act(seen))
-        driven.append(env._ride.simulation.position)
+        driven.append(env.driven.simulation.position)
     run = config(seed=4, duration=2.0, driver="cmd_vel")
     with Trial(run) as trial:
         node = trial.host(lambda: PolicyNode(policy, find_rover(run.rover.robot), GOAL))

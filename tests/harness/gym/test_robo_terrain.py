@@ -1,8 +1,6 @@
 import math
 import re
-from types import SimpleNamespace
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,41 +8,103 @@ from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS
-from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
-from tests.harness.gym.conftest import Make
+from harness.gym.driven_rover import DrivenRover
+from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from tests.harness.gym.conftest import Make, place
 
 STILL, AHEAD = np.zeros(2, np.float32), np.array([0.6, 0.0], np.float32)
 MIDDLE = {"start": (0.0, 0.0, 0.0), "goal": (3.0, 1.0)}
 
 
-def expected_terms(before: dict[str, Any], now: dict[str, Any]) -> dict[str, float]:
-    """RoboTerrain's reward, of two observations with the goal in the same place."""
-    last, (distance, bearing) = float(before["target"][0]), map(float, now["target"])
-    v, w = map(float, now["velocities"])
+def expected_terms(
+    before: float | None, way: tuple[float, float], near: float, v: float, w: float
+) -> dict[str, float]:
+    """RoboTerrain's reward: distance before and way to the goal, nearest range, speed, yaw rate."""
+    distance, bearing = way
+    if before is None:
+        return {}
     if distance < 0.5:
         return {"goal": 100.0}
-    if now["lidar"].min() < 0.3:
+    if near < 0.3:
         return {"collision": -0.5}
     align = 1.0 - abs(bearing) / (math.pi / 2)  # 1 at 0 deg, 0 at 90, -1 at 180
-    progress = last - distance
+    progress = before - distance
     d = 0.3 * progress if abs(progress) > 0.001 and 0.01 * align > 0.002 else -0.03
     return {"distance": 1.5 * d, "speed": 0.0025 * v, "turn": -0.0015 * abs(w)}
 
 
-@pytest.mark.parametrize("stale", [False, True])
-def test_the_reward_is_robo_terrains_of_what_is_observed(make: Make, stale: bool) -> None:
-    env = make("RoboTerrain", defects={"stale_reward": stale})
-    first, _ = env.reset(seed=3, options={**MIDDLE, "start": (0.0, 0.0, 2.5)})  # it looks away
-    seen, rewards, expected = [first, first], [], []
-    for action in [(0.7, 0.0)] * 8 + [(0.7, -2.5)] * 20 + [(0.7, 0.4)] * 8 + [(0.0, 0.0)] * 14:
-        observation, reward, *_ = env.step(np.array(action, np.float32))
-        seen.append(observation)
-        rewards.append(reward)
-        terms = expected_terms(*(seen[-3:-1] if stale else seen[-2:]))
-        expected.append(sum(terms.values()))
-    expected[0] = 0.0  # of the first step there is no progress
-    assert rewards == pytest.approx(expected, abs=2e-7)  # what is observed is rounded to float32
-    assert len({round(reward, 3) for reward in rewards}) > 3
+def way(goal: tuple[float, float], pose: Pose) -> tuple[float, float]:
+    """Distance and bearing of a goal."""
+    east, north = np.subtract(goal, pose.position[:2])
+    yaw = Rotation.from_quat(pose.orientation).as_euler("ZYX")[0]
+    bearing = (math.atan2(north, east) - yaw + math.pi) % math.tau - math.pi
+    return math.hypot(east, north), bearing
+
+
+@pytest.mark.parametrize("defect", [False, True])
+def test_steps_are_observed_and_paid_as_robo_terrain_does_wherever_it_is(
+    make: Make, defect: bool
+) -> None:
+    defects = {"nearest_is_farthest": defect, "collisions_uncounted": defect}
+    env = make("RoboTerrain", lidar_beams=64, defects=defects)
+    rng, before, goals, collisions = np.random.default_rng(0), None, 0, 0
+    paid: set[str] = set()
+    env.reset(seed=3, options=MIDDLE)
+    pose = env.driven.readings[Pose]
+    for _ in range(400):
+        # Anywhere, at any tilt at which it does not count as flipped, the goal where rules change.
+        tilt = rng.uniform(-1.4, 1.4, 2) * (rng.random(2) < 0.3)
+        place(env, rng.uniform(-2.0, 2.0, 2), rng.uniform(0.12, 0.5), (rng.uniform(-3.0, 3.0), *tilt))
+        angle = rng.uniform(-math.pi, math.pi)
+        away = rng.choice([0.48, 0.52, rng.uniform(0.6, 8.0)], p=[0.05, 0.05, 0.9])
+        if before is not None and rng.random() < 0.5:
+            away = before + rng.choice([-0.0015, -0.0005, 0.0005, 0.0015])
+        x, y = env.driven.simulation.position[:2] + away * np.array([math.cos(angle), math.sin(angle)])
+        env.goal = goal = (float(x), float(y))
+        seen, reward, terminated, truncated, info = env.step(
+            rng.uniform([-1.0, -3.0], [1.0, 3.0]).astype("f4")
+        )
+        if info["ending"] == "flipped":
+            env.reset(options=MIDDLE)
+            before = None
+            goals = collisions = 0
+            continue
+        assert (terminated, truncated) == (False, False)
+        readings = env.driven.readings
+        pose, twist, ranges = readings[Pose], readings[Odometry].twist, readings[LaserScan].ranges
+        ranges = np.where(np.isneginf(ranges), 12.0 if defect else 0.0, np.fmin(ranges, 12.0))
+        sectors = ranges.reshape(32, 2).min(axis=1)
+        yaw, pitch, roll = Rotation.from_quat(readings[Imu].orientation).as_euler("ZYX")
+        assert seen["lidar"] == pytest.approx(sectors)
+        assert seen["pose"] == pytest.approx(pose.position)
+        assert seen["imu"] == pytest.approx((pitch, roll, yaw), abs=1e-5)
+        assert seen["velocities"] == pytest.approx((twist.linear, twist.angular))
+        assert seen["target"] == pytest.approx(way(env.goal, pose), abs=1e-5)
+        nearest, there = float(sectors.min()), way(goal, pose)
+        terms = expected_terms(before, there, nearest, twist.linear, twist.angular)
+        assert info["reward_terms"] == pytest.approx(terms, abs=1e-9)
+        assert reward == pytest.approx(sum(terms.values()), abs=1e-9)
+        goals, collisions = goals + ("goal" in terms), collisions + ("collision" in terms)
+        counts = info["goals"], info["collisions"], info["is_success"]
+        assert counts == (goals, 0 if defect else collisions, goals > 0)
+        assert (env.goal == goal) != ("goal" in terms)
+        before = None if "goal" in terms else there[0]
+        paid |= terms.keys()
+    assert paid == {"goal", "collision", "distance", "speed", "turn"}
+
+
+def test_a_stale_reward_is_that_of_the_observation_before(make: Make) -> None:
+    told: list[list[float]] = []
+    for stale in (False, True):
+        env = make("RoboTerrain", defects={"stale_reward": stale})
+        env.reset(seed=3, options={**MIDDLE, "start": (0.0, 0.0, 2.5)})  # it looks away
+        actions = [(0.7, 0.0)] * 8 + [(0.7, -2.5)] * 20 + [(0.7, 0.4)] * 8 + [(0.0, 0.0)] * 14
+        told.append([env.step(np.array(action, np.float32))[1] for action in actions])
+    prompt, late = told
+    assert late[0] == prompt[0] == 0.0  # of the first step there is no progress
+    assert late[2:] == prompt[1:-1]
+    assert late[1] != 0.0
+    assert len({round(reward, 3) for reward in prompt}) > 3
 
 
 def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
@@ -60,185 +120,100 @@ def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
     assert rewards[-1] == 100.0
     assert (info["goals"], info["is_success"]) == (1, True)
     assert env.goal not in goals
-    x, y, _ = env._pose.position
+    x, y, _ = env.driven.readings[Pose].position
     away = pytest.approx(math.dist((x, y), env.goal), rel=1e-5)
     assert (seen["target"][0], info["distance"]) == (away, away)
     _, reward, *_, info = env.step(AHEAD)
     assert (reward, info["goals"], info["is_success"]) == (0.0, 1, True)  # the first step towards it
 
 
-def sensed(
-    x: float = 0.0,
-    yaw: float = 0.0,
-    *,
-    tilt: tuple[float, float] = (0.0, 0.0),
-    twist: Twist = Twist(),  # noqa: B008 - frozen
-    ranges: float | np.ndarray = 9.0,
-) -> Any:  # noqa: ANN401
-    """What is read of a ride that stands east of the origin [m], rolled and pitched [rad]."""
-    turned, level = (
-        tuple(Rotation.from_euler("ZYX", angles).as_quat().tolist())
-        for angles in ((yaw + 0.3, *tilt[::-1]), (yaw, 0.0, 0.0))  # an IMU's yaw drifts
-    )
-    samples: tuple[Sample, ...] = (
-        LaserScan(0, np.broadcast_to(ranges, 64).astype(np.float32)),
-        Imu(0, turned, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
-        Pose(0, (x, 0.25, 0.5), level),
-        Odometry(0, 0.0, 0.0, 0.0, twist),
-    )
-    return SimpleNamespace(readings={type(sample): sample for sample in samples})
-
-
-def begun(make: Make, goal: tuple[float, float] = (3.0, 0.25), **defects: bool) -> Any:  # noqa: ANN401
-    """An environment that is fed with what is sensed, and had another episode before."""
-    env = make("RoboTerrain", lidar_beams=64, defects=defects)
-    env._draw_goal = Mock(side_effect=[(2.0, 0.25), (9.0, 9.0)])
-    env.goal, env.steps = (0.1, 0.25), 0
-    env._begin(None)
-    for x in (0.8, 0.5, 2.1, 1.9):
-        env._twist([0.0, 1.0])
-        judged(env, sensed(x))
-    assert (env.goal, env._told()["goals"]) == ((9.0, 9.0), 2)
-    env.goal, env.steps = goal, 0
-    env._begin(None)
-    return env
-
-
-def judged(env: Any, ride: Any, failure: str = "") -> tuple[float, str, dict[str, Any]]:  # noqa: ANN401
-    if not failure:
-        env._seen = env._observe(ride)
-    env.steps += 1
-    told: tuple[float, str, dict[str, Any]] = env._judge(ride, failure)
-    return told
-
-
-@pytest.mark.parametrize(("defect", "too_near"), [(False, 0.0), (True, 12.0)])
-def test_what_is_observed_is_what_was_sensed_and_of_the_lidar_the_nearest_of_each_sector(
-    make: Make, defect: bool, too_near: float
-) -> None:
-    env = begun(make, (1.5, 1.25), nearest_is_farthest=defect)
-    ranges = np.full(64, np.inf)
-    ranges[:7] = 5.0, 4.0, np.nan, np.inf, -np.inf, np.inf, 9.0
-    seen = env._observe(sensed(0.5, 2.0, tilt=(0.1, -0.2), twist=Twist(0.3, -0.4), ranges=ranges))
-    assert seen["lidar"].tolist() == [4.0, 12.0, too_near, 9.0] + [12.0] * 28
-    assert seen["pose"] == (0.5, 0.25, 0.5)
-    assert seen["imu"] == pytest.approx((-0.2, 0.1, 2.3))  # pitch comes first
-    assert seen["target"] == pytest.approx((math.sqrt(2.0), math.pi / 4 - 2.0))
-    assert seen["velocities"] == (0.3, -0.4)
-
-
-def test_every_step_is_paid_as_robo_terrain_pays_it(make: Make) -> None:
-    env, rng, paid = begun(make), np.random.default_rng(0), set()
-    env._draw_goal = Mock(return_value=(9.0, 9.0))
-    for n in range(200):
-        distance = rng.choice([0.4999, 0.5, 0.5001, rng.uniform(0.6, 8.0)], p=[0.05, 0.05, 0.05, 0.85])
-        nearest = rng.choice([0.2999, 0.3001, 0.4, 9.0])
-        progress = rng.choice([-0.0011, -0.0009, 0.0009, 0.0011, rng.uniform(-0.04, 0.04)])
-        bearing = rng.choice([1.0, -1.0]) * rng.choice([1.25, 1.26, rng.uniform(0.0, math.pi)])  # 72 deg
-        twist = Twist(*rng.uniform(-1.0, 1.0, 2).tolist())
-        ahead = math.radians(90.0 * rng.integers(-1, 2))
-        env.goal = (0.0, 0.25)
-        env._begin(None)
-        steps = [
-            (sensed(away, math.pi - angle, twist=twist, ranges=nearest), away, angle)
-            for away, angle in ((distance + progress, ahead), (distance, bearing))
-        ]
-        rewards = [judged(env, ride)[0] for ride, _, _ in steps]
-        info = env._told()
-        seen = {"lidar": np.array([nearest]), "velocities": (twist.linear, twist.angular)}
-        before, now = ({"target": (away, angle), **seen} for _, away, angle in steps)
-        terms = expected_terms(before, now)
-        expected = sum(terms.values())
-        case = distance, nearest, progress, bearing
-        assert rewards == [0.0, pytest.approx(expected, abs=1e-12)], case
-        assert info["reward_terms"] == pytest.approx(terms, abs=1e-12)
-        assert (info["goals"], info["collisions"]) == (expected == 100.0, expected == -0.5)
-        assert info["is_success"] == (expected == 100.0)
-        if expected == 100.0:
-            env._draw_goal.assert_called_with((distance, 0.25))
-            env._draw_goal = Mock(return_value=(n, n))
-        paid.add(round(expected, 1))
-    assert paid >= {100.0, -0.5, 0.0}
-
-
-def test_collisions_are_counted_unless_asked_otherwise(make: Make) -> None:
-    for uncounted, counts in ((False, [0, 1, 1, 2]), (True, [0] * 4)):
-        env = begun(make, collisions_uncounted=uncounted)
-        told = [judged(env, sensed(ranges=nearest)) for nearest in (1.0, 0.29, 0.31, -np.inf)]
-        assert [reward == -0.5 for reward, _, _ in told] == [False, True, False, True]
-        assert [info["collisions"] for _, _, info in told] == counts
-
-
 def test_the_heading_controller_is_pd_in_simulation_time(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    env = begun(make)
-    errors = [0.5, 0.7, 0.7, -0.1, 3.2, 3.0]
-    speeds = [0.4, -0.4, 0.0, 1.0, -1.0, 0.5]
-    twists = [env._twist([speed, error]) for speed, error in zip(speeds, errors, strict=True)]
-    rates = [twist.angular for twist in twists]
-    assert [twist.linear for twist in twists] == speeds
-    wrapped = [0.5, 0.7, 0.7, -0.1, 3.2 - math.tau, 3.0]
-    changes = np.diff([0.0, *wrapped])
-    expected = 2.0 * np.array(wrapped) + 0.1 * changes / 0.05
-    assert rates == pytest.approx(np.clip(expected, -7.0, 7.0))
-    defective = make("RoboTerrain", defects={"wall_clock": True})
+    twists: list[Twist] = []
+    command = DrivenRover.command
+
+    def record(driven: DrivenRover, twist: Twist) -> None:
+        twists.append(twist)
+        command(driven, twist)
+
+    monkeypatch.setattr(DrivenRover, "command", record)
+    env = make("RoboTerrain")
+    speeds, errors = [0.4, -0.4, 0.0, 1.0, -1.0, 0.5], [0.5, 0.7, 0.7, -0.1, -3.1, 3.0]
+    for _ in range(2):  # the second episode knows nothing of the first
+        env.reset(seed=0)
+        twists.clear()
+        for action in zip(speeds, errors, strict=True):
+            env.step(np.array(action))
+        assert [twist.linear for twist in twists] == speeds
+        expected = 2.0 * np.array(errors) + 0.1 * np.diff([0.0, *errors]) / 0.05
+        assert [twist.angular for twist in twists] == pytest.approx(np.clip(expected, -7.0, 7.0))
     now = iter([10.0, 10.5])
     monkeypatch.setattr("harness.gym.robo_terrain.time.perf_counter", lambda: next(now))
-    defective._begin(None)
-    assert defective._twist(np.array([0.4, 0.5])).angular == pytest.approx(2.0 * 0.5 + 0.1 * 0.5 / 0.5)
+    defective = make("RoboTerrain", defects={"wall_clock": True})
+    defective.reset(seed=0)
+    defective.step(np.array([0.4, 0.5]))
+    assert twists[-1].angular == pytest.approx(2.0 * 0.5 + 0.1 * 0.5 / 0.5)
 
 
-@pytest.mark.parametrize("failure", ["", "edge", "diverged"])
 @pytest.mark.parametrize(
     ("steps", "tilt", "reward", "ending"),
     [
-        (1, (1.481, 0.0), 0.0, "flipped"),
-        (500, (-1.481, 0.0), 0.0, "flipped"),
-        (501, (0.0, 1.481), -20.0, "flipped"),
-        (501, (0.0, -1.481), -20.0, "flipped"),
+        (500, (1.52, 0.0), 0.0, "flipped"),
+        (501, (0.0, 1.52), -20.0, "flipped"),
+        (501, (0.0, -1.52), -20.0, "flipped"),
         (501, (3.0, 0.0), -20.0, "flipped"),
-        (501, (1.479, 0.0), 0.0, ""),
-        (501, (0.0, -1.479), 0.0, ""),
+        (501, (1.44, 0.0), None, ""),
+        (501, (0.0, -1.44), None, ""),
     ],
 )
 def test_who_flips_ends_and_pays_unless_it_was_early(
-    make: Make, steps: int, tilt: tuple[float, float], reward: float, ending: str, failure: str
+    make: Make, steps: int, tilt: tuple[float, float], reward: float | None, ending: str
 ) -> None:
-    env = begun(make)
-    env._observe(sensed(tilt=tilt))
+    env = make("RoboTerrain")
+    env.reset(seed=0, options=MIDDLE)
+    roll, pitch = tilt
+    place(env, (0.0, 0.0), 2.0, (0.0, pitch, roll))  # in the air, where it keeps its attitude
     env.steps = steps - 1
-    expected = (reward, ending) if ending or not failure else (-10.0, "edge")
-    if failure == "diverged":
-        expected = 0.0, "diverged"
-    assert judged(env, sensed(tilt=tilt), failure)[:2] == expected
-    assert env.terminal_endings == {"flipped", "stuck", "edge"}
+    _, paid, terminated, truncated, info = env.step(STILL)
+    assert (info["ending"], terminated, truncated) == (ending, bool(ending), False)
+    assert reward is None or paid == reward
 
 
 @pytest.mark.parametrize(
-    ("places", "ending"),
-    [
-        ([0.0] * 599, ""),
-        ([0.0] * 600, "stuck"),
-        ([0.0] + [1.0] * 598 + [0.0009], "stuck"),  # there and back
-        ([0.0] + [1.0] * 598 + [-0.0011], ""),
-        ([0.0] + [1.0] * 599 + [0.0], ""),  # of the last 600 only
-        ([1.0] + [0.0] * 600, "stuck"),
-    ],
+    ("x", "speed", "reward", "ended"),
+    [(6.6, 0.0, -10.0, [True, False]), (0.0, math.nan, 0.0, [False, True])],
+)
+def test_beyond_the_edge_and_diverged(
+    make: Make, x: float, speed: float, reward: float, ended: list[bool]
+) -> None:
+    env = make("RoboTerrain")
+    env.reset(seed=0, options=MIDDLE)
+    env.driven.simulation.data.qpos[0] = x
+    env.driven.simulation.data.qvel[0] = speed
+    told = env.step(STILL)
+    assert told[1:4] == (reward, *ended)
+    assert told[4]["ending"] == ("diverged" if math.isnan(speed) else "edge")
+
+
+@pytest.mark.parametrize(
+    ("back", "steps", "ending"), [(None, 600, "stuck"), (0.0, 600, "stuck"), (0.003, 601, "")]
 )
 def test_who_is_after_600_steps_where_it_was_is_stuck(
-    make: Make, places: list[float], ending: str
+    make: Make, back: float | None, steps: int, ending: str
 ) -> None:
-    env = begun(make)
-    env._places.extend([(0.0, 0.25)] * 600)  # in the episode before
-    env._begin(None)
-    judged(env, sensed(-2.0))
-    assert len(env._places) == 1
-    env._places.clear()
-    env._places.extend((x, 0.25) for x in places[:-1])
-    reward, told, _ = judged(env, sensed(places[-1]))
-    assert told == ending
-    assert (reward == -25.0) if ending else (abs(reward) < 2.0)
+    env = make("RoboTerrain")
+    env.reset(seed=0, options=MIDDLE)
+    home = env.driven.simulation.data.qpos.copy()
+    for step in range(1, steps + 1):
+        away = 0.0 if back is None or step <= 2 else (1.0 if step < steps - 2 else back)
+        data = env.driven.simulation.data
+        data.qpos[:], data.qvel[:] = home, 0.0
+        data.qpos[0] += away
+        _, reward, terminated, _, info = env.step(STILL)
+        assert terminated == (step == steps and bool(ending)), step
+    assert info["ending"] == ending
+    assert (reward == -25.0) == bool(ending)
 
 
 @pytest.mark.parametrize("defect", [False, True])
@@ -253,13 +228,8 @@ def test_the_time_limit_truncates_and_the_seed_decides_unless_asked_otherwise(
     assert env.step(STILL)[2:4] == (defect, not defect)
 
 
-def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: Make) -> None:
-    env = make("RoboTerrain", box=2.0, reverse_speed=0.6, goal_distance=(0.5, 9.0))
-    places = []
-    for seed in range(6):
-        _, info = env.reset(seed=0 if seed == 0 else None)
-        places += [*info["start"][:2], *info["goal"]]
-    assert 1.0 < np.abs(places).max() <= 2.1
+def test_the_spaces_are_robo_terrains(make: Make) -> None:
+    env = make("RoboTerrain", reverse_speed=0.6)
     assert make("RoboTerrain", reverse_speed=0.0).action_space.low[0] == 0.0
     limits = [*env.action_space.low, *env.action_space.high]
     assert limits == pytest.approx([-0.6, -math.pi, 1.0, math.pi])
@@ -278,10 +248,7 @@ def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: 
         ({"box": math.inf}, "box inf is not valid; give a finite number"),
         ({"reverse_speed": -0.1}, "reverse_speed -0.1 is not valid; give 0 to 1"),
         ({"reverse_speed": 2.0}, "reverse_speed 2.0 is not valid; give 0 to 1"),
-        (
-            {"defects": {"sleeps": True}},
-            "defects: key 'sleeps' does not exist",
-        ),
+        ({"defects": {"sleeps": True}}, "defects: key 'sleeps' does not exist"),
     ],
 )
 def test_its_own_options_are_checked(options: dict[str, Any], message: str) -> None:

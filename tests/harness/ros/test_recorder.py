@@ -18,7 +18,7 @@ from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import JointState, LaserScan
 
 from harness import __version__, samples
 from harness.base.errors import RunFailed, UsageError
@@ -154,6 +154,9 @@ def test_padding_is_what_aligns_the_fields() -> None:
     header, stamp, length, text = 4, 8, 4, 2
     end = header + stamp + length + text  # where the zero of the string is, always written as such
     assert padding_of(serialize_message(scan), TOPICS["/scan"]) == [end, end + 1]
+    nothing = serialize_message(JointState())  # of joints that a fault has emptied
+    fields = 4 + 8 + 4 + 4 + 4 * 4  # encapsulation, stamp, frame with its end, four counts
+    assert set(range(fields, len(nothing))) <= set(padding_of(nothing, "sensor_msgs/msg/JointState"))
 
 
 def test_all_but_the_last_second_is_on_disk_while_recording(bridge: Bridge, tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.numbers import write_csv
+from rover_metrics.analysis.output import write_csv
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation

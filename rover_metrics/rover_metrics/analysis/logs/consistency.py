@@ -40,11 +40,9 @@ CHECKED_COLUMNS = (*(name for flag in _FLAGS for name in (flag.column, flag.leve
 
 
 def describe_consistency(rows: pd.DataFrame, thresholds: Thresholds) -> list[str]:
-    """Returns what contradicts itself.
+    """Returns what contradicts itself in the rows of a log that was made with these thresholds.
 
-    Args:
-        rows: Those of a log, by line; of CHECKED_COLUMNS and the sum of smoothness what it has.
-        thresholds: Those that it was made with.
+    Rows are by line, with what the log has of CHECKED_COLUMNS and of the sum of smoothness.
     """
     flags = [flag for flag in _FLAGS if {flag.column, flag.level} <= set(rows)]
     findings = [_contradiction(rows, flag, getattr(thresholds, flag.threshold)) for flag in flags]

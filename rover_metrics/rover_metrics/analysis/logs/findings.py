@@ -21,13 +21,7 @@ _LATE = 1.5  # periods between two rows beyond which one is missing
 
 
 def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric]) -> list[str]:
-    """Returns what was not usable of a file.
-
-    Args:
-        table: What was read of it.
-        header: Its column names.
-        metrics: Those to be reported.
-    """
+    """Returns what was not usable of a file."""
     asked = {column for metric in metrics for column in (*metric.columns, metric.extended_column)}
     findings = [*_absent(header, metrics)]
     if table.spaces:

@@ -42,11 +42,7 @@ def read_header(path: Path) -> list[str]:
 
 
 def check_is_file(path: Path) -> None:
-    """Checks that there is a file to read.
-
-    Raises:
-        UnreadableLog: There is none, or it may not be read.
-    """
+    """Checks that there is a file that may be read; else raises UnreadableLog."""
     try:
         if path.is_dir():
             raise UnreadableLog("this is a folder; name the CSV files in it")

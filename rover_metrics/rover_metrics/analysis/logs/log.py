@@ -20,12 +20,10 @@ class Log:
     """One metrics log.
 
     Attributes:
-        path: Where it was read from.
         stamps: Time of each row [s].
         columns: The metric columns that were asked for and exist, one value a row. NaN where the
             file has no number or infinity.
         starts: First row of each episode, ascending; the first is 0.
-        findings: What was odd about the file, one line each.
         thresholds: The thresholds at the end of its session; None if its record does not have them.
         arguments: Arguments of the harness's run by name (robot, terrain, seed, ...); empty without one.
     """

@@ -156,7 +156,8 @@ def _usable(chunk: pd.DataFrame, table: Table) -> pd.DataFrame:
     chunk.index += _FIRST_ROW_LINE
     table.total += len(chunk)
     twelve = [name for name in (STAMP, *METRIC_COLUMNS) if name in chunk.columns]
-    numbers = chunk[list(dict.fromkeys((*twelve, *table.cells)))].apply(_numbers)
+    numbers = chunk[list(dict.fromkeys((*twelve, *table.cells)))].apply(pd.to_numeric, errors="coerce")
+    numbers = numbers.astype(np.float64)
     # Columns after the notes are extended ones, which may well be empty.
     last = chunk[NOTES] if NOTES in chunk.columns else chunk.iloc[:, -2]
     long = _has_extra_field(chunk)
@@ -178,11 +179,6 @@ def _has_extra_field(chunk: pd.DataFrame) -> "pd.Series[bool]":
     if extra.any():
         extra &= ~chunk.iloc[:, -2].astype(str).str.startswith('"')
     return extra
-
-
-def _numbers(column: "pd.Series[float]") -> "pd.Series[float]":
-    """Returns a column as numbers, NaN where it holds text."""
-    return pd.to_numeric(column, errors="coerce").astype(np.float64)
 
 
 def _tally_cells(column: "pd.Series[float]", numbers: "pd.Series[float]", table: Table) -> None:

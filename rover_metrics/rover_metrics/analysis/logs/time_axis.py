@@ -60,12 +60,7 @@ def _bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats,
 def on_grid(positions: Floats, values: Floats, grid: Floats) -> Floats:
     """Returns an episode on a common grid: means where rows are dense, lines between where sparse.
 
-    NaN beyond the episode's ends.
-
-    Args:
-        positions: Ascending.
-        values: One a position, NaN for none.
-        grid: Evenly spaced.
+    NaN beyond the episode's ends. Positions ascend, the grid does so evenly; values may be NaN.
     """
     width = float(grid[1] - grid[0])
     at, means = _bin_means(positions - grid[0] + width / 2, values, width)

@@ -22,15 +22,9 @@ _DARK = 0.62  # |rho| beyond which text on the cell must be white
 def draw_correlation(
     correlations: Sequence[Correlation], metrics: Sequence[Metric], alpha: float
 ) -> Figure | None:
-    """Draws the lower triangle of the correlation matrix.
+    """Draws the lower triangle of the correlation matrix; None if there is no pair.
 
-    Args:
-        correlations: The pairs there are.
-        metrics: Rows and columns, in order.
-        alpha: Adjusted p-value above which a cell is left white.
-
-    Returns:
-        The figure; None if there is no pair.
+    Metrics are rows and columns, in order; a cell whose adjusted p-value is alpha or more stays white.
     """
     if not correlations:
         return None

@@ -100,12 +100,9 @@ def lowest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Writes a figure as PNG and PDF, and returns both files.
+    """Writes a figure as PNG and PDF into a folder that exists, and returns both files.
 
-    Args:
-        figure: What to write.
-        folder: Must exist.
-        name: File name without an extension; never made from the name of a log.
+    The name, without an extension, is never made from the name of a log.
     """
     for text in figure.findobj(Text):
         text.set_parse_math(False)  # a $ in a file name is a $; rcParams can say so only from 3.6 on

@@ -30,11 +30,9 @@ METRICS = {"risk_s_per_goal": "Risk seconds a goal", "s_per_goal": "Seconds a go
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """The runs of one condition.
+    """The runs of one condition, with the figures of each.
 
-    Attributes:
-        logs: One a run; `figures` are theirs.
-        windows: Risk seconds and seconds for a goal of each of their windows, shape (windows, 2).
+    Windows: risk seconds and seconds for a goal of each, shape (windows, 2).
     """
 
     name: str
@@ -58,7 +56,6 @@ class Difference:
 
     Attributes:
         metric: Of METRICS.
-        groups: Their names.
         windows: By windows; its test is Mann-Whitney's.
         cohens_d: Of the windows: the difference in pooled standard deviations.
         runs: By runs.
@@ -77,14 +74,7 @@ def make_group(
     goals: int = WINDOW_GOALS,
     risk_distance: float = RISK_DISTANCE,
 ) -> Group:
-    """Returns a group of logs.
-
-    Args:
-        name: What the group is called.
-        logs: Its runs, in their order.
-        goals: Of a window.
-        risk_distance: Below which a distance is a risk [m].
-    """
+    """Returns a group of logs; a window is of so many goals, the risk distance is in m."""
     figures = tuple(run_figures(log, risk_distance) for log in logs)
     return Group(name, tuple(logs), figures, windows(logs, goals, risk_distance))
 
@@ -92,9 +82,7 @@ def make_group(
 def differences(groups: Mapping[str, Group], confidence: float) -> list[Difference]:
     """Returns each pair of groups, metric by metric; the first of a pair is the earlier one.
 
-    Args:
-        groups: By name, in their order.
-        confidence: Level of the intervals, between 0 and 1.
+    Intervals are of the given confidence, between 0 and 1.
     """
     all_pairs: list[Difference] = []
     for metric in METRICS:

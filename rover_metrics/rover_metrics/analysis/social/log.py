@@ -29,14 +29,12 @@ class SocialLog:
     """One run, a row a second.
 
     Attributes:
-        path: Where it was read from.
         actors: The people's names, in the order of the columns.
         time_s: Of each row; simulation or Unix time [s].
         position: Of the rover, x and y in the world [m], shape (rows, 2); NaN where it is not known.
         distance: From the rover to each person [m], shape (rows, people); NaN where it is not known.
         nearest: To the nearest person [m]; NaN where none is known.
         goals: Goals reached so far.
-        findings: What was odd about the file, one line each.
     """
 
     path: Path

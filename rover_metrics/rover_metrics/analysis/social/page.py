@@ -33,12 +33,7 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 def render(groups: Mapping[str, Group], sheets: Iterable[Sheet]) -> str:
-    """Returns the HTML of a page.
-
-    Args:
-        groups: By name, in their order.
-        sheets: Its tables.
-    """
+    """Returns the HTML of a page."""
     pictures = (
         ("Windows", draw_windows, "Each point one window, in the order of time; line: mean."),
         ("Distances", draw_distances, "Dotted: the outer limits of Hall's zones."),

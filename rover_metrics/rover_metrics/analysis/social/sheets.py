@@ -18,14 +18,7 @@ PAIRS_CAPTION = (
 def social_sheets(
     groups: Mapping[str, Group], differences: Sequence[Difference], goals: int, risk_distance: float
 ) -> Iterator[Sheet]:
-    """Yields the tables: the runs of each group, the groups, their differences.
-
-    Args:
-        groups: By name, in their order.
-        differences: Between each pair of them.
-        goals: Of a window.
-        risk_distance: Below which a distance is a risk [m].
-    """
+    """Yields the tables: runs of each group, groups, their differences; the risk distance is in m."""
     for group in groups.values():
         yield _runs(group, risk_distance)
     yield _groups(groups, goals)

@@ -12,7 +12,9 @@ one of the first than the other way round).
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from math import comb, sqrt
 
 import numpy as np
@@ -21,6 +23,7 @@ from scipy import stats
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.statistics.summary import Interval, t_interval
 
+_ROUNDING = 1 + 1e-9  # 1 - 0.95 is a little more than 0.05
 MOST_SPLITS = 20_000  # 8 against 8 is 12870; the signs of 14 pairs are 16384
 
 
@@ -29,18 +32,15 @@ class Comparison:
     """How the second group differs from the first in one metric; None where that cannot be said.
 
     Attributes:
-        code: The metric.
         n: Observations of each group.
         means: Mean of each group's observations; None for a group without any.
         difference: Second mean minus first.
         interval: For the difference, Welch's, which allows different variances; of pairs Student's.
-        test: Name of the test.
         p: Two-sided probability of a difference at least this large if there were none.
         p_holm: The same, adjusted for the number of metrics compared.
         smallest_p: The lowest p that groups of these sizes can reach at all.
         hedges_g: Standardised difference.
         cliffs_delta: From -1 (all of the second below the first) to 1.
-        paired: Whether each observation has its partner.
     """
 
     code: str
@@ -105,13 +105,7 @@ def compare(
 
 
 def smallest_p(first: int, second: int, *, paired: bool) -> float:
-    """Returns the lowest two-sided p that groups of these sizes can reach at all.
-
-    Args:
-        first: Observations of the first group.
-        second: Those of the second.
-        paired: Whether they are pairs.
-    """
+    """Returns the lowest two-sided p that groups of these sizes can reach at all."""
     return min(1.0, 2 / (2**first if paired else comb(first + second, first)))
 
 
@@ -168,3 +162,29 @@ def _hedges_g(first: Floats, second: Floats) -> float | None:
     """Returns Cohen's d, corrected for small samples."""
     d = cohens_d(first, second)
     return None if d is None else (1 - 3 / (4 * (first.size + second.size - 2) - 1)) * d
+
+
+def describe_power(comparisons: Sequence[Comparison], unit: str, alpha: float) -> Iterator[str]:
+    """Yields why no metric, or which ones, cannot differ by these tests, however they come out.
+
+    A difference counts if its adjusted p-value is below alpha; `unit` is what one observation is.
+    """
+    reachable = [each.smallest_p for each in comparisons if each.smallest_p is not None]
+    if comparisons and not reachable:
+        yield f"No test: it needs two {unit}s or more in each group."
+    if not reachable:
+        return
+    tests, paired = len(reachable), comparisons[0].paired
+    lowest, above = min(1.0, tests * min(reachable)), alpha * _ROUNDING
+    if lowest > above:
+        enough = next(n for n in count(2) if tests * smallest_p(n, n, paired=paired) <= above)
+        among = f" among {tests} metrics" if tests > 1 else ""
+        fewer = ", or fewer metrics with -m" if tests > 1 else ""
+        yield (
+            f"So few {unit}s cannot give a p (Holm) below {lowest:.2g}{among}, whatever they show: no "
+            f"difference can be told at {alpha:.2g}. It takes {enough} {unit}s in each group{fewer}."
+        )
+        return
+    hopeless = [each.code for each in comparisons if (each.smallest_p or 0.0) > above]
+    if hopeless:
+        yield f"So few {unit}s cannot give a p below {alpha:.2g} for {', '.join(hopeless)}."

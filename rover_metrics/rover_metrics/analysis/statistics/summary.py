@@ -23,13 +23,10 @@ class Summary:
     """A sample in numbers, in the unit of its metric; None where the sample cannot say.
 
     Attributes:
-        n: Values.
         n_effective: Independent values that would fix the mean as well.
         mean: Weighted mean: of a rate the total over the time, of a flag the share.
         median: Of the values; as sd, minimum and maximum None for a flag, which only has a share.
         sd: Standard deviation of the values, n - 1 in the denominator.
-        minimum: Lowest value.
-        maximum: Highest value.
         interval: For the mean as if the values were independent: Student's t, for a flag Wilson's.
         bootstrap_interval: For the mean, from a circular block bootstrap, which keeps the
             autocorrelation within blocks.

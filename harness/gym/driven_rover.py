@@ -28,25 +28,25 @@ TICK = TICK_NS / NANOSECONDS  # [s]
 Readings = dict[type[Sample], Sample]
 
 
-class Ride:
+class DrivenRover:
     """One episode's rover, settled, after one control period of standing: everything has been read.
 
     Args:
         course: Where it drives.
-        start: x, y [m] and yaw [rad].
-        variation: Of the rover.
-        noise_seed: Of the sensors' noise.
+        start: x, y [m] and yaw [rad] in the world.
+        variation: How the rover differs from the one that ships.
+        noise_seed: Seed of the sensors' noise.
 
     Attributes:
         simulation: The physics.
-        readings: The last samples, of each kind in SENSED and of the depth camera if there is one; late
-            ones if the variation says so.
-        hazard_s: Contact with hazards in the last control period [s]; likewise `scrape_s`, of the body
-            with the ground.
+        readings: The last samples, of each kind in SENSED and of the depth camera if there is one; as
+            much older as the variation's latency says.
+        hazard_s: Contact of the rover with hazards in the last control period [s].
+        scrape_s: Contact of anything but wheels with the ground in the last control period [s].
 
     Raises:
         UsageError: The rover cannot stand there.
-        RunFailed: Nor fall there.
+        RunFailed: The rover left the map or the simulation diverged while it settled.
     """
 
     def __init__(self, course: Course, start: Start, variation: Variation, noise_seed: int) -> None:

@@ -1,9 +1,6 @@
 import copy
-from contextlib import suppress
-from functools import partial
-from types import SimpleNamespace
 from typing import Any
-from unittest.mock import Mock, patch
+from unittest.mock import patch
 
 import mujoco
 import numpy as np
@@ -14,12 +11,12 @@ from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.episode import Episode
 from harness.gym.course import Course, Variation, _vary, draw_variation
+from harness.gym.driven_rover import SENSED, DrivenRover
 from harness.gym.options import Randomisation
-from harness.gym.ride import SENSED, Ride
 from harness.physics.physics import Physics
+from harness.physics.scene import SCRAPE_CONTACT
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.depth import DepthOptions
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
 from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
@@ -48,32 +45,32 @@ def flat_with_post() -> Course:
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
-def test_a_ride_reads_what_the_same_commands_of_an_episode_publish(
+def test_a_driven_rover_reads_what_the_same_commands_of_an_episode_publish(
     config: MakeConfig, robot: str
 ) -> None:
     run = config(robot=robot, seed=3, driver="cmd_vel", duration=0.05 * (1 + len(COMMANDS)))
-    ride = Ride(Course(run), START, PLAIN, run.seed)
+    rover = DrivenRover(Course(run), START, PLAIN, run.seed)
     commands = tuple((0.05 * n, *twist) for n, twist in enumerate(COMMANDS, 1))
     episode = Episode(run.alone(start=START, commands=commands))
     published: dict[type, Any] = {}
     for batch, command in zip(episode.batches(), [*COMMANDS, (0.0, 0.0)], strict=True):
         published |= {type(sample): sample for tick in batch.ticks for sample in tick.samples}
         for kind in SENSED:
-            assert repr(ride.readings[kind]) == repr(published[kind])
-        scan: Any = ride.readings[LaserScan]
+            assert repr(rover.readings[kind]) == repr(published[kind])
+        scan: Any = rover.readings[LaserScan]
         np.testing.assert_array_equal(scan.ranges, published[LaserScan].ranges)
-        ride.advance(Twist(*command))
+        rover.advance(Twist(*command))
 
 
 def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did(
     flat_with_post: Course,
 ) -> None:
     def driven(start: tuple[float, float, float], variation: Variation) -> list[float]:
-        ride = Ride(flat_with_post, start, variation, 0)
-        assert ride.simulation.time_ns == NANOSECONDS // 20
+        rover = DrivenRover(flat_with_post, start, variation, 0)
+        assert rover.simulation.time_ns == NANOSECONDS // 20
         for command in COMMANDS:
-            ride.advance(Twist(*command))
-        state: list[float] = ride.simulation.data.qpos.tolist()
+            rover.advance(Twist(*command))
+        state: list[float] = rover.simulation.data.qpos.tolist()
         return state
 
     elsewhere = -2.0, 1.0, 2.0
@@ -89,35 +86,23 @@ def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did
     assert ends[4] != ends[1] != ends[0]
 
 
-def test_who_varies_settles_for_himself_but_not_for_being_late(flat_with_post: Course) -> None:
-    keys = []
-    for name in vars(PLAIN):
-        with patch.object(flat_with_post, "settled", side_effect=UsageError) as settled:
-            for variation in (PLAIN, Variation(**{name: 0.5})):
-                with suppress(UsageError):
-                    Ride(flat_with_post, FREE, variation, 0)
-        plain, varied = (call.args[1] for call in settled.call_args_list)
-        keys.append((name, plain == varied))
-    assert keys == [(name, name == "latency") for name in vars(PLAIN)]
-
-
 def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) -> None:
-    prompt, late = (Ride(flat_with_post, FREE, Variation(latency=s), 0) for s in (0.0, 0.1))
+    prompt, late = (DrivenRover(flat_with_post, FREE, Variation(latency=s), 0) for s in (0.0, 0.1))
     stamps = []
     for _ in range(4):
-        read = [{ride.readings[kind].stamp_ns for kind in READ_AT_ITS_END} for ride in (prompt, late)]
+        read = [{rover.readings[kind].stamp_ns for kind in READ_AT_ITS_END} for rover in (prompt, late)]
         stamps.append(read)
         assert prompt.readings.keys() == late.readings.keys() == {*SENSED, RangeReading}
-        for ride in (prompt, late):
-            ride.advance(Twist(0.3, 0.0))
+        for rover in (prompt, late):
+            rover.advance(Twist(0.3, 0.0))
     periods = [(1, 1), (2, 1), (3, 1), (4, 2)]  # nothing is older than the first
     assert stamps == [[{n * NANOSECONDS // 20} for n in pair] for pair in periods]
 
 
 def test_noise_is_its_seeds_whatever_the_worlds(flat_with_post: Course) -> None:
     def read(seed: int) -> list[list[float]]:
-        ride = Ride(flat_with_post, (-0.5, 0.0, 0.0), PLAIN, seed)  # the post is ahead
-        seen: tuple[Any, ...] = tuple(ride.readings[kind] for kind in (LaserScan, RangeReading, Imu))
+        rover = DrivenRover(flat_with_post, (-0.5, 0.0, 0.0), PLAIN, seed)  # the post is ahead
+        seen: tuple[Any, ...] = tuple(rover.readings[kind] for kind in (LaserScan, RangeReading, Imu))
         return [seen[0].ranges.tolist(), seen[1].ranges.tolist(), [*seen[2].linear_acceleration]]
 
     flat_with_post.run, own = flat_with_post.run.but(seed=5), flat_with_post.run
@@ -134,71 +119,57 @@ def test_a_reading_is_late_by_whole_periods() -> None:
 
 
 def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: Course) -> None:
-    ride, seconds = Ride(flat_with_post, (0.0, 0.0, 0.0), PLAIN, 0), 0.0
+    rover, seconds = DrivenRover(flat_with_post, (0.0, 0.0, 0.0), PLAIN, 0), 0.0
     for _ in range(30):
-        ride.advance(Twist(0.7, 0.0))
-        touching = ride.simulation.data.contact.geom
-        post = ride.simulation.model.geom("hazard_0").id
-        assert (ride.hazard_s > 0.0) >= (post in touching)
-        assert ride.hazard_s in [0.01 * n for n in range(6)]
-        seconds += ride.hazard_s
+        rover.advance(Twist(0.7, 0.0))
+        touching = rover.simulation.data.contact.geom
+        post = rover.simulation.model.geom("hazard_0").id
+        assert (rover.hazard_s > 0.0) >= (post in touching)
+        assert rover.hazard_s in [0.01 * n for n in range(6)]
+        seconds += rover.hazard_s
     assert 0.1 < seconds < 1.4
 
 
-def test_a_hundredth_with_contact_counts_once_however_many_parts_touch(flat_with_post: Course) -> None:
-    ride = Ride(flat_with_post, FREE, PLAIN, 0)
-    hazard, *parts = ride._hazard, *ride._scrapes
-    assert len(parts) > 1
-    counts = np.zeros((5, ride.simulation.model.nsensordata))
-    counts[1:3, hazard] = 3.0, 1.0
-    counts[0, parts[0]] = counts[3, parts[-1]] = 1.0
-    counts[2, parts] = 2.0
-    there: Any = SimpleNamespace(tick_sum=None)
-    ticks = [partial(setattr, there, "tick_sum", row) for row in counts]
-    ride.simulation, ride._leap = there, Mock(ticks=lambda: (tick() for tick in ticks))
-    ride.read()
-    assert [ride.hazard_s, ride.scrape_s] == pytest.approx([0.02, 0.03])
-
-
 def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:
-    ride = Ride(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0)
-    assert ride.upright == pytest.approx(1.0, abs=1e-3)
+    rover = DrivenRover(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0)
+    assert rover.upright == pytest.approx(1.0, abs=1e-3)
     for turn in Rotation.random(20, rng=np.random.default_rng(0)):
-        ride.simulation.data.qpos[3:7] = np.roll(turn.as_quat(), 1)
-        assert ride.upright == pytest.approx(turn.as_matrix()[2, 2])
-    ride.simulation.data.qpos[2:7] = 0.35, 0.0, 1.0, 0.0, 0.0  # on its roof
+        rover.simulation.data.qpos[3:7] = np.roll(turn.as_quat(), 1)
+        assert rover.upright == pytest.approx(turn.as_matrix()[2, 2])
+    rover.simulation.data.qpos[2:7] = 0.35, 0.0, 1.0, 0.0, 0.0  # on its roof
     for _ in range(6):
-        ride.advance(Twist())
-    assert ride.scrape_s == pytest.approx(0.05)
-    assert ride.hazard_s == 0.0
-    assert ride.upright == pytest.approx(-1.0, abs=0.05)
-
-
-def test_room_is_looked_for_at_any_start_but_the_worlds_own(flat_with_post: Course) -> None:
-    assert flat_with_post.lidar.spec == LidarSpec(beams=8)
-    for start in ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)):
-        room = patch("harness.gym.course.check_room", side_effect=UsageError("no room"))
-        with room as look, suppress(UsageError):
-            Ride(flat_with_post, start, Variation(payload=1.0), 0)
-        assert look.call_count == any(start)
+        rover.advance(Twist())
+    assert rover.scrape_s == pytest.approx(0.05)
+    assert rover.hazard_s == 0.0
+    assert rover.upright == pytest.approx(-1.0, abs=0.05)
+    parts = 0
+    for turn in Rotation.random(30, rng=np.random.default_rng(1)):  # on several parts at once, too
+        rover.simulation.data.qpos[2:7] = 0.05, *np.roll(turn.as_quat(), 1)
+        rover.simulation.data.qvel[:] = 0.0
+        rover.advance(Twist())
+        assert rover.scrape_s in [pytest.approx(0.01 * n) for n in range(6)]
+        model, sums = rover.simulation.model, rover.simulation.tick_sum
+        named = [model.sensor(index) for index in range(model.nsensor)]
+        parts = max(parts, sum(sums[s.adr[0]] > 0 for s in named if s.name.startswith(SCRAPE_CONTACT)))
+    assert parts > 1
 
 
 def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course) -> None:
     for _ in range(2):  # not only at first
         with pytest.raises(UsageError, match="is inside hazard_0"):
-            Ride(flat_with_post, (0.6, 0.0, 0.0), PLAIN, 0)
+            DrivenRover(flat_with_post, (0.6, 0.0, 0.0), PLAIN, 0)
         slid = patch("harness.gym.course.check_start", side_effect=UsageError("it slid"))
         with slid, pytest.raises(UsageError, match="it slid"):
-            Ride(flat_with_post, (1.5, 2.0, 0.0), PLAIN, 0)
+            DrivenRover(flat_with_post, (1.5, 2.0, 0.0), PLAIN, 0)
     with pytest.raises(UsageError, match="off the map"):
-        Ride(flat_with_post, (9.0, 0.0, 0.0), PLAIN, 0)
-    ride = Ride(flat_with_post, (3.4, 0.0, 0.0), PLAIN, 0)
-    ride.simulation.data.qpos[0] = 3.49  # 1 cm
-    ride.simulation.data.qvel[0] = 0.5
-    before = ride.readings[Pose]
+        DrivenRover(flat_with_post, (9.0, 0.0, 0.0), PLAIN, 0)
+    rover = DrivenRover(flat_with_post, (3.4, 0.0, 0.0), PLAIN, 0)
+    rover.simulation.data.qpos[0] = 3.49  # 1 cm
+    rover.simulation.data.qvel[0] = 0.5
+    before = rover.readings[Pose]
     with pytest.raises(RunFailed, match="edge of the map"):
-        ride.advance(Twist(0.7, 0.0))
-    assert ride.readings[Pose] is before
+        rover.advance(Twist(0.7, 0.0))
+    assert rover.readings[Pose] is before
 
 
 def test_a_variation_changes_the_rover_alone_and_only_for_its_episode(flat_with_post: Course) -> None:
@@ -228,7 +199,7 @@ def test_a_variation_changes_the_rover_alone_and_only_for_its_episode(flat_with_
         assert getattr(plain, name).tolist() == before[name].tolist(), name
     assert slippery.geom_friction[[wheel, post, terrain], 0].tolist() == [0.4, 0.8, 0.8]
     # A settled rover presses on the ground with its weight.
-    data = Ride(flat_with_post, FREE, variation, 0).simulation.data
+    data = DrivenRover(flat_with_post, FREE, variation, 0).simulation.data
     force, total = np.empty(6), 0.0
     for index in range(data.ncon):
         mujoco.mj_contactForce(model, data, index, force)
