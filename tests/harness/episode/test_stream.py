@@ -1,4 +1,3 @@
-import math
 import multiprocessing
 from pathlib import Path
 
@@ -7,11 +6,10 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD_NS
-from harness.episode.assembly import fleet, world_of
+from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
-from harness.samples import LaserScan, Place, Pose, Twist
+from harness.samples import Place, Pose, Twist
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
 
@@ -19,34 +17,6 @@ from harness.spec.run import Run
 def config(**changes: object) -> Run:
     values: dict[str, object] = {"terrain": "rocky", "duration": 2.0}
     return Run.of(**{**values, **changes})
-
-
-def flattened(batches: list[Batch]) -> list[str]:
-    return [
-        sample.ranges.tobytes().hex() if isinstance(sample, LaserScan) else repr(sample)
-        for batch in batches
-        for tick in batch.ticks
-        for sample in tick.samples
-    ]
-
-
-def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> None:
-    posts = config(terrain="posts", robot="rover_zero4wd", seed=1, noise="white", lidar_beams=60)
-    x, y, _ = min(
-        (o.position for o in world_of(posts).obstacles), key=lambda place: math.hypot(*place[:2])
-    )
-    ramming = posts.alone(driver="straight", duration=2.5, start=(x - 0.9, y, 0.0))
-    with EpisodeProcess(ramming) as process:
-        (begun,) = process.begin()
-        streamed = [batch for (batch,) in process.batches()]
-    here = Episode(ramming)
-    assert begun.info == here.info
-    local = list(here.batches())
-    assert flattened(streamed) == flattened(local)
-    assert streamed[-1].truth == local[-1].truth
-    events = [event for batch in streamed for event in batch.events]
-    assert events == [event for batch in local for event in batch.events]
-    assert [event.kind for event in events] == ["hazard"]
 
 
 def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told() -> None:
