@@ -102,12 +102,19 @@ def lines(folder: Path) -> int:
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_remapped_topic_is_recorded_and_replayed_under_its_new_name(tmp_path: Path) -> None:
+def test_remapped_topics_and_node_parameters_work_the_ros_way_and_replay(tmp_path: Path) -> None:
     bag, output = tmp_path / "bag.mcap", tmp_path / "replayed.csv"
-    words = ["--terrain", "flat", "--duration", "2", "--log-dir", str(tmp_path / "live")]
-    assert run([*words, "--record", str(bag), "--ros-args", "-r", "scan:=front/scan"]) == 0
-    assert replay([str(bag), "-o", str(output), "--remap", "scan:=front/scan"]) == 0
+    words = ["--terrain", "maze", "--duration", "3", "--log-dir", str(tmp_path / "live")]
+    ros = ["--ros-args", "-r", "scan:=front/scan", "-p", "collision_threshold:=9.0"]
+    assert run([*words, "--record", str(bag), *ros]) == 0
     (log,) = (tmp_path / "live").glob("*.csv")
+    manifest = json.loads(log.with_suffix(".json").read_text())
+    assert manifest["topics"]["/front/scan"] == {"published": 60, "received": 60, "lost": 0}
+    assert manifest["last_row"]["Total Collisions"] == 60
+    params = tmp_path / "p.yaml"
+    params.write_text("metrics_node:\n  ros__parameters: {collision_threshold: 9.0}\n")
+    more = ["--remap", "scan:=front/scan", "--params", str(params)]
+    assert replay([str(bag), "-o", str(output), *more]) == 0
     assert output.read_bytes() == log.read_bytes()
 
 

@@ -136,6 +136,10 @@ def test_goals_and_the_timeout_of_commands_are_for_those_who_heed_them() -> None
     rovers = several(*texts, goal_area=(-3, 3, -3, 3), cmd_vel_timeout=0.5).rovers
     assert [rover.goal_area is not None for rover in rovers] == [True, False, False]
     assert [rover.cmd_vel_timeout for rover in rovers] == [None, 0.5, None]
+    heeded = {"commands": ((1.0, 0.3, 0.0),), "goals": ((0.0, 1.0, 2.0, 0.0),)}
+    for field, by in (("commands", "cmd_vel"), ("goals", "goal")):
+        run = several("leo:a", f"leo:b,x=2,y=0,driver={by}")
+        check(run.but(plan=run.plan.but(**{field: heeded[field]})))  # one of them is enough
 
 
 def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> None:

@@ -11,10 +11,12 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
+from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
-from harness.episode.direct import run_direct
+from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs, RunResult
 from harness.physics.physics import Physics
+from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 
@@ -107,15 +109,26 @@ def test_a_run_that_fails_keeps_its_rows_and_says_why(
     assert outcome(tmp_path) == "failed"
 
 
-def test_a_paced_run_waits_until_each_tick_is_due(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    due: list[int] = []
-    monkeypatch.setattr(
-        "harness.episode.direct.Pacer.wait_until", lambda _, stamp_ns: due.append(stamp_ns)
-    )
-    drive(tmp_path, duration=0.1)
-    assert due == [10_000_000 * n for n in range(1, 11)]
+def test_a_paced_run_takes_at_least_as_long_as_its_rate_says(tmp_path: Path) -> None:
+    run, options = Run.of(**FLAT | {"duration": 0.3}), RosOptions(log_dir=tmp_path, rate=0.5)
+    (result,) = run_direct(run, [Outputs(log_dir=tmp_path)], options, StopRequest())
+    assert result.wall_s > 0.5
+
+
+def test_of_several_rovers_the_first_is_shown_and_each_has_a_result(tmp_path: Path) -> None:
+    run, shown = Run.of(**FLAT | {"duration": 0.1}), list[RunResult]()
+    two = fleet(run, parse_rovers(("leo:a", "leo:b,x=2,y=0"), run.rover))
+    outputs = [Outputs(log_dir=tmp_path / name) for name in "ab"]
+    results = run_direct(two, outputs, RosOptions(log_dir=tmp_path), StopRequest(), shown.append)
+    assert [each.number for each in results] == [0, 1]
+    assert [each.number for each in shown] == [0, 0]
+
+
+def test_without_a_log_the_drive_is_the_same_whatever_its_observers_want(tmp_path: Path) -> None:
+    values = {"terrain": "posts", "driver": "wander", "lidar_beams": 60, "seed": 3, "duration": 4.0}
+    logged = drive(tmp_path, **values)
+    unlogged = run_unlogged(logged.run, StopRequest(), set(), ())
+    assert unlogged.truth.position == logged.truth.position
 
 
 def test_a_log_that_cannot_be_made_is_a_usage_error(tmp_path: Path) -> None:

@@ -32,7 +32,6 @@ from harness.spec.run import Run
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO
 
-SECOND = 1_000_000_000
 LIGHT = {"terrain": "flat", "driver": "straight", "duration": 1.0, "lidar_beams": 8}
 
 
@@ -65,16 +64,6 @@ def test_rover_starts_settled_so_that_no_drop_pollutes_the_first_samples(robot: 
     assert max(abs(math.hypot(*force) - 9.8) for force in forces) < 0.05
     poses = [s.position for s in samples(still, Pose) if isinstance(s, Pose)]
     assert math.dist(poses[0], poses[-1]) < 1e-3
-
-
-@pytest.mark.parametrize("robot", ROVERS)
-def test_straight_drive_moves_ahead_and_truth_follows_the_pose(robot: str) -> None:
-    *_, last = Episode(config(robot=robot, duration=2.0)).batches()
-    x, y, _ = last.truth.position
-    assert x > 0.4
-    assert abs(y) < 0.05
-    assert last.truth.path_length == pytest.approx(x, rel=0.03)
-    assert last.truth.time_ns == 2 * SECOND
 
 
 @pytest.mark.parametrize(("timeout", "shortest", "longest"), [(None, 0.4, 0.7), (0.5, 0.1, 0.2)])
@@ -148,9 +137,9 @@ def test_goals_in_an_area_follow_each_other_and_are_told_with_their_batch() -> N
     ]
 
 
-@pytest.mark.parametrize("robot", ROVERS)
-def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str) -> None:
-    episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=1.1, seed=3))
+@pytest.mark.parametrize(("robot", "driver"), [("leo", "wander"), ("rover_zero4wd", "swing")])
+def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str, driver: str) -> None:
+    episode = Episode(config(robot=robot, terrain="rocky", driver=driver, duration=1.1, seed=3))
     batches = []
     for batch in episode.batches():
         batches.append(batch)

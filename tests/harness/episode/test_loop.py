@@ -6,11 +6,11 @@ from dataclasses import replace
 import pytest
 
 from harness.base.interrupt import StopRequest
-from harness.episode.batch import Batch
+from harness.episode.batch import Batch, later
 from harness.episode.loop import Pacer, Route, drive
 from harness.faults.injector import FaultInjector
-from harness.samples import Pose, Tick
-from harness.truth.traversal import Truth
+from harness.samples import Place, Pose, Tick
+from harness.truth.traversal import ContactEvent, Truth
 from tests.support.words import parse_faults
 
 TICK_NS, SECOND = 10_000_000, 1_000_000_000
@@ -102,3 +102,18 @@ def test_it_waits_until_wall_time_has_caught_up_with_a_second_of_simulation(
     pacer.postpone(paused_s)
     pacer.wait_until(SECOND)
     assert time.slept == pytest.approx(waits_s)
+
+
+def test_a_later_batch_has_all_its_times_moved_and_nothing_else() -> None:
+    event = ContactEvent("rock", TICK_NS, 2 * TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
+    goal = Place(1.0, 2.0, 3.0)
+
+    def batch(by: int) -> Batch:
+        ended, lasting = (
+            replace(event, start_ns=event.start_ns + by, end_ns=event.end_ns + n + by) for n in (0, 7)
+        )
+        stamped = Tick(TICK_NS + by, tuple(replace(s, stamp_ns=TICK_NS + by) for s in tick(1).samples))
+        return Batch((stamped,), Truth(2 * TICK_NS + by, 0.5), (ended,), (lasting,), (goal,))
+
+    assert later(batch(0), 5 * SECOND) == batch(5 * SECOND)
+    assert later(batch(3), 0) == batch(3)

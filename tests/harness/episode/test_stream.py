@@ -1,4 +1,3 @@
-import math
 import multiprocessing
 from pathlib import Path
 
@@ -7,11 +6,10 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD_NS
-from harness.episode.assembly import fleet, world_of
+from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
-from harness.samples import LaserScan, Place, Pose, Twist
+from harness.samples import Place, Pose, Twist
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
 
@@ -21,34 +19,6 @@ def config(**changes: object) -> Run:
     return Run.of(**{**values, **changes})
 
 
-def flattened(batches: list[Batch]) -> list[str]:
-    return [
-        sample.ranges.tobytes().hex() if isinstance(sample, LaserScan) else repr(sample)
-        for batch in batches
-        for tick in batch.ticks
-        for sample in tick.samples
-    ]
-
-
-def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> None:
-    posts = config(terrain="posts", robot="rover_zero4wd", seed=1, noise="white", lidar_beams=60)
-    x, y, _ = min(
-        (o.position for o in world_of(posts).obstacles), key=lambda place: math.hypot(*place[:2])
-    )
-    ramming = posts.alone(driver="straight", duration=2.5, start=(x - 0.9, y, 0.0))
-    with EpisodeProcess(ramming) as process:
-        (begun,) = process.begin()
-        streamed = [batch for (batch,) in process.batches()]
-    here = Episode(ramming)
-    assert begun.info == here.info
-    local = list(here.batches())
-    assert flattened(streamed) == flattened(local)
-    assert streamed[-1].truth == local[-1].truth
-    events = [event for batch in streamed for event in batch.events]
-    assert events == [event for batch in local for event in batch.events]
-    assert [event.kind for event in events] == ["hazard"]
-
-
 def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told() -> None:
     with EpisodeProcess(config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)) as process:
         process.begin()
@@ -56,9 +26,10 @@ def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told(
         for index, (batch,) in enumerate(process.batches()):
             poses += [s for tick in batch.ticks for s in tick.samples if isinstance(s, Pose)]
             if index == 2:
-                put = process.rovers[0].put(Place(5.0, -3.0, 1.0))
+                put = process.rovers[0].put(Place(5.0, 3.0, 1.0))
             if index == 20:
-                headed = process.rovers[0].head_for(Place(6.0, -3.0, 0.0))
+                again = process.rovers[0].put(Place(5.0, -3.0, 1.0))
+                headed = process.rovers[0].head_for(Place(6.0, -3.0, 0.0))  # in the same period
         assert (
             process.rovers[0].put(Place(0.0, 0.0, 0.0))
             is process.rovers[0].head_for(Place(0.0, 0.0, 0.0))
@@ -66,11 +37,12 @@ def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told(
         )
     assert put is not None
     assert headed is not None
+    assert headed == again
     before = [pose.position[:2] for pose in poses if pose.stamp_ns <= put]
     there = [pose.position[:2] for pose in poses if put < pose.stamp_ns <= headed]
     assert np.abs(before).max() < 0.02
-    assert np.abs(np.array(there) - (5.0, -3.0)).max() < 0.02
-    assert poses[-1].position[0] > 5.3
+    assert np.abs(np.array(there) - (5.0, 3.0)).max() < 0.02
+    assert poses[-1].position[:2] == pytest.approx((5.7, -3.0), abs=0.4)
 
 
 def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
@@ -81,14 +53,23 @@ def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
         terrain_size=(10.0, 10.0),
         terrain_height=0.01,
         driver="straight",
+        start=(3.8, 0.0, 0.0),
         duration=120.0,
         timestep=0.005,
         lidar_beams=2,
     )
-    with EpisodeProcess(fast) as process:
+    until = failing(fast)
+    assert failing(fast.alone(duration=until)) == until, "in the last batch as in any other"
+
+
+def failing(run: Run) -> float:
+    """The time at which a run has failed at the edge of the map [s]."""
+    batches: list[Batch] = []
+    with EpisodeProcess(run) as process:
         process.begin()
         with pytest.raises(RunFailed, match="reached the edge of the map"):
-            list(process.batches())
+            batches += (batch for (batch,) in process.batches())
+    return batches[-1].truth.time_ns / 1e9
 
 
 def test_leaving_early_leaves_no_process_behind() -> None:
@@ -117,7 +98,7 @@ def test_death_of_the_child_fails_the_run() -> None:
 
 def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None:
     shared = config(terrain="flat", driver="cmd_vel", lidar_beams=2, duration=1.0)
-    two = fleet(shared, parse_rovers(("leo:a", "rover_zero4wd:b,x=2,y=0"), shared.rover))
+    two = fleet(shared, parse_rovers(("leo:a,driver=goal", "rover_zero4wd:b,x=2,y=0"), shared.rover))
     with EpisodeProcess(two) as process:
         assert [begun.info.start[0] for begun in process.begin()] == [0.0, 2.0]
         path = []
