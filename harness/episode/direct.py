@@ -130,9 +130,10 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
 def run_unlogged(
     run: Run, stop: StopRequest, samples: set[type[Sample]], observers: Sequence[Observer]
 ) -> RunResult:
-    """Runs one rover with nothing but what its observers want; the truth is that of `run_direct`.
+    """Runs one rover with nothing but what its observers want, on the path of `run_direct`.
 
-    No sample goes anywhere else, so faults have nothing to act on.
+    No sample goes anywhere else, so faults have nothing to act on. The truth has slip only where
+    TruthState is among the samples, which is what measures it.
 
     Args:
         run: What to run.
