@@ -145,7 +145,8 @@ class Nav2Client:
         scans = self.scans
         came = spin_until(self.executor, lambda: self.scans > scans, PATIENCE if scans else DISCOVERY)
         assert came or not scans
-        if self.grid is not None:  # the map is made when somebody listens
+        # The map is made when somebody listens; what is latched comes when it is discovered.
+        if self.grid is not None and self.buffer.look_up("map", "base_footprint") is not None:
             self._control()
 
     def is_free(self, place: Place, margin: float) -> bool:

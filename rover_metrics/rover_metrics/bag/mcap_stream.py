@@ -98,13 +98,18 @@ class McapFile:
         return {channel.topic: _type(channel, summary.schemas) for channel in there}
 
     def _scanned_topics(self) -> dict[str, str]:
+        """Topics and types of the channels that have a message, from the records themselves."""
         schemas: dict[int, records.Schema] = {}
+        channels: dict[int, records.Channel] = {}
         topics: dict[str, str] = {}
         for record in self._records([]):
             if isinstance(record, records.Schema):
                 schemas[record.id] = record
             elif isinstance(record, records.Channel):
-                topics[record.topic] = _type(record, schemas)
+                channels[record.id] = record
+            elif isinstance(record, records.Message) and record.channel_id in channels:
+                channel = channels[record.channel_id]
+                topics[channel.topic] = _type(channel, schemas)
         return topics
 
 
