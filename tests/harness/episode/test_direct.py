@@ -125,8 +125,7 @@ def test_of_several_rovers_the_first_is_shown_and_each_has_a_result(tmp_path: Pa
 
 
 def test_without_a_log_the_drive_is_the_same_whatever_its_observers_want(tmp_path: Path) -> None:
-    values = {"terrain": "posts", "driver": "wander", "lidar_beams": 60, "seed": 3, "duration": 4.0}
-    logged = drive(tmp_path, **values)
+    logged = drive(tmp_path, terrain="posts", driver="wander", lidar_beams=60, seed=3, duration=4.0)
     unlogged = run_unlogged(logged.run, StopRequest(), set(), ())
     assert unlogged.truth.position == logged.truth.position
 
