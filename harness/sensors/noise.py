@@ -74,7 +74,6 @@ GAZEBO = NoisePreset(
 )
 
 PRESETS = {preset.name: preset for preset in (WHITE, HARDWARE, GAZEBO)}
-DEFAULT_PRESET = WHITE.name
 
 
 class SensorNoise:

@@ -45,7 +45,7 @@ def _check_name(name: str) -> None:
 
 StartText = Annotated[
     tuple[Finite, Finite, Finite],
-    AfterValidator(checked(lambda start: start and _check_start(start))),
+    AfterValidator(checked(_check_start)),
     numbers("X,Y or X,Y,YAW in metres and radians", 3, rest=0.0),
 ]
 AreaText = Annotated[

@@ -92,7 +92,7 @@ class Run(Value):
         return int.from_bytes(seeded(self.seed, FLEET, number).generate_state(4).tobytes(), "little")
 
     def alone(self, **changes: Any) -> "Run":  # noqa: ANN401 - as the fields are
-        """Returns the same run with other values of some fields, of the first rover and alone.
+        """Returns the same run with other values of some fields; those of a rover are the first one's.
 
         Args:
             changes: As of `of`.

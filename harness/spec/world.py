@@ -9,7 +9,6 @@ from harness.spec.value import Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
-# Mars Desert Research Station, Utah, where rovers of universities compete.
 DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
 Latitude = Annotated[float, Field(ge=-89.9, le=89.9)]
 Longitude = Annotated[float, Field(ge=-180.0, le=180.0)]

@@ -20,7 +20,7 @@ from harness.episode.fingerprint import (
     direct_in_fresh_process,
     fingerprint,
 )
-from harness.sensors.noise import DEFAULT_PRESET
+from harness.sensors.noise import WHITE
 from harness.spec.run import Run
 from tests.support.complaint import complaint
 from tests.support.forking import ForkedSimulations
@@ -131,7 +131,7 @@ def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
     config = Run.of(terrain="flat", duration=1.0)
     plain = stream_hash(config)
     assert plain == stream_hash(config)
-    assert plain != stream_hash(config.alone(noise=DEFAULT_PRESET))
+    assert plain != stream_hash(config.alone(noise=WHITE.name))
     assert plain != stream_hash(config.alone(lidar_beams=641))
     assert plain != stream_hash(config.alone(duration=1.01))
 
