@@ -6,7 +6,7 @@ COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
 JOBS ?= 3
 
-.PHONY: run test golden test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
+.PHONY: run test golden test-jazzy test-cluster mutants lint format bench soak docs dist smoke lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
@@ -52,6 +52,9 @@ docs: setup  ## the site, with strict links, into build/site: open build/site/in
 dist: setup  ## wheel and sdist into build/release, their descriptions checked, and the workflows by their schemas
 	tools/pinned.sh release
 	tools/dist.sh
+
+smoke:  ## drives with the wheel of `make dist` outside the checkout, on each supported Python that is there
+	tools/smoke.sh
 
 lock: setup  ## pins the newest versions that pyproject.toml allows, and the hashes of their files
 	tools/lock.sh --upgrade

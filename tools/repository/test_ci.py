@@ -118,11 +118,21 @@ def test_the_container_installs_the_wheel_and_compiles_what_it_casts_rays_with(f
     assert yaml(dict(steps)["ENTRYPOINT"]) == ["python", "-m", "harness.scenario"]
 
 
+PACKAGE = "rover_metrics\trover_metrics\t(ros.ament_python)"
+VERBS = ("test", "test-jazzy", "test-cluster", "docs", "dist", "smoke")
+
+
 @pytest.mark.parametrize(
-    "package", ["rover_metrics\trover_metrics\t(ros.ament_python)", "other\tother\t(-)"]
+    ("package", "steps", "code", "ran", "last"),
+    [
+        (PACKAGE, [], 0, ["clean", "lint", "--quiet setup", *VERBS], "smoke passed in 0 s"),
+        (PACKAGE, ["docs", "lint"], 0, ["docs", "lint"], "lint passed in 0 s"),
+        (PACKAGE, ["docs", "tests"], 2, [], "no step tests; steps: lint colcon test test-jazzy"),
+        ("other\tother\t(-)", [], 1, ["clean", "lint", "--quiet setup"], "colcon failed"),
+    ],
 )
-def test_a_log_of_our_ci_is_whole_and_ends_without_the_colcon_package(
-    package: str, tmp_path: Path
+def test_ci_runs_every_verb_that_ends_and_tells_what_it_ran(
+    package: str, steps: list[str], code: int, ran: list[str], last: str, tmp_path: Path
 ) -> None:
     for path, says in ((".venv/bin/colcon", package), ("bin/make", "make $*")):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
@@ -133,7 +143,8 @@ def test_a_log_of_our_ci_is_whole_and_ends_without_the_colcon_package(
     script, log = shutil.copy(ROOT / ".ci/run", tmp_path / ".ci/run"), tmp_path / "log"
     path = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
     with log.open("w") as both:  # at one place in one file, as `.ci/run > log 2>&1` has it
-        ended = subprocess.run([script], stdout=both, stderr=both, env={"PATH": path}, check=False)
-    whole = ["make clean", "make lint", package, "make test"]
-    found = package.startswith("rover_metrics")
-    assert (ended.returncode, log.read_text().splitlines()) == (1 - found, whole if found else whole[:2])
+        command = [script, *steps]
+        ended = subprocess.run(command, stdout=both, stderr=both, env={"PATH": path}, check=False)
+    lines = log.read_text().splitlines()
+    assert (ended.returncode, [line[5:] for line in lines if line.startswith("make ")]) == (code, ran)
+    assert lines[-1].startswith(f"ci: {last}")
