@@ -15,7 +15,7 @@ from harness.tune.episodes.plan import Part, Planned
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.page.page import render
 from harness.tune.parameter_file import parameter_file
-from harness.tune.scoring.result import Candidate, Verdict
+from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.study import RobotStudy, conclusions
 from rover_metrics.log.files import json_safe
 

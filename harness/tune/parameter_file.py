@@ -9,7 +9,7 @@ from harness.base.version import __version__
 from harness.episode.metrics_feed import extended_settings
 from harness.robots import find_rover
 from harness.tune.episodes.plan import Part
-from harness.tune.scoring.result import Candidate, Verdict
+from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.study import RobotStudy
 from rover_metrics.extended.settings import Settings
 

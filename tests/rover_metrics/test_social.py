@@ -8,8 +8,8 @@ import pytest
 
 from rover_metrics import social
 from rover_metrics.analysis.social.comparison import make_group
-from rover_metrics.analysis.social.figures import draw_distances, draw_meetings, draw_windows
 from rover_metrics.analysis.social.log import read_social_log
+from rover_metrics.analysis.social.page import draw_distances, draw_meetings, draw_windows
 from tests.support.figures import described
 from tests.support.snapshots import check_snapshot
 

@@ -12,18 +12,17 @@ from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.page import tables
 from harness.tune.page.contact_figures import contact_figures
 from harness.tune.page.drawing import drawings
-from harness.tune.page.ground_figures import ground_figures, steps_and_jumps
-from harness.tune.page.scan_figures import scan_figures
+from harness.tune.page.sample_figures import ground_figures, scan_figures, steps_and_jumps
 from harness.tune.page.subject import Subject
 from harness.tune.parameter_file import parameter_file
-from harness.tune.scoring import alarms, clearance, estimate, imu_events
-from harness.tune.scoring.imu_events import SIGNALS
+from harness.tune.scoring import alarms, clearance, estimate, ground
+from harness.tune.scoring.ground import SIGNALS
 from harness.tune.scoring.study import RobotStudy, conclusions, scored_records, unreachable
 from rover_metrics.sheet.sheet import Sheet
 
 NUMBERS = {  # of the method
     "gap": alarms.GAP,
-    "rough": imu_events.ROUGH * 1e3,
+    "rough": ground.ROUGH * 1e3,
     "horizon": clearance.HORIZON,
     "level": 100 * estimate.LEVEL,
     "resamples": estimate.RESAMPLES,

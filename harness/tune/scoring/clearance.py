@@ -13,9 +13,8 @@ from harness.robots import RoverSpec
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord, Sight, Zone
 from harness.tune.scoring.alarms import DETECTORS, EVENT_MEASURES, NEAREST_RANGE, alarms
-from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tune.scoring.choose import Records, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts
-from harness.tune.scoring.result import Verdict
 from harness.validate.driving import straight
 from harness.validate.grounds import floor
 from harness.validate.rig import Rig

@@ -21,9 +21,8 @@ from harness.tune.scoring.alarms import (
     matches,
     scan_counts,
 )
-from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tune.scoring.choose import Candidate, Records, Scores, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts
-from harness.tune.scoring.result import Candidate, Scores, Verdict
 from rover_metrics.extended.settings import PARAMETERS
 
 PARAMETER = "collision_threshold"

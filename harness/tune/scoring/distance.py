@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from harness.robots import RoverSpec
 from harness.tune.episodes.recompute import STRIDE
 from harness.tune.episodes.record import WINDOW, EpisodeRecord
-from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tune.scoring.choose import Records, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts, Measure, share
-from harness.tune.scoring.result import Verdict
 
 PARAMETER = "distance_threshold"
 POSE_PERIOD = 0.02  # [s]

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from harness.robots import find_rover, robot_name
 from harness.tune.episodes.plan import Part, Planned
 from harness.tune.episodes.record import Ending, EpisodeRecord
-from harness.tune.scoring.choose import Records
+from harness.tune.scoring.choose import Records, Verdict
 from harness.tune.scoring.clearance import ClearanceStudy, study_clearance
 from harness.tune.scoring.collision import CollisionStudy, study_collisions
 from harness.tune.scoring.distance import DistanceStudy, study_distance
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.ground import GroundStudy, study_ground
-from harness.tune.scoring.imu_events import SIGNALS
-from harness.tune.scoring.result import Verdict
+from harness.tune.scoring.ground import SIGNALS, GroundStudy, study_ground
 
 MATERIAL = 0.05  # of a score: a smaller difference is real, but no default is wrong for it
 

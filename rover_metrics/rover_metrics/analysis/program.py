@@ -11,8 +11,7 @@ from typing import TypeVar
 
 from rich.console import Console, Group
 
-from rover_metrics.analysis.logs.header import UnreadableLog
-from rover_metrics.analysis.result import Skipped
+from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
@@ -48,12 +47,12 @@ def read_each(
     return logs, skipped
 
 
-def different(paths: Iterable[Path], again: Callable[[Path], None] = lambda _: None) -> list[Path]:
-    """Returns each file once; `again` is called with every further name of a file."""
+def different(program: str, paths: Iterable[Path]) -> list[Path]:
+    """Returns each file once, and says on stderr which has further names."""
     first: dict[Path, Path] = {}
     for path in paths:
         if first.setdefault(path.resolve(), path) is not path:
-            again(path)
+            tell(program, f"{path} is named more than once and counts once")
     return list(first.values())
 
 

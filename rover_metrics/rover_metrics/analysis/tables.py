@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.outcome import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import Summary
 from rover_metrics.sheet.sheet import Sheet, formatted, interval_text, number, probability

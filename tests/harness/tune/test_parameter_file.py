@@ -10,8 +10,8 @@ from ruamel.yaml import YAML
 
 from harness.tune.episodes.plan import Part
 from harness.tune.parameter_file import parameter_file
+from harness.tune.scoring.choose import Candidate
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.result import Candidate
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep

@@ -2,8 +2,7 @@
 
 import pytest
 
-from rover_metrics.analysis.choice import UnknownMetric, choose
-from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.metric import METRICS, UnknownMetric, choose
 from rover_metrics.core.columns import COLUMNS
 
 HEADER = [*COLUMNS, "Slip", "Peak Jerk [m/s^3]", "battery [V]", "VORT [m/s]"]

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from rover_metrics.analysis.options import UsageError, parse
+from rover_metrics.analysis.options import parse
 
 
 def test_without_options_every_metric_is_reported_and_one_plot_drawn() -> None:

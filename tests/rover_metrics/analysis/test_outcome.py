@@ -9,9 +9,8 @@ import pytest
 from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.outcome import analyse
-from rover_metrics.analysis.statistics.comparison import compare
+from rover_metrics.analysis.statistics.comparison import compare, holm
 from rover_metrics.analysis.statistics.correlation import combine, correlate
-from rover_metrics.analysis.statistics.holm import holm
 from rover_metrics.analysis.statistics.summary import summarise_independent
 from rover_metrics.analysis.study import Member, Options, Study
 

@@ -11,8 +11,7 @@ from matplotlib.image import imread
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from rover_metrics.analysis.logs.log import Floats, Log
-from rover_metrics.analysis.logs.time_axis import TimeAxis
+from rover_metrics.analysis.logs.log import Floats, Log, TimeAxis
 from rover_metrics.analysis.metric import METRICS, other_metric
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band

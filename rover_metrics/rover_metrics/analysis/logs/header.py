@@ -2,6 +2,7 @@
 
 import csv
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP
@@ -15,6 +16,14 @@ class UnreadableLog(RoverMetricsError):
     """A file that is no metrics log; the message says why, without the path."""
 
     exit_code = 1
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A file that could not be analysed, and why."""
+
+    path: str
+    reason: str
 
 
 def read_header(path: Path) -> list[str]:

@@ -40,12 +40,14 @@ class Tally:
             self.first, self.example = int(lines[0]), example
         self.count += lines.size
 
-    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> str:
-        """Returns one line: how many of a noun, what is odd about them, where, and what follows."""
+    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
+        """Returns a line, if there are any: how many of a noun, what is odd, where, and what follows."""
+        if not self.count:
+            return []
         where = f"line {self.first}" if self.count == 1 else f"first on line {self.first}"
         example = f", {self.example}" if self.example else ""
         plural = "s" if self.count > 1 else ""
-        return f"{self.count} {noun}{plural}{what} ({where}{example}): {outcome}"
+        return [f"{self.count} {noun}{plural}{what} ({where}{example}): {outcome}"]
 
 
 @dataclass

@@ -7,11 +7,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from rover_metrics.analysis.logs.consistency import CHECKED_COLUMNS, describe_consistency
-from rover_metrics.analysis.logs.findings import describe_table, describe_time
+from rover_metrics.analysis.logs.findings import (
+    CHECKED_COLUMNS,
+    describe_consistency,
+    describe_table,
+    describe_time,
+)
 from rover_metrics.analysis.logs.header import UnreadableLog, read_header
 from rover_metrics.analysis.logs.log import Floats, Integers, Log
-from rover_metrics.analysis.logs.parsing import Table, read_table
+from rover_metrics.analysis.logs.parsing import Table, Tally, read_table
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.log.session_record import (
@@ -73,15 +77,11 @@ def _check_usable(table: Table, header: Sequence[str]) -> None:
 
 def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFrame:
     """Silences flags that are neither 0 nor 1, and adds what there is to say of it."""
-    for name in FLAGS:
-        if name in rows:
-            wrong = rows[name].notna() & ~rows[name].isin([0, 1])
-            if wrong.any():
-                findings.append(
-                    f"{wrong.sum()} values of {name} are neither 0 nor 1 (first on line "
-                    f"{wrong.idxmax()}): left out"
-                )
-                rows = rows.assign(**{name: rows[name].mask(wrong)})
+    for name in rows.columns.intersection(FLAGS):
+        wrong, tally = rows[name].notna() & ~rows[name].isin([0, 1]), Tally()
+        tally.add(rows.index[wrong])
+        findings += tally.describe("value", f" of {name} that is neither 0 nor 1")
+        rows = rows.assign(**{name: rows[name].mask(wrong)})
     return rows
 
 

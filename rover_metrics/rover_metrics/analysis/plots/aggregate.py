@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy import stats
 
-from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.logs.time_axis import on_grid
+from rover_metrics.analysis.logs.log import Floats, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.study import Study
@@ -65,7 +64,7 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
             lowest = min(lowest, float(np.nanquantile(low, 0.03)))
     bounds = study.bounds(metric)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
-    end = max(top, 1.3 * styling.highest_bound(bounds)) or (1.0 if lowest >= 0 else -0.1 * lowest)
+    end = max(top, 1.3 * styling.ends_of(bounds)[1]) or (1.0 if lowest >= 0 else -0.1 * lowest)
     axes.set_ylim(min(0.0, 1.1 * lowest), end)
     axes.margins(x=0)
     styling.draw_thresholds(axes, bounds)

@@ -19,7 +19,7 @@ from rover_metrics.analysis.logs.log import Floats, Integers
 
 TIME, NEAREST = "time_s", "dmin"
 GOALS = ("goals_count", "goals")
-PLACES = (("robot_x", "robot_y"), ("rx", "ry"))
+PLACES = (("robot_x", "rx"), ("robot_y", "ry"))
 DISTANCE = re.compile(r"(?:d\d+_(?P<old>.+)|(?P<new>.+?)(?:_actor)?_dist)")
 MOST_LISTED = 3  # lines left out that are listed one by one
 
@@ -69,13 +69,13 @@ def read_social_log(path: Path) -> SocialLog:
     column = {name: table[:, index] for index, name in enumerate(names)}
     people = {name: match for name in names if (match := DISTANCE.fullmatch(name))}
     distance = np.column_stack([column[name] for name in people])
-    nearest = column.get(NEAREST)
+    nearest, unknown = column.get(NEAREST), np.full(len(rows), np.nan)
     goals = np.nan_to_num(next(column[name] for name in GOALS if name in column))
     return SocialLog(
         path=path,
         actors=tuple(match["old"] or match["new"] for match in people.values()),
         time_s=column[TIME],
-        position=_position(column, len(rows)),
+        position=np.column_stack([column.get(x, column.get(old, unknown)) for x, old in PLACES]),
         distance=distance,
         nearest=np.fmin.reduce(distance, axis=1) if nearest is None else nearest,
         goals=goals.astype(np.int64),
@@ -84,7 +84,7 @@ def read_social_log(path: Path) -> SocialLog:
 
 
 def _check_header(names: Sequence[str]) -> None:
-    missing = [name for name in (TIME,) if name not in names]
+    missing = [] if TIME in names else [TIME]
     missing += [] if set(GOALS) & set(names) else [" or ".join(GOALS)]
     missing += [] if any(map(DISTANCE.fullmatch, names)) else ["the distances (NAME_dist or d1_NAME)"]
     if missing:
@@ -114,10 +114,3 @@ def _rows(lines: Iterator[list[str]], width: int, findings: list[str]) -> Iterat
             findings.append(f"line {number} is not {width} numbers and is left out")
     if left_out > MOST_LISTED:
         findings.append(f"{left_out - MOST_LISTED} more lines are left out")
-
-
-def _position(column: dict[str, Floats], rows: int) -> Floats:
-    for x, y in PLACES:
-        if x in column and y in column:
-            return np.column_stack([column[x], column[y]])
-    return np.full((rows, 2), np.nan)

@@ -12,7 +12,7 @@ from harness.page.figure import Plot
 from harness.robots import ROVERS, RoverSpec, find_rover
 from harness.tune.page.drawing import drawings
 from harness.tune.page.outline import ABOVE, SIDE, shares, silent_strips, silhouette
-from harness.tune.page.scan_figures import MOST_POINTS, has_both_classes, precision_recall, roc
+from harness.tune.page.sample_figures import MOST_POINTS, has_both_classes, precision_recall, roc
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO
 

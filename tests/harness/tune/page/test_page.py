@@ -12,14 +12,13 @@ import pytest
 
 from harness.tune.episodes.plan import Part
 from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
-from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
-from harness.tune.page.scan_figures import scan_figures
+from harness.tune.page.sample_figures import ground_figures, scan_figures
 from harness.tune.page.subject import Subject, levels
 from harness.tune.page.tables import _text, clearance
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.imu_events import SIGNALS
+from harness.tune.scoring.ground import SIGNALS
 from harness.tune.scoring.study import scored_records
 from tests.support.pages import Outline, without_plotly
 

@@ -8,11 +8,11 @@ import pytest
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.scoring.alarms import NEAREST_RANGE
+from harness.tune.scoring.choose import Candidate
 from harness.tune.scoring.collision import (
     _detector_study,
     study_collisions,
 )
-from harness.tune.scoring.result import Candidate
 from harness.tune.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]

@@ -8,8 +8,15 @@ from sklearn.metrics import balanced_accuracy_score, confusion_matrix, roc_auc_s
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.ground import MEASURES, counts_of, study_ground
-from harness.tune.scoring.imu_events import SIGNALS, ImuEvents, current_smoothness, peak_acceleration
+from harness.tune.scoring.ground import (
+    MEASURES,
+    SIGNALS,
+    ImuEvents,
+    counts_of,
+    current_smoothness,
+    peak_acceleration,
+    study_ground,
+)
 from harness.tune.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]

@@ -3,8 +3,8 @@
 import pytest
 
 from harness.tune.episodes.plan import Part
+from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.result import Candidate, Verdict
 
 
 def candidate(value: float, score: Estimate) -> Candidate:

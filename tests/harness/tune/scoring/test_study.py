@@ -10,9 +10,9 @@ import pytest
 from harness.tune.episodes.plan import Part, plan
 from harness.tune.episodes.record import Ending, EpisodeRecord, Sight
 from harness.tune.scoring.alarms import DETECTORS, NEAREST_RANGE
+from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.collision import UnseenContacts
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.result import Candidate, Verdict
 from harness.tune.scoring.study import (
     Driven,
     _driven,

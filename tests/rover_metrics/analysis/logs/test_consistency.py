@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rover_metrics.analysis.logs.consistency import describe_consistency
+from rover_metrics.analysis.logs.findings import describe_consistency
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.logs.time_axis import TimeAxis, on_grid
+from rover_metrics.analysis.logs.log import Floats, TimeAxis, on_grid
 
 STAMPS = np.array([100.0, 101.0, 102.0, 104.0])
 VALUES = np.array([1.0, 3.0, np.nan, 7.0])

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.statistics.comparison import MOST_SPLITS, compare
-from rover_metrics.analysis.statistics.holm import holm
+from rover_metrics.analysis.statistics.comparison import MOST_SPLITS, compare, holm
 
 A = np.array([1.0, 2.0, 3.0, 4.0])
 B = np.array([6.0, 7.0, 8.0, 9.0])

@@ -5,8 +5,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.statistics.comparison import compare, describe_power
-from rover_metrics.analysis.statistics.holm import holm
+from rover_metrics.analysis.statistics.comparison import compare, describe_power, holm
 
 
 def told(logs: int, metrics: int, *, paired: bool = False, alpha: float = 1 - 0.95) -> list[str]:
