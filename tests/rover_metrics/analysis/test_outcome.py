@@ -93,7 +93,9 @@ def test_an_episode_is_an_observation_on_request(study: Study) -> None:
     assert {item.code: item.n for item in result.comparisons}["OC"] == (6, 4)
 
 
-def test_pairs_of_metrics_are_correlated_but_not_two_views_of_one_column(study: Study) -> None:
+def test_pairs_of_metrics_are_correlated_but_not_two_views_of_one_column(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
     result = analyse(study)
     pairs = [(item.first, item.second) for item in result.correlations]
     assert ("CV", "VORT") not in pairs
@@ -114,11 +116,6 @@ def test_pairs_of_metrics_are_correlated_but_not_two_views_of_one_column(study: 
         assert (item.rho, item.n) == (combine(parts).rho, sum(part.n for part in parts))
     plain = analyse(replace(study, options=Options(study.options.metrics)))
     assert {plain.correlations, *(log.correlations for log in plain.logs)} == {()}
-
-
-def test_of_a_long_log_every_kth_row_is_correlated(
-    study: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("rover_metrics.analysis.outcome._MOST_CORRELATED", 20)
+    monkeypatch.setattr("rover_metrics.analysis.outcome._MOST_CORRELATED", 20)  # of a long log some rows
     first = analyse(replace(study, members=study.members[:1])).logs[0]
     assert {(c.first, c.second): c.n for c in first.correlations}["CV", "RT"] == 20

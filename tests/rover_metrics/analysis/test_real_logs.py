@@ -6,8 +6,6 @@ from typing import Any
 
 import pytest
 
-from rover_metrics.analysis.logs.reading import read_log
-from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analyze import main
 
 SINCE_START = (
@@ -54,16 +52,3 @@ def test_rates_shares_and_oddities_of_the_real_logs_are_as_known(result: Any) ->
         assert tuple(log["findings"]) == ODD[label]
     assert "VR" not in found["metrics_log_20241117_120944"]["metrics"]
     assert result["across"]["all logs"]["VR"]["n"] == 3
-
-
-@pytest.mark.parametrize("keep", [1200, 5000, 8000])
-def test_a_real_log_cut_anywhere_keeps_its_whole_rows(
-    real_logs: Path, tmp_path: Path, keep: int
-) -> None:
-    content = (real_logs / "1.csv").read_bytes()[:keep]
-    assert not content.endswith(b"\n")
-    path = tmp_path / "cut.csv"
-    path.write_bytes(content)
-    whole = content.count(b"\n") - 1
-    whole += content.rpartition(b"\n")[2].count(b",") == 11  # cut in its note, all numbers there
-    assert len(read_log(path, list(METRICS.values()))) == whole

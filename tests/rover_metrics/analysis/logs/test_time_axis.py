@@ -40,11 +40,3 @@ def test_a_grid_averages_dense_rows_and_bridges_sparse_ones_but_not_the_ends() -
     shifted = on_grid(np.arange(41.0) + 100, np.arange(41.0), grid + 100)
     np.testing.assert_allclose(shifted, dense)
     assert np.isnan(on_grid(np.array([0.0]), np.array([np.nan]), grid)).all()
-
-
-def test_labels_say_what_the_axis_shows() -> None:
-    assert TimeAxis().label == "Share of the episode [%]"
-    assert TimeAxis("none").label == "Time since the episode began [s]"
-    assert TimeAxis("fixed_interval", 0.5).label == (
-        "Time since the episode began [s], means over 0.5 s"
-    )

@@ -39,7 +39,10 @@ def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
         name: shift + rng.exponential(1.0, (8, 2)) for name, shift in (("a", 0), ("b", 1), ("c", 5))
     }
     runs = {
-        name: tuple(RunFigures(10 * k + i, 1, k + i, None, {}, 0, None, 0) for i in range(4))
+        name: tuple(
+            RunFigures(0, 0, 0, None, {}, 0, None, 0, risk_s_per_goal=k + i, s_per_goal=10 * k + i)
+            for i in range(4)
+        )
         for k, name in zip((0, 10, 20), "abc", strict=True)
     }
     groups = {name: Group(name, (), runs[name], windows) for name, windows in values.items()}
@@ -80,8 +83,5 @@ def test_a_group_has_the_figures_and_windows_of_its_logs_for_the_goals_and_the_d
         assert [figures.risk_s for figures in group.figures] == [risk_s]
         assert group.of_runs("risk_s_per_goal").tolist() == [risk_s / 2]
         assert group.of_windows("s_per_goal").tolist() == [seconds for _, seconds in windows]
-
-
-def test_one_window_a_group_is_not_tested() -> None:
-    groups = {name: Group(name, (), (), np.ones((1, 2))) for name in "ab"}
+    groups = {name: Group(name, (), (), np.ones((1, 2))) for name in "ab"}  # one window is not tested
     assert {(each.windows.p, each.cohens_d) for each in differences(groups, 0.95)} == {(None, None)}
