@@ -37,13 +37,8 @@ def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
     assert covered == pytest.approx(covering, abs=2e-3)
     assert far == pytest.approx(1.0 - covering, abs=2e-3)
     assert near == 0.0
-
-
-def test_what_is_nearer_than_range_min_raises_no_alarm() -> None:
-    near, covered, _ = shares(SQUARE, (math.sqrt(1.25), 1.5))
-    assert near == pytest.approx(0.5, abs=2e-3)
-    assert covered == pytest.approx(0.5, abs=2e-3)
-    assert shares(SQUARE, (math.sqrt(1.25), 1.0))[1] == pytest.approx(0.0)
+    near, covered, _ = shares(SQUARE, (math.sqrt(1.25), 1.5))  # nearer than range_min is no alarm
+    assert (near, covered) == pytest.approx((0.5, 0.5), abs=2e-3)
 
 
 def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are_too_near() -> None:
@@ -176,11 +171,7 @@ def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() 
     assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
     assert np.trapezoid(curve.y, curve.x) == pytest.approx(curve.area, abs=0.002)
     assert curve.area == pytest.approx(0.921, abs=0.01)  # Phi(2 / sqrt 2)
-    along = precision_recall(score, truth)
-    assert (along.x[0] > 0.0, along.x[-1], along.y[-1]) == (True, 1.0, pytest.approx(truth.mean()))
-
-
-def test_a_curve_needs_both_classes() -> None:
     assert not has_both_classes(np.ones(3, dtype=bool))
     assert not has_both_classes(np.zeros(0, dtype=bool))
-    assert has_both_classes(np.array([True, False]))
+    along = precision_recall(score, truth)
+    assert (along.x[0] > 0.0, along.x[-1], along.y[-1]) == (True, 1.0, pytest.approx(truth.mean()))

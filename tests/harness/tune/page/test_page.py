@@ -75,9 +75,6 @@ def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_swee
     assert told[2] == f"{verdict.tuned.value:g} m"
     assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
     assert told[5].startswith("+")
-
-
-def test_the_safe_clearance_is_the_sum_of_its_parts(small_sweep: "Sweep") -> None:
     lengths = [float(length.split()[0]) for _, length in clearance(small_sweep[0][0]).rows]
     assert sum(lengths[:4]) == pytest.approx(lengths[4], abs=0.002)
 

@@ -92,12 +92,10 @@ def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) ->
     assert "nothing better is proven" in judgement("rover", study.verdict)
 
 
-@pytest.mark.parametrize("touches", [0, 9])
-def test_too_few_contacts_support_no_value(at: AtDistance, touches: int) -> None:
-    records = [*at(0.225, touches=True, count=touches), *at(0.35, touches=False)]
+def test_too_few_contacts_support_no_value(at: AtDistance) -> None:
+    records = [*at(0.225, touches=True, count=9), *at(0.35, touches=False)]
     study = study_collisions(dict.fromkeys(Part, records))
 
-    assert study.verdict.value is None
-    assert study.detectors == ()
+    assert (study.verdict.value, study.detectors) == (None, ())
     assert {verdict.lack for verdict in study.footprint} == {study.verdict.lack}
-    assert f"{touches} contacts with hazards in the train episodes" in judgement("r", study.verdict)
+    assert "9 contacts with hazards in the train episodes" in judgement("r", study.verdict)

@@ -60,22 +60,13 @@ def test_a_sum_has_the_standard_error_of_a_stratified_sample(
     assert (found.high + found.low) / 2 == pytest.approx(found.value, abs=0.25 * error)
 
 
-@pytest.mark.parametrize(("episodes", "has_interval"), [(7, False), (8, True)])
-def test_fewer_than_eight_episodes_with_counts_give_no_interval(
-    episodes: int, *, has_interval: bool
-) -> None:
-    values = np.zeros((20, 2))
-    values[:episodes] = (0.0, 1.0)
-
-    found = estimate(values, share, ["a"] * 20)
-
-    assert found == (Estimate(0.0, 0.0, 0.0) if has_interval else Estimate(0.0))
-
-
-def test_what_is_undefined_in_a_resample_has_no_interval() -> None:
+def test_fewer_than_eight_episodes_with_counts_give_no_interval_nor_does_what_is_undefined() -> None:
+    for episodes, expected in ((7, Estimate(0.0)), (8, Estimate(0.0, 0.0, 0.0))):
+        values = np.zeros((20, 2))
+        values[:episodes] = (0.0, 1.0)
+        assert estimate(values, share, ["a"] * 20) == expected
     values = np.tile((1.0, 0.0), (20, 1))
     values[0, 1] = 1.0  # only one episode has what it is divided by
-
     assert estimate(values, share, ["a"] * 20) == Estimate(20.0)
 
 
@@ -84,16 +75,5 @@ def test_a_ratio_is_undefined_without_a_whole_and_so_is_nothing_to_count() -> No
 
     assert ratio(part, whole).tolist() == pytest.approx([0.25, math.nan, math.nan], nan_ok=True)
     assert estimate(np.zeros((20, 2)), share, ["a"] * 20).text() == "undefined"
-
-
-@pytest.mark.parametrize(
-    ("found", "digits", "text"),
-    [
-        (Estimate(0.934, 0.876, 0.965), 2, "0.93 (0.88 to 0.96)"),
-        (Estimate(0.934, 0.876, 0.965), 1, "0.9 (0.9 to 1.0)"),
-        (Estimate(0.934), 2, "0.93 (too few episodes for an interval)"),
-        (Estimate(math.nan, 0.1, 0.2), 2, "undefined"),
-    ],
-)
-def test_an_estimate_is_told_with_its_interval(found: Estimate, digits: int, text: str) -> None:
-    assert found.text(digits) == text
+    assert Estimate(0.934, 0.876, 0.965).text() == "0.93 (0.88 to 0.96)"
+    assert Estimate(0.934).text(1) == "0.9 (too few episodes for an interval)"

@@ -70,7 +70,6 @@ def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
         (None, (0.0, 0.0, 0.0), "stays for leo, because the data support no value: no contacts."),
         (0.65, (0.2, -0.1, 0.3), "stays for leo, for nothing better is proven: "),
         (0.65, (0.2, 0.05, 0.3), "is wrong for leo: "),
-        (0.65, (0.2, 0.049, 0.3), "is worse than it could be for leo: "),
         (0.65, (0.02, 0.004, 0.049), "is a little worse than it could be for leo: "),
         (0.65, (0.04, 0.03, 0.05), "is worse than it could be for leo: "),
         (0.55, (0.2, 0.1, 0.3), "is worse than 0.3 m for leo: "),
