@@ -115,21 +115,6 @@ def test_scans_are_scored_one_by_one_as_scikit_learn_does(make_record: MakeRecor
         )
 
 
-def test_each_detector_has_its_distance_and_near_returns_count_only_where_it_says_so(
-    make_record: MakeRecord,
-) -> None:
-    record = make_record([3.0, 2.0])
-    record.scans["footprint"] = (1.0, 0.5)
-    record.scans["near_returns"] = (0, 1)
-
-    assert {name: detector(record).tolist() for name, detector in DETECTORS.items()} == {
-        "nearest range": [3.0, 2.0],
-        "nearest range, near returns count": [3.0, -np.inf],
-        "footprint clearance": [1.0, 0.5],
-        "footprint clearance, near returns count": [1.0, -np.inf],
-    }
-
-
 def test_lead_time_runs_from_the_first_alarm_to_each_contact_that_was_found(
     make_record: MakeRecord,
 ) -> None:

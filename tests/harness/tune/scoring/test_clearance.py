@@ -30,15 +30,6 @@ def test_a_stop_from_top_speed_takes_what_the_controller_allows(rover: RoverSpec
         assert measure_braking(rover.but(wheel_speed_limit=80.0), seed=0).speed < 2.1
 
 
-@pytest.mark.parametrize("speed", [0.3, 1.0])
-def test_a_warning_must_come_as_early_as_the_stopping_distance_takes(speed: float) -> None:
-    stopping_distance = speed * LATENCY + speed**2 / (2 * 5.0)
-
-    assert STOP.needed_lead(speed) == pytest.approx(stopping_distance / speed)
-    assert STOP.needed_lead(5.0) == STOP.needed_lead(1.0)  # faster it cannot be but downhill
-    assert Braking(speed, distance=0.3, time=9.0).stopping_distance == pytest.approx(0.1 * speed + 0.3)
-
-
 @pytest.fixture
 def stops(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every rover stops as STOP says, without being driven."""

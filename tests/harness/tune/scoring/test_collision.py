@@ -7,10 +7,7 @@ import pytest
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.alarms import NEAREST_RANGE
-from harness.tune.scoring.choose import Candidate
 from harness.tune.scoring.collision import (
-    _detector_study,
     study_collisions,
 )
 from harness.tune.scoring.study import judgement
@@ -29,14 +26,6 @@ def at(make_record: MakeRecord) -> AtDistance:
         return [make_record(ranges, contacts=contacts, **more) for _ in range(count)]
 
     return make
-
-
-def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistance) -> None:
-    study = study_collisions(dict.fromkeys(Part, (*at(0.225, touches=True), *at(0.35, touches=False))))
-
-    assert study.verdict.value == 0.29  # the middle of 0.23 to 0.35
-    assert study.verdict.is_proven
-    assert "is wrong for rover" in judgement("rover", study.verdict)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +50,8 @@ def test_near_returns_and_footprint_threshold_are_each_compared_with_their_defau
         record.scans["footprint"][38:42] = 0.2
         record.scans["nearest"][38:42] = 0.03
         record.scans["near_returns"][38:42] = near < 0
-    switched, tuned = study_collisions(dict.fromkeys(Part, (*touching, *passing))).footprint
+    study = study_collisions(dict.fromkeys(Part, (*touching, *passing)))
+    switched, tuned = study.footprint
 
     assert (switched.name, switched.default.value is False) == ("near_returns_as_contact", True)
     assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
@@ -70,16 +60,6 @@ def test_near_returns_and_footprint_threshold_are_each_compared_with_their_defau
     defaults = (one.default.scores[Part.TEST]["F1"].value for one in (switched, tuned))
     assert tuple(defaults) == at_default
     assert switched.note == tuned.note == "read with extended_columns:=true"
-
-
-def test_the_lead_is_the_median_over_the_contacts_that_are_found(make_record: MakeRecord) -> None:
-    records = []
-    for lead_s in (0.0, 0.1, 0.5):
-        ranges = [0.1 if 2.0 - lead_s <= scan / 20 <= 2.05 else 3.0 for scan in range(1, 81)]
-        records.append(make_record(ranges, contacts=[(2.0, 2.1), (3.5, 3.6)]))
-    at = Candidate(value=0.2, scores={})
-    study = _detector_study(NEAREST_RANGE, {Part.TRAIN: [], Part.TEST: records}, at)
-    assert study.lead_s == pytest.approx(0.1)
 
 
 def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) -> None:

@@ -4,20 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from sklearn.metrics import balanced_accuracy_score, confusion_matrix, roc_auc_score
+from sklearn.metrics import roc_auc_score
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.scoring.ground import (
-    MEASURES,
     SIGNALS,
     ImuEvents,
-    counts_of,
     current_smoothness,
     peak_acceleration,
     study_ground,
 )
-from harness.tune.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
 Seconds = list[dict[str, float]]
@@ -27,39 +24,6 @@ ROUGH, SMOOTH = 0.006, 0.001  # [m]
 def seconds(peak: float, roughness: float, count: int = 30, **more: float) -> Seconds:
     values = {"peak_acceleration": peak, "mean_smoothness": peak, "roughness": roughness}
     return [values | more for _ in range(count)]
-
-
-def test_it_finds_the_acceleration_that_separates_the_classes(make_record: MakeRecord) -> None:
-    rough = [make_record([], windows=seconds(11.5, ROUGH), terrain="gravel") for _ in range(10)]
-    smooth = [make_record([], windows=seconds(10.0, SMOOTH), terrain="flat") for _ in range(10)]
-    study = study_ground(dict.fromkeys(Part, (*rough, *smooth)), SIGNALS[0])
-
-    assert (study.verdict.name, study.verdict.unit) == ("rough_terrain_threshold", "m/s^2")
-    assert study.verdict.value == pytest.approx((10.0 + 11.45) / 2, abs=0.026)  # middle of the best
-    assert study.auc[Part.TEST].value == pytest.approx(1.0)
-    assert study.what == "largest |a| of a second"
-    assert "is wrong for leo" in judgement("leo", study.verdict)
-
-
-def test_counts_and_scores_of_a_threshold_are_those_of_scikit_learn() -> None:
-    rng = np.random.default_rng(1)
-    signal, rough = np.round(rng.uniform(10, 12, 300), 1), rng.random(300) < 0.4
-    events = ImuEvents(signal, rough, np.ones(300))
-
-    counts = counts_of([events, events], np.array([10.5, signal[0]]))
-
-    assert counts.shape == (2, 2, 4)
-    for row, threshold in zip(counts[:, 1], (10.5, signal[0]), strict=True):
-        says = signal > threshold  # strict
-        tn, fp, fn, tp = confusion_matrix(rough, says).ravel().tolist()
-        assert row.tolist() == [tp, fp, fn, tn]
-        assert {name: float(measure(row)) for name, measure in MEASURES.items()} == pytest.approx(
-            {
-                "balanced accuracy": balanced_accuracy_score(rough, says),
-                "recall": tp / (tp + fn),
-                "specificity": tn / (tn + fp),
-            }
-        )
 
 
 def test_the_area_under_the_curve_is_that_of_scikit_learn(make_record: MakeRecord) -> None:

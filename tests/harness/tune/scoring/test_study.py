@@ -9,14 +9,11 @@ import pytest
 
 from harness.tune.episodes.plan import Part, plan
 from harness.tune.episodes.record import Ending, EpisodeRecord, Sight
-from harness.tune.scoring.alarms import DETECTORS, NEAREST_RANGE
 from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.collision import UnseenContacts
 from harness.tune.scoring.estimate import Estimate
 from harness.tune.scoring.study import (
-    Driven,
     _driven,
-    alternatives,
     judgement,
     scored_records,
     unreachable,
@@ -104,16 +101,3 @@ def test_contacts_that_no_threshold_tells_are_counted_by_reason(
     study = replace(small_sweep[0][0].collision, contacts=contacts, unseen_contacts=spots)
 
     assert re.search(words, unreachable(study))
-
-
-def test_the_other_detectors_are_those_after_the_first(small_sweep: "Sweep") -> None:
-    study = small_sweep[0][0].collision
-    names = [name for name in DETECTORS if name != NEAREST_RANGE]
-
-    sentences = list(alternatives(study))
-
-    assert [line.partition(" below ")[0].lower() for line in sentences] == names
-    f1 = study.detectors[1].events.scores[Part.TEST]["F1"]
-    assert f"F1 {f1.text()}, recall" in sentences[0]
-    rounded = Driven(endings={Ending.TIPPED_OVER: 1, Ending.COMPLETE: 3}, seconds=630, path_length=1234)
-    assert rounded.text() == "10 min and 1.23 km scored; 3 complete, 1 tipped over"
