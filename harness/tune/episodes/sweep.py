@@ -10,9 +10,8 @@ from harness.episode.episode import Episode, together
 from harness.episode.loop import Route
 from harness.robots import find_rover
 from harness.spec.run import Run
-from harness.tune.episodes.contacts import event_rows
 from harness.tune.episodes.plan import Planned
-from harness.tune.episodes.recompute import Collected
+from harness.tune.episodes.recompute import Collected, event_rows
 from harness.tune.episodes.record import Ending, EpisodeRecord
 from harness.tune.episodes.store import Store, encode
 from harness.workers import Workers, work_off

@@ -1,4 +1,4 @@
-"""Choosing a threshold on one half of the episodes; what the data say of it, beside the default, on both."""
+"""Choosing a threshold on one half of the episodes, and what both say of it beside the default."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

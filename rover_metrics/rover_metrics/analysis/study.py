@@ -47,7 +47,8 @@ def labels(logs: Sequence[Log]) -> list[str]:
             for part, name in zip(parts, names, strict=True)
         ]
     names = [_shortened(printable(name)) for name in names]
-    counts, numbers = Counter(names), defaultdict(lambda: itertools.count(1))
+    counts = Counter(names)
+    numbers: dict[str, Iterator[int]] = defaultdict(lambda: itertools.count(1))
     return [f"{name} ({next(numbers[name])})" if counts[name] > 1 else name for name in names]
 
 

@@ -9,7 +9,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.tune.episodes.plan import Part
-from harness.tune.parameter_file import parameter_file
+from harness.tune.output import parameter_file
 from harness.tune.scoring.choose import Candidate
 from harness.tune.scoring.estimate import Estimate
 

@@ -134,20 +134,6 @@ def test_a_correlation_is_written_into_its_cell_below_the_diagonal() -> None:
     assert (cell.get_facecolor(), cell.get_x(), cell.get_y()) == (colour, -0.5, 0.5)
 
 
-def test_a_curve_is_the_running_median_of_levels_and_the_running_mean_of_all_else(study: Study) -> None:
-    study = replace(study, options=replace(study.options, axis=TimeAxis("none")), groups=("a",))
-    study = replace(study, members=tuple(replace(m, group="a") for m in study.members))
-    for code, share, how in (("TC", 0.1, "mean"), ("OC", 0.05, "median"), ("RT", 0.1, "mean")):
-        figure = draw_time_series(study, METRICS[code])
-        assert figure is not None
-        for member, curve in zip(study.members, figure.axes[0].lines, strict=False):
-            values = pd.Series(study.series(member.log, METRICS[code]).values)
-            rolling = values.rolling(max(9, round(share * len(values))), center=True, min_periods=1)
-            expected = getattr(rolling, how)().dropna()
-            assert np.asarray(curve.get_ydata()) == pytest.approx(expected.to_numpy())
-            assert np.asarray(curve.get_xdata()) == pytest.approx(expected.index)
-
-
 def test_a_short_series_is_drawn_whole_and_a_long_one_by_extremes_in_turn() -> None:
     x = np.arange(float(MOST_POINTS + 1))
     values = np.tile([3.0, np.nan], MOST_POINTS)[: MOST_POINTS + 1]
@@ -192,15 +178,6 @@ def test_an_axis_ends_above_the_bulk_and_begins_at_0_unless_that_hides_the_diffe
     for lowest, highest, begins in ends:
         assert lower_end(lowest, highest) == pytest.approx(begins)
     assert len({str(look(i)) for i in range(30)}) == 30
-
-
-def test_the_median_is_not_lifted_by_a_jolt_and_the_mean_counts_it() -> None:
-    values = np.zeros(100)
-    values[50] = 90.0
-    for share, window in ((0.05, 9), (0.2, 20)):
-        assert smoothed(np.arange(100.0), values, share, "median")[1].max() == 0.0
-        mean = smoothed(np.arange(100.0), values, share, "mean")[1]
-        assert mean.max() == pytest.approx(90 / window)
 
 
 def test_an_aggregate_is_mean_and_t_interval_of_the_episodes() -> None:
@@ -267,8 +244,4 @@ def test_files_are_png_and_pdf_and_the_same_bytes_again(study: Study, tmp_path: 
         assert first.read_bytes() == second.read_bytes()
     assert written[0][0].read_bytes().startswith(b"\x89PNG")
     assert written[0][1].read_bytes().startswith(b"%PDF")
-    assert figure is not None
-    pixels = imread(written[0][0])[..., :3]
-    assert pixels.shape[:2] == (720, 1440)
-    drawn = np.any(pixels < 0.9, axis=-1)
-    assert 0.01 < drawn.mean() < 0.3
+    assert imread(written[0][0]).shape[:2] == (720, 1440)

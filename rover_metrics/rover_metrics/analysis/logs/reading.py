@@ -77,7 +77,7 @@ def _check_usable(table: Table, header: Sequence[str]) -> None:
 
 def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFrame:
     """Silences flags that are neither 0 nor 1, and adds what there is to say of it."""
-    for name in rows.columns.intersection(FLAGS):
+    for name in filter(set(rows).__contains__, FLAGS):
         wrong, tally = rows[name].notna() & ~rows[name].isin([0, 1]), Tally()
         tally.add(rows.index[wrong])
         findings += tally.describe("value", f" of {name} other than 0 and 1")

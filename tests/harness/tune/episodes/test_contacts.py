@@ -7,11 +7,9 @@ import pytest
 
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
-from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
-from harness.tune.episodes.contacts import _is_on, _sight, _zone, event_rows
+from harness.tune.episodes.recompute import _is_on, _sight, _zone, event_rows
 from harness.tune.episodes.record import Sight, Zone
-from harness.tune.episodes.sweep import drive
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World
@@ -136,21 +134,3 @@ def test_a_row_tells_when_where_how_fast_and_what_the_scans_around_its_start_had
     assert set(rows["force"].tolist()) == {12.5}
     without = event_rows(events[:1], [], np.empty(0, np.float16), world, LEO)
     assert without["speed"].tolist() == [0.0]
-
-
-@pytest.mark.parametrize(
-    ("driver", "side", "seed", "duration"),
-    [("ram", Zone.FRONT, 3, 14), ("reverse_into", Zone.REAR, 4, 9)],
-)
-def test_a_driven_episode_has_the_contacts_that_its_driver_seeks(
-    driver: str, side: Zone, seed: int, duration: int
-) -> None:
-    robot, terrain = "rover_zero4wd", "posts"
-    record = drive(Run.of(robot=robot, terrain=terrain, driver=driver, seed=seed, duration=duration))
-
-    assert (len(record.scans), len(record.windows)) == (20 * duration, duration)
-    assert side in record.events["zone"]
-    for start, end in record.events[["start_s", "end_s"]]:
-        assert record.scans["contact"][(record.times > start) & (record.times <= end)].all()
-    assert record.windows["largest_stride"].max() < 0.2
-    assert (record.windows["largest_step"] <= record.windows["largest_stride"] + 1e-3).all()

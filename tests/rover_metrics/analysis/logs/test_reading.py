@@ -3,7 +3,6 @@
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -137,16 +136,6 @@ def test_a_session_that_was_killed_is_read_with_a_finding_and_one_that_ended_wit
     assert read_log(log).findings == ("the session has no end mark: it was killed, or is still running",)
     write_record(log, COMPLETE, {})
     assert read_log(log).findings == ()
-
-
-@pytest.mark.parametrize(
-    ("error", "reason"), [(MemoryError(), "out of memory"), (ValueError("no\n such"), "no such")]
-)
-def test_what_pandas_cannot_do_is_told_in_one_line(
-    write_log: WriteLog, monkeypatch: pytest.MonkeyPatch, error: Exception, reason: str
-) -> None:
-    monkeypatch.setattr("pandas.read_csv", Mock(side_effect=error))
-    assert described(write_log()) == f"refused: cannot be read: {reason}"
 
 
 def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, row: Row) -> None:

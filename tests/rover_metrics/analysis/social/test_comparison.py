@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from rover_metrics.analysis.social.comparison import Group, differences, make_group
-from rover_metrics.analysis.social.log import SocialLog, read_social_log
+from rover_metrics.analysis.social.log import read_social_log
 from rover_metrics.analysis.social.metrics import RunFigures
 
 SOCIAL = Path(__file__).parents[5] / "shared/data/roboterrain/social"
@@ -66,22 +66,5 @@ def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
     told = {(each.runs.n, each.runs.difference, round(each.runs.p_holm or 0, 9)) for each in found}
     holm = round(3 * 2 / 70, 9)
     assert told == {((4, 4), k * gap, holm) for k in (1, 10) for gap in (10.0, 20.0)}
-
-
-def test_a_group_has_the_figures_and_windows_of_its_logs_for_the_goals_and_the_distance_asked() -> None:
-    apart = np.array([[0.3], [0.7], [2.0], [0.3]])
-    log = SocialLog(
-        *(Path("made"), ("ann",), np.arange(4.0), np.zeros((4, 2)), apart, apart[:, 0]),
-        np.array([0, 1, 2, 2]),
-    )
-    for goals, distance, windows, risk_s in (
-        *((2, 0.5, [[0.5, 1.5]], 2), (2, 1.0, [[1.0, 1.5]], 3)),
-        (1, 1.0, [[2.0, 2.0], [0.0, 1.0]], 3),
-    ):
-        group = make_group("g", [log], goals, distance)
-        assert group.windows.tolist() == windows
-        assert [figures.risk_s for figures in group.figures] == [risk_s]
-        assert group.of_runs("risk_s_per_goal").tolist() == [risk_s / 2]
-        assert group.of_windows("s_per_goal").tolist() == [seconds for _, seconds in windows]
     groups = {name: Group(name, (), (), np.ones((1, 2))) for name in "ab"}  # one window is not tested
     assert {(each.windows.p, each.cohens_d) for each in differences(groups, 0.95)} == {(None, None)}
