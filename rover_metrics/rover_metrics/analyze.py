@@ -33,7 +33,7 @@ except ImportError as error:
     print(f"analyze needs {needed} ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import run_program
+from rover_metrics.errors import counted, run_program
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,9 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    study, skipped = _read(options)
+    study, skipped, code = _read(options)
     if not study.members:
-        return UnreadableLog.exit_code
+        return code
     if options.plots or options.save_outliers or options.csv or options.latex:
         prepare_folder(options.output)  # before the work, which may take a while
     result = replace(analyse(study), skipped=tuple(skipped))
@@ -60,21 +60,22 @@ def _run(options: argparse.Namespace) -> int:
     if options.json:
         print(replace(result, files=tuple(map(str, files))).to_json())
     else:
-        show(sheets(result), f"{len(files)} files in {options.output}" if files else "")
-    return UnreadableLog.exit_code if skipped else 0
+        show(sheets(result), f"{counted(len(files), 'file')} in {options.output}" if files else "")
+    return code
 
 
-def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
-    """Reads every log that can be read, and reports those that cannot."""
+def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
+    """The study of every log that can be read, those that cannot, and the exit code."""
     groups = tuple(options.group_names) if options.versus else ("all logs",)
     paths = [different("analyze", named) for named in (options.logs, options.versus)]
     metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
     members: list[Member] = []
     skipped: list[Skipped] = []
+    code = 0
     for group, of_group in zip(groups, paths, strict=False):
-        logs, unreadable = read_each(
-            "analyze", of_group, partial(read_log, metrics=metrics, gap=options.gap)
-        )
+        read = partial(read_log, metrics=metrics, gap=options.gap)
+        logs, unreadable, worst = read_each("analyze", of_group, read)
+        code = max(code, worst)
         members += [Member(log, "", group) for log in logs]
         skipped += unreadable
     names = labels([member.log for member in members])
@@ -89,7 +90,7 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
         plots=tuple(options.plots),
         axis=TimeAxis(options.normalize, options.fixed_interval),
     )
-    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped
+    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped, code
 
 
 def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:

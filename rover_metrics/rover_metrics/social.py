@@ -19,7 +19,6 @@ from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program
 if __name__ == "__main__":
     begin_program("social")
 
-from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.program import different, level, positive, read_each, show, tell
 from rover_metrics.analysis.social.comparison import Group as Runs
 from rover_metrics.analysis.social.comparison import differences, make_group
@@ -39,9 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    logs, skipped = read_each("social", _files(options.logs), read_social_log)
+    logs, _, code = read_each("social", _files(options.logs), read_social_log)
     if not logs:
-        return UnreadableLog.exit_code
+        return code
     groups = {
         name: make_group(name, members, options.window, options.risk_distance)
         for name, members in _grouped(logs, options.groups).items()
@@ -57,7 +56,7 @@ def _run(options: argparse.Namespace) -> int:
         print(json.dumps(json_safe(_values(groups, compared)), indent=2))
     else:
         show(sheets, "" if options.page is None else f"page: {options.page}")
-    return UnreadableLog.exit_code if skipped else 0
+    return code
 
 
 def _values(groups: dict[str, Runs], compared: Sequence[Any]) -> dict[str, Any]:
@@ -117,7 +116,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m rover_metrics.social",
         description="Risk, speed and nearness of a rover among people; whether groups of runs differ.",
-        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong arguments.",
+        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong words or files.",
     )
     add = parser.add_argument
     about = "log (CSV) of RoboTerrain's collector or of harness.run, or a folder of them"

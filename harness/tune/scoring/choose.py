@@ -18,6 +18,7 @@ from harness.tune.scoring.estimate import (
     digits_for,
     estimate,
 )
+from rover_metrics.errors import counted
 from rover_metrics.extended.settings import PARAMETERS
 
 Scores = Mapping[str, Estimate]  # by measure
@@ -175,18 +176,18 @@ def judged(
 
 
 def lack_of(
-    records: Records, things: str, count: Callable[[EpisodeRecord], int], fewest: int
+    records: Records, thing: tuple[str, str], count: Callable[[EpisodeRecord], int], fewest: int
 ) -> str | None:
     """Returns in a clause why the data support no value, None if they do.
 
     Args:
         records: The episodes; every part has to have enough.
-        things: Which are counted, in words.
+        thing: What is counted, one of them, and what else is said of it.
         count: How many an episode has.
         fewest: How many a part needs.
     """
     for part, some in records.items():
-        counted = sum(map(count, some))
-        if counted < fewest:
-            return f"{counted} {things} in the {part} episodes; {fewest} are needed"
+        there = sum(map(count, some))
+        if there < fewest:
+            return f"{counted(there, *thing)} in the {part} episodes; {fewest} are needed"
     return None

@@ -85,8 +85,8 @@ def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceS
         f"{overhang:.3f} m from lidar to bumper + {braking.speed * LATENCY:.3f} m in {LATENCY:g} s at "
         f"{braking.speed:.2f} m/s + {braking.distance:.3f} m braking + {MARGIN:g} m margin"
     )
-    things, test = "contacts ahead with hazards that the lidar saw", {Part.TEST: records[Part.TEST]}
-    lack = lack_of(test, things, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
+    thing, test = ("contact", " ahead with hazards that the lidar saw"), {Part.TEST: records[Part.TEST]}
+    lack = lack_of(test, thing, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
     lack = lack and f"{lack} to check it"
     verdict = judged(PARAMETER, scoring, records, lack=lack, value=round(value, 2), note=note)
     return ClearanceStudy(verdict=verdict, overhang=overhang, braking=braking, margin=MARGIN)

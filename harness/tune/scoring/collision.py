@@ -100,7 +100,8 @@ class CollisionStudy:
 def study_collisions(records: Records) -> CollisionStudy:
     """Judges the default and chooses a better value, if the data support one."""
     test = records[Part.TEST]
-    lack = lack_of(records, "contacts with hazards", lambda record: len(record.events), FEWEST_CONTACTS)
+    thing = "contact", " with hazards"
+    lack = lack_of(records, thing, lambda record: len(record.events), FEWEST_CONTACTS)
     verdict = judged(PARAMETER, SCORINGS[NEAREST_RANGE], records, lack=lack)
     default = _detector_study(NEAREST_RANGE, records, verdict.default)
     best = {} if lack else {name: one.best(records[Part.TRAIN]) for name, one in SCORINGS.items()}

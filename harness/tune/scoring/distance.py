@@ -44,7 +44,7 @@ def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
     possible = rover.top_speed * STRIDE * POSE_PERIOD
     grid = np.round(np.arange(math.ceil(possible / STEP) * STEP, COARSEST, STEP), 2)
     scoring = Scoring(_counts, MEASURES, "balanced accuracy", grid)
-    lack = lack_of(records, "s of poses", lambda record: len(record.windows), FEWEST_SECONDS)
+    lack = lack_of(records, ("second", " of poses"), lambda record: len(record.windows), FEWEST_SECONDS)
     return DistanceStudy(
         verdict=judged(PARAMETER, scoring, records, lack=lack, note=NOTE),
         possible_step=possible,

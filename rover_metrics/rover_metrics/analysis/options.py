@@ -59,7 +59,7 @@ def _parser() -> OneLineParser:
     parser = OneLineParser(
         prog="python -m rover_metrics.analyze",
         description="Statistics and plots of metrics logs. Logs come before options that take lists.",
-        epilog="Exit code: 0 if every log was analysed, 1 if any was skipped, 2 for wrong arguments.",
+        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong words or files.",
         allow_abbrev=False,
     )
     add = parser.add_argument

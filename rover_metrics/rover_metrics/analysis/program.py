@@ -34,17 +34,22 @@ level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 
 def read_each(
     program: str, paths: Sequence[Path], read: Callable[[Path], AnyLog]
-) -> tuple[list[AnyLog], list[Skipped]]:
-    """Reads the logs that can be read, and says on stderr which cannot."""
+) -> tuple[list[AnyLog], list[Skipped], int]:
+    """Reads the logs that can be read, and says on stderr which cannot.
+
+    Returns the logs, what was skipped, and the exit code: 2 if a file is missing, 1 for any other fault.
+    """
     logs: list[AnyLog] = []
     skipped: list[Skipped] = []
+    code = 0
     for path in paths:
         try:
             logs.append(read(path))
         except UnreadableLog as error:  # noqa: PERF203 - a file is read, which takes longer
             tell(program, f"skipped {path}: {error}")
             skipped.append(Skipped(str(path), str(error)))
-    return logs, skipped
+            code = max(code, error.exit_code)
+    return logs, skipped, code
 
 
 def different(program: str, paths: Iterable[Path]) -> list[Path]:

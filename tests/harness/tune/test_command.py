@@ -56,7 +56,7 @@ def test_a_second_run_elsewhere_gives_the_same_bytes(
     ("words", "message"),
     [
         (["--robot", "mars"], "robot 'mars' does not exist; available: leo, rover_zero4wd"),
-        (["--episodes", "1"], "1 episodes are not enough"),
+        (["--episodes", "1"], "1 episode will not do"),
         (["--duration", "0"], "duration 0 s is not valid"),
         (["--driver", "fly"], "driver 'fly' does not exist; available: wander"),
         (["--seed", "-1"], "seed -1 is not valid"),

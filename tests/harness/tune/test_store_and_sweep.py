@@ -1,7 +1,9 @@
 """Episodes on disk, and driving what is missing."""
 
+import io
 import json
 import shutil
+import zipfile
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +11,7 @@ from typing import Any
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
+from harness.tune.episodes import store as storing
 from harness.tune.episodes import sweep as sweeping
 from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EpisodeRecord
@@ -57,7 +60,7 @@ def test_a_sweep_drives_everything_once(tmp_path: Path, content: bytes) -> None:
 
 
 def test_what_was_driven_before_is_not_driven_again_unless_its_file_is_torn(
-    tmp_path: Path, content: bytes
+    tmp_path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = Prepared(content, dies_after=[3, 0, 0, 0])
     with pytest.raises(RunFailed, match="the same command goes on"):
@@ -65,7 +68,11 @@ def test_what_was_driven_before_is_not_driven_again_unless_its_file_is_torn(
 
     second, third = Prepared(content), Prepared(content)
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), second, lambda _: None)
-    for number, damage in enumerate((b"", b"PK", b"\x93NUMPY", content[:100])):
+    huge = io.BytesIO(content)
+    with zipfile.ZipFile(huge, "a", zipfile.ZIP_DEFLATED) as episode:
+        episode.writestr("more", bytes(1 << 17))
+    monkeypatch.setattr(storing, "LARGEST", 1 << 16)
+    for number, damage in enumerate((b"", b"PK", huge.getvalue(), content[:100])):
         next((tmp_path / "episodes").glob(f"000{number}-*.npz")).write_bytes(damage)
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), third, lambda _: None)
 
@@ -128,7 +135,10 @@ def with_text(text: str) -> Callable[[Path], None]:
             "other robots, driver, seed or duration",
         ),
         (of_another_version, "version 0.0.1 instead of"),
-        *((with_text(text), "is not readable") for text in ("", "[]", "{}", '{"episodes": 3}')),
+        *(
+            (with_text(text), "is not readable")
+            for text in ("", "[]", "{}", "[" * 9**5, '{"episodes": 3}')
+        ),
         (episodes_without_a_sweep, "no known sweep"),
         (Path.touch, "cannot write to"),
     ],

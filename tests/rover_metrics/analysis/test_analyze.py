@@ -216,14 +216,14 @@ def test_a_bad_file_is_told_in_one_line_and_the_others_are_analysed(
     empty, missing = tmp_path / "empty.csv", tmp_path / "missing.csv"
     empty.touch()
     outcome = run(empty, write_log(), missing, "-m", "CV", "-p", "--json")
-    result = as_json(outcome, code=1)
+    result = as_json(outcome, code=2)
     assert outcome[2].splitlines() == [
         f"analyze: skipped {empty}: the file is empty",
         f"analyze: skipped {missing}: there is no such file",
     ]
     assert [log["label"] for log in result["logs"]] == ["log"]
     assert [skipped["path"] for skipped in result["skipped"]] == [str(empty), str(missing)]
-    assert run(missing) == (1, "", f"analyze: skipped {missing}: there is no such file\n")
+    assert run(missing) == (2, "", f"analyze: skipped {missing}: there is no such file\n")
     assert not (tmp_path / "out").exists()
 
 
@@ -234,7 +234,7 @@ def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
     logs = [write_log(name) for name in names]
     before = {path for path in tmp_path.rglob("*") if "out" not in path.parts}
     code, out, err = run(*logs, tmp_path / "..\n..", "-m", "CV")
-    assert code == 1
+    assert code == 2
     assert len(err.splitlines()) == 1
     assert "\x1b" not in out + err
     assert "[red]bold: 60 rows" in out

@@ -18,6 +18,7 @@ from rover_metrics.analysis.logs.log import Floats, Integers, Log
 from rover_metrics.analysis.logs.parsing import Table, Tally, read_table
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.errors import counted
 from rover_metrics.log.session_record import (
     SessionEnd,
     session_arguments,
@@ -72,7 +73,7 @@ def _check_usable(table: Table, header: Sequence[str]) -> None:
                 f"{table.total} rows have {what} fields (first on line {tally.first})"
             )
     if table.rows.empty:
-        raise UnreadableLog(f"none of its {table.total} rows is usable (line 2 is the first)")
+        raise UnreadableLog(f"no usable row among {counted(table.total, 'row')} (line 2 is the first)")
 
 
 def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFrame:

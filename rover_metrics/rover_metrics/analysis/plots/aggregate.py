@@ -12,6 +12,7 @@ from rover_metrics.analysis.logs.log import Floats, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.study import Study
+from rover_metrics.errors import counted
 
 _PERCENT_STEP = 2.0
 _STEPS = 60  # of a time axis whose interval nobody chose
@@ -58,8 +59,7 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
             mean, low, high = mean_and_band(curves, study.options.confidence)
             style = styling.look(number)
             axes.fill_between(grid, low, high, color=style["color"], alpha=0.2, linewidth=0)
-            plural = "s" if len(curves) > 1 else ""
-            axes.plot(grid, mean, **style, label=f"{group} ({len(curves)} episode{plural})")
+            axes.plot(grid, mean, **style, label=f"{group} ({counted(len(curves), 'episode')})")
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
             lowest = min(lowest, float(np.nanquantile(low, 0.03)))
     bounds = study.bounds(metric)

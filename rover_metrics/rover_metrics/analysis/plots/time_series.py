@@ -15,6 +15,7 @@ from rover_metrics.analysis.logs.log import Floats, TimeAxis
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.study import Member, Study
+from rover_metrics.errors import counted
 
 MOST_POINTS = 4000  # two a pixel at 200 dpi
 _FEWEST_SMOOTHED = 9  # rows
@@ -88,7 +89,7 @@ def _limit(axes: Axes, metric: Metric, values: Floats, bounds: Mapping[str, Sequ
         (int((values < bottom).sum()), "below", f"lowest {lowest:.4g}", 0),
     ):
         if count:
-            text = f"{count} value{'s' if count > 1 else ''} {side} the axis, the {extreme}"
+            text = f"{counted(count, 'value')} {side} the axis, the {extreme}"
             place: Literal["top", "bottom"] = "top" if y else "bottom"
             axes.annotate(text, (1, y), xycoords="axes fraction", ha="right", va=place, fontsize=7.5)
 

@@ -14,14 +14,16 @@ from pathlib import Path
 
 import numpy as np
 
-from rover_metrics.analysis.logs.header import UnreadableLog, check_is_file, shown
+from rover_metrics.analysis.logs.header import UnreadableLog, first_line, shown
 from rover_metrics.analysis.logs.log import Floats, Integers
+from rover_metrics.errors import counted
 
 TIME, NEAREST = "time_s", "dmin"
 GOALS = ("goals_count", "goals")
 PLACES = (("robot_x", "rx"), ("robot_y", "ry"))
 DISTANCE = re.compile(r"(?:d\d+_(?P<old>.+)|(?P<new>.+?)(?:_actor)?_dist)")
 MOST_LISTED = 3  # lines left out that are listed one by one
+LARGEST = 1e12  # of a number in a log: no time, place or count is beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +58,15 @@ def read_social_log(path: Path) -> SocialLog:
     Raises:
         UnreadableLog: It is none; the message says why, without the path.
     """
-    check_is_file(path)
-    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        lines = csv.reader(file, strict=False)
-        names = [name.strip() for name in next(lines, [])]
-        _check_header(names)
-        findings: list[str] = []
-        rows = list(_rows(lines, len(names), findings))
+    names = [name.strip() for name in next(csv.reader([first_line(path)[0]], strict=False), [])]
+    _check_header(names)
+    findings: list[str] = []
+    try:
+        with path.open(encoding="utf-8", errors="replace", newline="") as file:
+            file.readline()
+            rows = list(_rows(csv.reader(file, strict=False), len(names), findings))
+    except (OSError, csv.Error) as error:
+        raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
     if not rows:
         raise UnreadableLog("there is a header but no whole row")
     table = np.array(rows)
@@ -106,11 +110,11 @@ def _rows(lines: Iterator[list[str]], width: int, findings: list[str]) -> Iterat
             values = [float(cell or "nan") for cell in cells]
         except ValueError:
             values = []
-        if len(values) == width:
+        if len(values) == width and not any(abs(value) > LARGEST for value in values):
             yield values
             continue
         left_out += 1
         if left_out <= MOST_LISTED:
             findings.append(f"line {number} is not {width} numbers and is left out")
     if left_out > MOST_LISTED:
-        findings.append(f"{left_out - MOST_LISTED} more lines are left out")
+        findings.append(f"{counted(left_out - MOST_LISTED, 'more line')} left out")

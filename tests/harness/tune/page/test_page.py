@@ -62,6 +62,6 @@ def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() 
     assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
     assert abs(np.trapezoid(curve.y, curve.x) - curve.area) < 0.002
     assert abs(curve.area - 0.921) < 0.01  # Phi(2 / sqrt 2)
-    assert (along.x[0] > 0.0, along.x[-1]) == (True, 1.0)
+    assert 0.0 < float(along.x[0]) < float(along.x[-1]) == 1.0
     assert along.y[-1] == pytest.approx(truth.mean())
     assert [has_both_classes(np.array(some, bool)) for some in ([1], [], [0, 1])] == [False, False, True]

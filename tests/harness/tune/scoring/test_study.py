@@ -89,7 +89,9 @@ def test_a_default_is_as_bad_as_the_whole_interval_of_the_gain_says(
     ("contacts", "unseen", "words"),
     [
         (0, (0, 0, 0), "No contact took place"),
-        (7, (0, 0, 0), "The lidar saw every one of the 7"),
+        (7, (0, 0, 0), "The lidar saw every one of the 7 hazards that were touched"),
+        (1, (0, 0, 0), "The lidar saw the hazard that was touched"),
+        (1, (1, 0, 0), r"1 of 1 contact \(100 %\)"),
         (16, (3, 0, 1), r"4 of 16 contacts \(25 %\).*: 3 below the lidar, 1 out of its plane\.$"),
     ],
 )
