@@ -55,9 +55,7 @@ def test_lines_of_another_length_are_skipped_with_their_numbers(log: Path) -> No
     assert "1 row with fewer fields than the header (line 3): left out" in read.findings
 
 
-def test_a_bad_log_takes_no_comparison_with_it(
-    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bad_log_harms_no_other(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     wide, missing = tmp_path / "wide.csv", tmp_path / "missing.csv"
     wide.write_bytes(log.read_text().encode("utf-16"))
     for bad, reason, code in (
@@ -80,7 +78,7 @@ def test_a_bad_log_takes_no_comparison_with_it(
         '{"arguments": {"robot": "leo", "terrain": ["x"], "seed": 1, "difficulty": %s}}' % ("9" * 5001),
     ],
 )
-def test_a_record_that_holds_anything_leaves_its_log_as_it_is(log: Path, record: str) -> None:
+def test_a_records_oddities_leave_its_log_alone(log: Path, record: str) -> None:
     log.with_suffix(".json").write_text(record)
     read = read_log(log)
     assert (read.stamps.tolist(), read.thresholds) == ([7, 8, 9], None)

@@ -31,9 +31,7 @@ def logs(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_folders_are_groups_and_the_numbers_are_those_of_the_logs(
-    logs: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_numbers_are_those_of_the_logs(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert social.main([str(logs / "fast"), str(logs / "slow"), "--json", "--window", "5"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert list(result["groups"]) == ["fast", "slow"]
@@ -43,9 +41,7 @@ def test_folders_are_groups_and_the_numbers_are_those_of_the_logs(
     assert result["differences"][1]["runs"]["p"] == pytest.approx(1 / 3)
 
 
-def test_tables_page_and_pictures_are_as_somebody_has_checked(
-    logs: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_tables_and_pictures_are_as_checked(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = logs / "page.html"
     groups = ["$b<i>=*_1.csv", "a=*_0.csv"]
     words = [str(logs / "fast"), str(logs / "slow"), "--groups", *groups, "--window", "3"]

@@ -20,9 +20,7 @@ def first_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[int, Path]:
     return tune.main([*SHORT, "--out", str(folder)]), folder
 
 
-def test_data_that_support_nothing_give_no_value_and_say_why(
-    first_run: tuple[int, Path], capsys: Capture
-) -> None:
+def test_data_that_support_nothing_say_why(first_run: tuple[int, Path], capsys: Capture) -> None:
     exit_code, folder = first_run
 
     again = tune.main([*SHORT, "--out", str(folder)])
@@ -39,9 +37,7 @@ def test_data_that_support_nothing_give_no_value_and_say_why(
     assert "collision_threshold stays at 0.2 m: 0 contacts" in text
 
 
-def test_a_second_run_elsewhere_gives_the_same_bytes(
-    first_run: tuple[int, Path], tmp_path: Path
-) -> None:
+def test_a_second_run_gives_the_same_bytes(first_run: tuple[int, Path], tmp_path: Path) -> None:
     _, folder = first_run
 
     tune.main([*SHORT, "--out", str(tmp_path)])

@@ -35,9 +35,7 @@ def command_in(path: Path) -> list[str]:
     return shlex.split(line.removeprefix("# Made by: python -m harness.tune").partition("(")[0])
 
 
-def test_the_shipped_files_are_what_their_command_gives(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_shipped_files_are_as_commanded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(SWEEP, tmp_path, dirs_exist_ok=True)
     (tmp_path / SCORES).unlink()
     monkeypatch.setattr(sweep, "drive", _not_to_be_driven)

@@ -143,7 +143,7 @@ def with_text(text: str) -> Callable[[Path], None]:
         (Path.touch, "cannot write to"),
     ],
 )
-def test_a_folder_that_is_not_of_this_sweep_is_one_line_that_names_it(
+def test_a_folder_of_no_or_another_sweep(
     before: Callable[[Path], object], mend: str, tmp_path: Path
 ) -> None:
     folder = tmp_path / "out"

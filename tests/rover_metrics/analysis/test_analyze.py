@@ -73,7 +73,7 @@ def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> N
     assert (log["rows"], log["duration"], log["episodes"]) == (71, 70.0, 1)
 
 
-def test_two_groups_are_compared_log_by_log_as_somebody_has_checked(
+def test_two_groups_are_compared(
     run: Run, write_log: WriteLog, row: Row, drawn: dict[str, Figure], tmp_path: Path
 ) -> None:
     slow = logs_at(write_log, row, "slow", [0.1, 0.2, 0.3, 0.15])
@@ -102,9 +102,7 @@ def test_two_groups_are_compared_log_by_log_as_somebody_has_checked(
     check_snapshot("analyze.txt", "\n".join(parts).replace(str(tmp_path), "FOLDER"))
 
 
-def test_outliers_are_counted_but_removed_only_on_request(
-    run: Run, write_log: WriteLog, row: Row, tmp_path: Path
-) -> None:
+def test_outliers_are_counted(run: Run, write_log: WriteLog, row: Row, tmp_path: Path) -> None:
     lines = [row(i) for i in range(60)]
     lines[30] = row(30, Obstacle_Clearance=50.499803)  # float32 would say 50.499802
     log = write_log("=1+1.csv", lines)
@@ -149,9 +147,7 @@ def driven(log: Path, seed: int) -> Path:
     return log
 
 
-def test_groups_of_the_same_seeds_are_compared_pair_by_pair(
-    run: Run, write_log: WriteLog, row: Row
-) -> None:
+def test_groups_of_the_same_seeds_are_compared_in_pairs(run: Run, write_log: WriteLog, row: Row) -> None:
     slow = logs_at(write_log, row, "slow", [0.1, 0.4, 0.3])
     fast = logs_at(write_log, row, "fast", [0.4, 0.2, 0.5])
     for seed, (first, second) in enumerate(zip(slow, (fast[1], fast[2], fast[0]), strict=True)):
@@ -170,7 +166,7 @@ def test_groups_of_the_same_seeds_are_compared_pair_by_pair(
     assert "--pair-by order: missing.csv was skipped; leave out its partner too" in err
 
 
-def test_all_columns_are_ranked_by_effect_and_any_is_a_metric(
+def test_any_column_is_a_metric(
     run: Run, write_log: WriteLog, row: Row, drawn: dict[str, Figure]
 ) -> None:
     logs = [
@@ -210,9 +206,7 @@ def test_all_columns_are_ranked_by_effect_and_any_is_a_metric(
     assert [log["episodes"] for log in last["logs"]] == [len(rows)]  # named twice, counted once
 
 
-def test_a_bad_file_is_told_in_one_line_and_the_others_are_analysed(
-    run: Run, write_log: WriteLog, tmp_path: Path
-) -> None:
+def test_a_bad_file_is_one_line_beside_the_rest(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
     empty, missing = tmp_path / "empty.csv", tmp_path / "missing.csv"
     empty.touch()
     outcome = run(empty, write_log(), missing, "-m", "CV", "-p", "--json")
@@ -227,9 +221,7 @@ def test_a_bad_file_is_told_in_one_line_and_the_others_are_analysed(
     assert not (tmp_path / "out").exists()
 
 
-def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
-    run: Run, write_log: WriteLog, tmp_path: Path
-) -> None:
+def test_no_name_of_a_log_breaks_anything(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
     names = ["$x_{.csv", "_hidden.csv", "[red]bold.csv", "a\nb\x1b[31m.csv", "..csv"]
     logs = [write_log(name) for name in names]
     before = {path for path in tmp_path.rglob("*") if "out" not in path.parts}
@@ -252,9 +244,7 @@ def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) 
         assert run(log, "-o", folder) == (2, "", told)
 
 
-def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
-    write_log: WriteLog, tmp_path: Path
-) -> None:
+def test_without_ros_it_ends_quietly_with_its_reader(write_log: WriteLog, tmp_path: Path) -> None:
     (tmp_path / "rclpy.py").write_text("raise AssertionError('imported')\n")
     paths = [str(tmp_path), *(path for path in sys.path if path)]
     words = [str(write_log()), "-m", "CV", "-p", "--json"]
@@ -273,7 +263,7 @@ def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
 
 
 @pytest.mark.parametrize("missing", sorted(LIBRARIES))
-def test_without_one_of_its_libraries_it_says_what_to_install(
+def test_it_says_which_library_to_install(
     missing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in list(sys.modules):

@@ -68,7 +68,5 @@ def test_a_fixed_interval_is_a_second_and_the_axis_of_who_gives_one() -> None:
         ("--conf 0.9", "unrecognized arguments: --conf"),  # an option may get a sister
     ],
 )
-def test_words_that_make_no_sense_are_one_line_that_says_what_does(
-    words: str, valid: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_words_are_one_line(words: str, valid: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert valid in complaint(parse, ["a.csv", *words.split()], capsys)  # type: ignore[arg-type]

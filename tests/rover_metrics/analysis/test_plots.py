@@ -213,9 +213,7 @@ def test_a_legend_stands_between_the_axes_and_the_edge_of_the_figure(
     assert axes.y1 - axes.y0 > 0.4 * figure.bbox.y1
 
 
-def test_a_dollar_in_a_name_is_a_dollar(
-    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_dollar_is_a_dollar(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Figure, "savefig", lambda *_, **__: None)
     first = replace(study.members[0], label="$x$", group="$a$")
     alone = Study((first,), ("$a$",), study.options)

@@ -35,9 +35,7 @@ ODD = {
 
 
 @pytest.mark.skipif(not LOGS.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")
-def test_rates_shares_and_oddities_of_the_real_logs_are_as_known(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_real_logs_give_what_is_known(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["-m", "TC", "DT", "RT", "VR", "-p", "--json", "-o"]
     assert main([*map(str, sorted(LOGS.glob("*.csv"))), *words, str(tmp_path)]) == 0
     result = json.loads(capsys.readouterr().out)

@@ -29,9 +29,7 @@ def log_at(path: str, arguments: dict[str, object] | None = None) -> Log:
         (f"{TIME}7-rerun", {}, f"{TIME}7-rerun"),
     ],
 )
-def test_a_name_that_a_person_gave_comes_first_then_what_was_driven_then_the_time(
-    stem: str, changed: dict[str, object], label: str
-) -> None:
+def test_a_persons_name_for_a_log_comes_first(stem: str, changed: dict[str, object], label: str) -> None:
     assert labels([log_at(f"/d/{stem}.csv", RUN | changed)]) == [label]
     assert labels([log_at(f"/d/{stem}.csv", {"seed": 7})]) == [stem]
 
@@ -55,9 +53,7 @@ def test_drives_that_are_alike_are_told_apart_by_their_times() -> None:
         (("/d/a\x1b[31m\nb.csv",), ["a?[31m?b"]),
     ],
 )
-def test_a_log_is_called_by_its_stem_and_by_what_tells_it_apart(
-    paths: tuple[str, ...], names: list[str]
-) -> None:
+def test_a_log_is_called_by_what_tells_it_apart(paths: tuple[str, ...], names: list[str]) -> None:
     assert labels([log_at(path) for path in paths]) == names
 
 

@@ -61,7 +61,7 @@ def test_bad_values_are_refused(
         plan(robots, episodes, seed, duration)
 
 
-def test_another_driver_takes_the_open_ground_and_gets_goals_if_it_needs_them(
+def test_another_driver_takes_the_open_ground_with_goals_if_needed(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "still.npz"

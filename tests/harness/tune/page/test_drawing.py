@@ -27,9 +27,7 @@ SQUARE = LEO.but(footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
         (0.9, 0.0),
     ],
 )
-def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
-    threshold: float, covering: float
-) -> None:
+def test_a_threshold_covers_what_lies_within_its_circle(threshold: float, covering: float) -> None:
     near, covered, far = shares(SQUARE, (0.15, threshold))
     assert covered == pytest.approx(covering, abs=2e-3)
     assert far == pytest.approx(1.0 - covering, abs=2e-3)

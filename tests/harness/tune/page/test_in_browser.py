@@ -54,7 +54,7 @@ def test_drag_zooms_a_figure_and_a_double_click_shows_all_of_it(visit: Visit) ->
     assert visit.said == []
 
 
-def test_the_button_copies_the_parameter_file_and_selects_it_without_a_clipboard(
+def test_the_button_copies_or_selects_the_file(
     visit: Visit, browser: "Browser", page_file: Path
 ) -> None:
     page, other = visit.page, Visit(browser, page_file).page

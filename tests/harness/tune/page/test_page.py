@@ -29,9 +29,7 @@ def test_tables_and_figures_of_a_tuning_are_as_somebody_has_checked(small_page: 
     check_snapshot("tuning.html.txt", text)
 
 
-def test_same_arguments_give_the_same_bytes_with_the_parameter_files_as_they_are(
-    small_page: str, small_sweep: "Sweep"
-) -> None:
+def test_same_arguments_give_the_same_page(small_page: str, small_sweep: "Sweep") -> None:
     assert rendered(small_sweep) == small_page
     assert all(parameter_file(study, COMMAND) in unescape(small_page) for study in small_sweep[0])
 
@@ -60,7 +58,7 @@ def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() 
     curve, along = roc(score, truth), precision_recall(score, truth)
     assert len(curve.x) <= MOST_POINTS + 1
     assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
-    assert abs(np.trapezoid(curve.y, curve.x) - curve.area) < 0.002
+    assert np.trapezoid(curve.y, curve.x) == pytest.approx(curve.area, abs=0.002)
     assert abs(curve.area - 0.921) < 0.01  # Phi(2 / sqrt 2)
     assert 0.0 < float(along.x[0]) < float(along.x[-1]) == 1.0
     assert along.y[-1] == pytest.approx(truth.mean())

@@ -62,7 +62,7 @@ def test_the_best_value_is_the_middle_of_those_with_the_highest_score(
     assert scoring(scores).best(episodes) == best
 
 
-def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(
+def test_the_gain_is_of_the_same_resampled_episodes(
     episodes: list[EpisodeRecord],
 ) -> None:
     gain = scoring((0.0, 1.0, 2.0, 3.5, 4.0, 5.0)).gain(episodes, (0.4, 0.2))
@@ -71,7 +71,7 @@ def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(
         assert (gain[name].value, gain[name].low, gain[name].high) == pytest.approx((expected,) * 3)
 
 
-def test_a_value_is_chosen_on_one_part_and_judged_against_the_default_on_the_other(
+def test_a_value_is_chosen_on_one_part_and_judged_on_the_other(
     episodes: list[EpisodeRecord],
 ) -> None:
     one, other = scoring((0.0, 1.0, 2.0, 0.0, 0.0, 0.0)), scoring((0.0, 3.0, 0.0, 0.0, 9.0, 0.0))

@@ -48,7 +48,7 @@ def near_between(
 
 
 @pytest.mark.usefixtures("stops")
-def test_the_clearance_is_the_sum_of_its_parts_rounded_up(
+def test_the_clearance_is_a_sum_rounded_up(
     make_record: MakeRecord, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     records = dict.fromkeys(Part, [near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)

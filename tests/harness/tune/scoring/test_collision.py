@@ -37,7 +37,7 @@ def at(make_record: MakeRecord) -> AtDistance:
         (0.04, -1, None, None),  # and near returns, of what is passed, would only be false alarms
     ],
 )
-def test_near_returns_and_footprint_threshold_are_each_compared_with_their_default(
+def test_the_footprints_parameters_are_compared_with_their_defaults(
     at: AtDistance, footprint: float, near: int, switch: bool | None, threshold: float | None
 ) -> None:
     touching, passing = at(0.225, touches=True), at(0.35, touches=False)

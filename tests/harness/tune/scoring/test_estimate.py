@@ -39,9 +39,7 @@ def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
         (["a"] * 24 + ["b"] * 15 + ["c"], [[*range(24), 39], range(24, 39)]),
     ],
 )
-def test_a_sum_has_the_standard_error_of_a_stratified_sample(
-    strata: list[str], groups: list[range]
-) -> None:
+def test_a_sum_has_the_error_of_a_stratified_sample(strata: list[str], groups: list[range]) -> None:
     """The variance of a total is the sum of n_h s_h^2 over the strata; the interval is normal."""
     rng = np.random.default_rng(3)
     values = rng.normal(5.0, 1.0, 40)

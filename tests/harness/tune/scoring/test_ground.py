@@ -52,9 +52,7 @@ def test_the_area_under_the_curve_is_that_of_scikit_learn(make_record: MakeRecor
 
 
 @pytest.mark.parametrize(("rough", "smooth"), [(49, 60), (60, 49), (50, 50)])
-def test_fifty_seconds_of_each_class_are_needed(
-    make_record: MakeRecord, rough: int, smooth: int
-) -> None:
+def test_fifty_seconds_of_each_are_needed(make_record: MakeRecord, rough: int, smooth: int) -> None:
     enough = make_record([], windows=[*seconds(11.5, ROUGH, 60), *seconds(10.0, SMOOTH, 60)])
     few = make_record([], windows=[*seconds(11.5, ROUGH, rough), *seconds(10.0, SMOOTH, smooth)])
     what = f"{rough} s on rough ground (over 3 mm RMS) and {smooth} s on smooth in the"

@@ -99,7 +99,7 @@ def test_a_collision_is_below_its_threshold_the_one_that_the_log_had() -> None:
     assert (alone[-23:], never[-23:]) == (" such as one above 0.35", " such as one below 0.15")
 
 
-def test_a_contradiction_is_told_whatever_is_asked_for_and_by_the_records_threshold(
+def test_the_records_threshold_is_what_counts(
     write_log: Callable[..., Path], row: Callable[..., str]
 ) -> None:
     log = write_log(lines=[row(i, Is_Rough_Terrain=1) for i in range(7)])

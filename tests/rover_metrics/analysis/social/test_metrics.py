@@ -63,9 +63,7 @@ ROWS = st.lists(st.tuples(st.integers(0, 2), st.sampled_from([0.2, 0.5, 2.0, np.
 
 @settings(max_examples=30)
 @given(st.lists(ROWS, max_size=3), st.integers(1, 3))
-def test_a_window_ends_with_its_last_goal_and_reaches_from_one_log_into_the_next(
-    runs: list[list[tuple[int, float]]], goals: int
-) -> None:
+def test_a_window_ends_with_its_last_goal(runs: list[list[tuple[int, float]]], goals: int) -> None:
     logs = [made([[far] for _, far in run], np.cumsum([new for new, _ in run]).tolist()) for run in runs]
     expected, seconds, risk, reached = [], 0, 0, 0
     before: int | None = None

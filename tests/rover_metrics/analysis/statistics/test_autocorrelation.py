@@ -80,7 +80,7 @@ SERIES = [
 ]
 
 
-def test_autocorrelation_is_that_of_its_definition_also_over_segments(
+def test_autocorrelation_is_that_of_its_definition(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     values = autoregressive(0.7, 500)

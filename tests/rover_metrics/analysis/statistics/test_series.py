@@ -45,7 +45,7 @@ def test_a_mean_is_weighted_and_of_the_rows_asked_for() -> None:
     assert [list(part) for part in left.finite()] == [[0.0, 30.0], [2.0, 3.0]]
 
 
-def test_vort_is_the_velocity_of_rough_rows_unless_an_extended_log_says_it_itself(
+def test_vort_is_of_rough_rows_unless_an_extended_log_says_it(
     make_log: MakeLog,
 ) -> None:
     columns = {"Current Velocity": [1, 2, 3, 6], "Is Rough Terrain": [0, 1, NAN, 1]}

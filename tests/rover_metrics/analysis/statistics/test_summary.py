@@ -45,9 +45,7 @@ def test_the_numbers_are_those_of_a_hand_calculation() -> None:
 @pytest.mark.parametrize(
     ("ones", "n", "confidence"), [(1, 10, 0.95), (7, 9, 0.9), (0, 50, 0.95), (200, 300, 0.8)]
 )
-def test_a_flag_has_a_share_with_wilsons_interval_and_nothing_else(
-    ones: int, n: int, confidence: float
-) -> None:
+def test_a_flag_has_a_share_with_wilsons_interval(ones: int, n: int, confidence: float) -> None:
     values = np.repeat([0.0, 100.0], [n - ones, ones])
     summary = summarise(values, np.ones(n), Kind.FLAG, confidence)
     assert summary.n == n
@@ -86,9 +84,7 @@ def test_independent_values_have_students_interval_and_a_share_none_beyond_0_and
 
 
 @pytest.mark.parametrize("length", [1, 2, 7, 50])
-def test_the_bootstrap_resamples_blocks_that_go_round(
-    length: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_bootstrap_resamples_whole_blocks(length: int, monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(length)
     values, weights = rng.normal(size=50).cumsum(), rng.uniform(0.5, 2.0, 50)
     draws, means = np.random.default_rng(0), []
