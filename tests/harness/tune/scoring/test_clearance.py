@@ -96,18 +96,6 @@ def test_a_warning_counts_if_it_comes_in_time_and_a_contact_follows(
     assert counts[0, :, 1:4].tolist() == [[0, 0, 0]] * 2
 
 
-def test_each_contact_and_each_warning_counts_for_itself(make_record: MakeRecord) -> None:
-    scans = np.arange(1, 121) / 20
-    warned = np.isin(np.round(scans), (1.0, 4.0)) & (scans % 1.0 < 0.3)
-    contacts = [(start, start + 0.1) for start in (1.4, 1.5, 1.8, 5.0)]  # one after the other warning
-    record = make_record(np.where(warned, 0.25, 3.0), contacts=contacts)
-    record.events["zone"][0] = Zone.SIDE
-
-    counts = clearance._counts(STOP, [record], np.array([0.25, 0.5]))[:, 0, :4]
-
-    assert counts.tolist() == [[3, 0, 0, 0], [3, 3, 2, 2]]  # strict, as in the metrics
-
-
 @pytest.mark.parametrize(
     ("changed", "contacts"),
     [

@@ -14,21 +14,6 @@ def share(sums: NDArray[np.float64]) -> NDArray[np.float64]:
     return ratio(sums[..., 0], sums[..., 1])
 
 
-def counts(rng: np.random.Generator, episodes: int) -> NDArray[np.float64]:
-    tries = np.full(episodes, 10.0)
-    return np.column_stack([rng.binomial(10, 0.7, size=episodes), tries])
-
-
-def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
-    rng = np.random.default_rng(5)
-    strata = ["a"] * 4 + ["b"] * 4 + ["c"] * 4  # small ones, as in a plan
-
-    estimates = [estimate(counts(rng, 12), share, strata) for _ in range(100)]
-    covered = [e.low is not None and e.high is not None and e.low <= 0.7 <= e.high for e in estimates]
-
-    assert 0.86 <= np.mean(covered) <= 1.0  # a percentile interval of 12 episodes is a bit narrow
-
-
 @pytest.mark.parametrize(
     ("strata", "groups"),
     [

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from sklearn.metrics import roc_auc_score
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
@@ -24,31 +23,6 @@ ROUGH, SMOOTH = 0.006, 0.001  # [m]
 def seconds(peak: float, roughness: float, count: int = 30, **more: float) -> Seconds:
     values = {"peak_acceleration": peak, "mean_smoothness": peak, "roughness": roughness}
     return [values | more for _ in range(count)]
-
-
-def test_the_area_under_the_curve_is_that_of_scikit_learn(make_record: MakeRecord) -> None:
-    # Signals stand between the values of the grid, 9.80, 9.85...: equal ones tie for both.
-    rng = np.random.default_rng(0)
-    records = []
-    for number in range(20):
-        windows = seconds(0.0, ROUGH, 10) + seconds(0.0, SMOOTH, 10)
-        for window in windows:
-            step = rng.integers(0, 60) + 8 * (window["roughness"] == ROUGH)
-            peak = 9.825 + 0.05 * step if 5 < step < 55 else 99.0 * (step > 5)  # or beyond the grid
-            window["peak_acceleration"] = peak
-        records.append(make_record([], windows=windows, terrain=("flat", "maze")[number % 2]))
-    parts = {Part.TRAIN: records[:12], Part.TEST: records}
-    study = study_ground(parts, SIGNALS[0])
-
-    for part, some in parts.items():
-        events = [peak_acceleration(record) for record in some]
-        truth = np.concatenate([f.rough for f in events])
-        signal = np.concatenate([f.signal for f in events])
-        auc = study.auc[part]
-        assert auc.value == pytest.approx(roc_auc_score(truth, signal))
-        assert auc.low is not None
-        assert auc.high is not None
-        assert auc.low < auc.value < auc.high
 
 
 @pytest.mark.parametrize(("rough", "smooth"), [(49, 60), (60, 49), (50, 50)])
