@@ -162,6 +162,8 @@ def test_a_full_disk_is_reported(
         raise OSError(28, "No space left on device")
 
     store = Store(tmp_path, PLANNED)
+    with pytest.raises(RunFailed, match=r"8 episodes in .* cannot be read again"):
+        sweeping.sweep(PLANNED, store, Prepared(b"PK"), lambda _: None)
     monkeypatch.setattr(store, "write", full)
     with pytest.raises(RunFailed, match=f"cannot write episode 0007-.* to {tmp_path}: No space left"):
         sweeping.sweep(PLANNED, store, Prepared(content), lambda _: None)

@@ -82,7 +82,8 @@ def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFram
         wrong, tally = rows[name].notna() & ~rows[name].isin([0, 1]), Tally()
         tally.add(rows.index[wrong])
         findings += tally.describe("value", f" of {name} other than 0 and 1")
-        rows = rows.assign(**{name: rows[name].mask(wrong)})
+        if tally.count:
+            rows = rows.assign(**{name: rows[name].mask(wrong)})
     return rows
 
 
