@@ -59,7 +59,7 @@ def _name(log: Log) -> str:
         return log.path.stem
     terrain = Path(str(arguments["terrain"]))  # a name, or a heightmap, which has no difficulty
     difficulty = arguments.get("difficulty")
-    if terrain.suffix or not isinstance(difficulty, int | float):
+    if terrain.suffix or not isinstance(difficulty, int | float) or not 0 <= difficulty <= 1:
         return f"{arguments['robot']} {terrain.stem} seed {arguments['seed']}"
     return f"{arguments['robot']} {terrain.stem} {difficulty:g} seed {arguments['seed']}"
 

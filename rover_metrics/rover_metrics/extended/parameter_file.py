@@ -4,9 +4,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
-from rover_metrics.log.bounded import read_yaml
 
 NODE_NAME = "metrics_node"
 EVERY_NODE = ("*", "**")
@@ -22,9 +24,9 @@ def read_values(path: Path) -> dict[str, Any]:
             does not exist, or a value is not valid.
     """
     try:
-        document = read_yaml(path)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
+        document = YAML(typ="safe").load(path)
+    except (OSError, UnicodeDecodeError, YAMLError) as error:
+        reason = error.strerror if isinstance(error, OSError) else " ".join(str(error).split())
         raise ParameterError(f"cannot read parameters from {path}: {reason}") from error
     sections = list(_sections(document, ""))
     if not sections:

@@ -12,7 +12,7 @@ from typing import Any
 
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
-from rover_metrics.log.bounded import read_json
+from rover_metrics.log.documents import DocumentError, read_json
 from rover_metrics.log.files import whole_file
 
 Outcome = Mapping[str, str | None]
@@ -101,7 +101,7 @@ def session_thresholds(log: str | Path) -> Thresholds | None:
         return None
     try:
         return Thresholds(**{name: float(kept[name]) for name in THRESHOLD_INFO if name in kept})
-    except (ParameterError, TypeError, ValueError):
+    except (ArithmeticError, ParameterError, TypeError, ValueError):
         return None
 
 
@@ -114,6 +114,6 @@ def session_arguments(log: str | Path) -> dict[str, Any]:
 def _read(log: str | Path) -> dict[str, Any]:
     try:
         record = read_json(Path(log).with_suffix(".json"))
-    except (OSError, ValueError):
+    except DocumentError:
         return {}
     return record if isinstance(record, dict) else {}

@@ -63,6 +63,7 @@ def test_a_fixed_interval_is_a_second_and_the_axis_of_who_gives_one() -> None:
         ("--versus b.csv --unit episode --pair-by seed", "seed pairs logs; give --unit log"),
         ("--versus b.csv --unit episode --pair-by order", "order pairs logs; give --unit log"),
         ("--versus b.csv --pair-by name", "'seed', 'order', 'none'"),
+        ("--versus b.csv --unit row", "'log', 'episode'"),
         ("--versus b.csv --group-names x x", "two different names"),
         ("--versus b.csv --group-names x \x1b", "names that can be printed"),
         ("--conf 0.9", "unrecognized arguments: --conf"),  # an option may get a sister
