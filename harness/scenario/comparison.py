@@ -19,8 +19,7 @@ from harness.scenario.topic import COUNT, topic_quantity
 from harness.scenario.verdict import CONFIDENCE, Verdict, outcome_of, wilson
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
-from rover_metrics.analysis.statistics.comparison import Comparison, compare
-from rover_metrics.analysis.statistics.holm import holm
+from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent
 
 

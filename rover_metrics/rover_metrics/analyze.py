@@ -17,17 +17,15 @@ from pathlib import Path
 try:
     import numpy as np
 
-    from rover_metrics.analysis.choice import ALL, choose
-    from rover_metrics.analysis.logs.header import UnreadableLog, read_header
+    from rover_metrics.analysis.logs.header import Skipped, UnreadableLog, read_header
+    from rover_metrics.analysis.logs.log import TimeAxis
     from rover_metrics.analysis.logs.reading import read_log
-    from rover_metrics.analysis.logs.time_axis import TimeAxis
-    from rover_metrics.analysis.metric import METRICS, Metric
+    from rover_metrics.analysis.metric import ALL, METRICS, Metric, choose
     from rover_metrics.analysis.options import parse
     from rover_metrics.analysis.outcome import analyse
-    from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots, save_tables
+    from rover_metrics.analysis.output import prepare_folder, save_all
     from rover_metrics.analysis.pairing import PairingError, Pairs, pair
-    from rover_metrics.analysis.program import different, read_each, show, tell
-    from rover_metrics.analysis.result import Skipped
+    from rover_metrics.analysis.program import different, read_each, show
     from rover_metrics.analysis.study import Member, Options, Study, labels
     from rover_metrics.analysis.tables import sheets
 except ImportError as error:
@@ -35,7 +33,7 @@ except ImportError as error:
     print(f"analyze needs {needed} ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import run_program
+from rover_metrics.errors import counted, run_program
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,42 +49,39 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    study, skipped = _read(options)
+    study, skipped, code = _read(options)
     if not study.members:
-        return UnreadableLog.exit_code
+        return code
     if options.plots or options.save_outliers or options.csv or options.latex:
         prepare_folder(options.output)  # before the work, which may take a while
     result = replace(analyse(study), skipped=tuple(skipped))
-    files = save_plots(study, result, options.output)
-    files += save_tables(result, options.output, as_csv=options.csv, as_latex=options.latex)
-    if options.save_outliers:
-        files.append(save_outliers(study, options.output))
+    wanted = {"as_csv": options.csv, "as_latex": options.latex, "outliers": options.save_outliers}
+    files = save_all(study, result, options.output, **wanted)
     if options.json:
         print(replace(result, files=tuple(map(str, files))).to_json())
     else:
-        show(sheets(result), f"{len(files)} files in {options.output}" if files else "")
-    return UnreadableLog.exit_code if skipped else 0
+        show(sheets(result), f"{counted(len(files), 'file')} in {options.output}" if files else "")
+    return code
 
 
-def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
-    """Reads every log that can be read, and reports those that cannot."""
+def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
+    """The study of every log that can be read, those that cannot, and the exit code."""
     groups = tuple(options.group_names) if options.versus else ("all logs",)
-    paths = [different(named, _named_again) for named in (options.logs, options.versus)]
+    paths = [different("analyze", named) for named in (options.logs, options.versus)]
     metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
     members: list[Member] = []
     skipped: list[Skipped] = []
+    code = 0
     for group, of_group in zip(groups, paths, strict=False):
-        logs, unreadable = read_each(
-            "analyze", of_group, partial(read_log, metrics=metrics, gap=options.gap)
-        )
+        read = partial(read_log, metrics=metrics, gap=options.gap)
+        logs, unreadable, worst = read_each("analyze", of_group, read)
+        code = max(code, worst)
         members += [Member(log, "", group) for log in logs]
         skipped += unreadable
     names = labels([member.log for member in members])
     named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
     chosen = Options(
-        metrics=tuple(
-            metric for metric in metrics if metric.code in METRICS or _is_told(metric, members)
-        ),
+        metrics=tuple(each for each in metrics if each.code in METRICS or _has_number(each, members)),
         confidence=options.confidence_level,
         iqr_multiplier=options.iqr_multiplier,
         remove_outliers=options.remove_outliers,
@@ -95,7 +90,7 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
         plots=tuple(options.plots),
         axis=TimeAxis(options.normalize, options.fixed_interval),
     )
-    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped
+    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped, code
 
 
 def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
@@ -105,7 +100,7 @@ def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
             yield read_header(path)
 
 
-def _is_told(metric: Metric, members: Sequence[Member]) -> bool:
+def _has_number(metric: Metric, members: Sequence[Member]) -> bool:
     """Whether any log has a number in the column of a metric."""
     columns = (member.log.columns for member in members)
     return any(metric.column in each and np.isfinite(each[metric.column]).any() for each in columns)
@@ -120,10 +115,6 @@ def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequ
         [member.log for member in members if member.group == group] for group in options.group_names
     )
     return pair(first, second, options.pair_by)
-
-
-def _named_again(path: Path) -> None:
-    tell("analyze", f"{path} is named more than once and counts once")
 
 
 if __name__ == "__main__":

@@ -117,6 +117,11 @@ def printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
+def counted(number: int, noun: str, more: str = "") -> str:
+    """Returns a number of things, such as '1 log' and '2 logs', and what else is said of them."""
+    return f"{number} {noun}{'' if number == 1 else 's'}{more}"
+
+
 def is_worth_a_line(before: int, now: int) -> bool:
     """Returns whether a count has passed a power of two on its way from `before` to `now`."""
     return now.bit_length() > before.bit_length()
@@ -168,7 +173,8 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""
-        self.exit(RoverMetricsError.exit_code, f"{self._command}: {self.mended(message)}; see --help\n")
+        line = printable(f"{self._command}: {self.mended(message)}; see --help")
+        self.exit(RoverMetricsError.exit_code, f"{line}\n")
 
     def mended(self, message: str) -> str:
         """Returns what argparse complains of, with what is valid, or the option that is meant."""

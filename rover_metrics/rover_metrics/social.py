@@ -19,7 +19,6 @@ from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program
 if __name__ == "__main__":
     begin_program("social")
 
-from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.program import different, level, positive, read_each, show, tell
 from rover_metrics.analysis.social.comparison import Group as Runs
 from rover_metrics.analysis.social.comparison import differences, make_group
@@ -39,9 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    logs, skipped = read_each("social", _files(options.logs), read_social_log)
+    logs, _, code = read_each("social", _files(options.logs), read_social_log)
     if not logs:
-        return UnreadableLog.exit_code
+        return code
     groups = {
         name: make_group(name, members, options.window, options.risk_distance)
         for name, members in _grouped(logs, options.groups).items()
@@ -57,30 +56,18 @@ def _run(options: argparse.Namespace) -> int:
         print(json.dumps(json_safe(_values(groups, compared)), indent=2))
     else:
         show(sheets, "" if options.page is None else f"page: {options.page}")
-    return UnreadableLog.exit_code if skipped else 0
+    return code
 
 
 def _values(groups: dict[str, Runs], compared: Sequence[Any]) -> dict[str, Any]:
-    """Returns all results as JSON values."""
-    return {
-        "groups": {
-            name: {
-                "runs": [
-                    {
-                        "log": str(log.path),
-                        "findings": log.findings,
-                        **asdict(figures),
-                        "risk_s_per_goal": figures.risk_s_per_goal,
-                        "s_per_goal": figures.s_per_goal,
-                    }
-                    for log, figures in zip(group.logs, group.figures, strict=True)
-                ],
-                "windows": group.windows.tolist(),
-            }
-            for name, group in groups.items()
-        },
-        "differences": [asdict(each) for each in compared],
-    }
+    """All results as JSON values."""
+
+    def runs(group: Runs) -> list[dict[str, Any]]:
+        each = zip(group.logs, group.figures, strict=True)
+        return [{"log": str(log.path), "findings": log.findings, **asdict(run)} for log, run in each]
+
+    made = {name: {"runs": runs(one), "windows": one.windows.tolist()} for name, one in groups.items()}
+    return {"groups": made, "differences": [asdict(each) for each in compared]}
 
 
 def _files(named: Sequence[Path]) -> list[Path]:
@@ -91,35 +78,29 @@ def _files(named: Sequence[Path]) -> list[Path]:
         if not inside:
             raise GroupError(f"{path}: there is no log (*.csv) in this folder; name another")
         files += inside
-    return different(files)
+    return different("social", files)
 
 
 def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list[SocialLog]]:
     """Logs by group, in the order of the groups."""
     folders = list(dict.fromkeys(_folder(log.path) for log in logs))
-    patterns: dict[str, str | None] = {}
+    groups: dict[str, list[SocialLog]] = {}
     for text in wanted or folders:
         name, _, pattern = text.partition("=")
-        if not name or name in patterns:
+        if not name or name in groups:
             raise GroupError(f"--groups '{text}': give each group a name of its own")
-        patterns[name] = pattern or None
-    groups: dict[str, list[SocialLog]] = {name: [] for name in patterns}
-    lonely: list[SocialLog] = []
-    for log in logs:
-        homes = [name for name, pattern in patterns.items() if _belongs(log.path, name, pattern)]
-        if len(homes) > 1:
-            raise GroupError(f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one")
-        lonely += [] if homes else [log]
-        for name in homes:
-            groups[name].append(log)
-    for name, members in groups.items():
-        if not members:
+        groups[name] = [log for log in logs if _belongs(log.path, name, pattern)]
+        if not groups[name]:
             raise GroupError(
                 f"group '{name}' has no log; the folders of the logs are: {', '.join(folders)}; "
                 "or name a group and the logs in it: NAME=PATTERN, as in nav2='*/nav2_*.csv'"
             )
-    for log in lonely:
-        tell("social", f"{log.path} is in no group and left out")
+    for log in logs:
+        homes = [name for name, members in groups.items() if log in members]
+        if len(homes) > 1:
+            raise GroupError(f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one")
+        if not homes:
+            tell("social", f"{log.path} is in no group and left out")
     return groups
 
 
@@ -127,15 +108,15 @@ def _folder(path: Path) -> str:
     return path.resolve().parent.name
 
 
-def _belongs(path: Path, name: str, pattern: str | None) -> bool:
-    return _folder(path) == name if pattern is None else fnmatchcase(str(path), pattern)
+def _belongs(path: Path, name: str, pattern: str) -> bool:
+    return fnmatchcase(str(path), pattern) if pattern else _folder(path) == name
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m rover_metrics.social",
         description="Risk, speed and nearness of a rover among people; whether groups of runs differ.",
-        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong arguments.",
+        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong words or files.",
     )
     add = parser.add_argument
     about = "log (CSV) of RoboTerrain's collector or of harness.run, or a folder of them"

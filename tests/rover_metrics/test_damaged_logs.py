@@ -1,17 +1,18 @@
 """What is left of a log after a full disk, a power cut or a kill is read as far as it is whole."""
 
+import json
 from datetime import datetime
 from pathlib import Path
 
 import pytest
 
-import rover_metrics
+from rover_metrics import analyze, social
 from rover_metrics.analysis.logs.reading import read_log
+from rover_metrics.analysis.study import labels
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.log.csv_log import CsvLog
 
 STARTED = datetime(2025, 1, 16)
-PACKAGE = str(Path(rover_metrics.__file__).parents[1])
 
 
 @pytest.fixture
@@ -52,3 +53,33 @@ def test_lines_of_another_length_are_skipped_with_their_numbers(log: Path) -> No
     read = read_log(log)
     assert read.stamps.tolist() == [7, 9]
     assert "1 row with fewer fields than the header (line 3): left out" in read.findings
+
+
+def test_a_bad_log_harms_no_other(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wide, missing = tmp_path / "wide.csv", tmp_path / "missing.csv"
+    wide.write_bytes(log.read_text().encode("utf-16"))
+    for bad, reason, code in (
+        (wide, "it is no text in UTF-8, perhaps UTF-16; save it as CSV in UTF-8", 1),
+        (Path("/proc/self/mem"), "cannot be read: Input/output error", 1),
+        (missing, "there is no such file", 2),
+    ):
+        assert analyze.main([str(bad), str(log), "-m", "CV", "-p", "--json"]) == code
+        out, told = capsys.readouterr()
+        assert (told, len(json.loads(out)["logs"])) == (f"analyze: skipped {bad}: {reason}\n", 1)
+        assert (analyze.main([str(bad)]), social.main([str(bad)])) == (code, code)
+        assert f"social: skipped {bad}: {reason}\n" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        "[" * 5000 + "]" * 5000,
+        '{"outcome": {}, "thresholds": {"collision_threshold": %s}}' % ("9" * 400),
+        '{"arguments": {"robot": "leo", "terrain": ["x"], "seed": 1, "difficulty": %s}}' % ("9" * 5001),
+    ],
+)
+def test_a_records_oddities_leave_its_log_alone(log: Path, record: str) -> None:
+    log.with_suffix(".json").write_text(record)
+    read = read_log(log)
+    assert (read.stamps.tolist(), read.thresholds) == ([7, 8, 9], None)
+    assert labels([read]) == [log.stem]

@@ -15,6 +15,7 @@ from harness.drivers import find_driver, takes_goals
 from harness.episode.assembly import check
 from harness.robots import robot_name
 from harness.spec.run import Run
+from rover_metrics.errors import counted
 
 FEWEST_EPISODES = 2  # one world to choose on, one to check on
 DIFFICULTIES = (0.5, 0.2, 0.8)
@@ -80,7 +81,9 @@ def plan(
         UsageError: A value is not valid; the message names those that are.
     """
     if episodes < FEWEST_EPISODES:
-        raise UsageError(f"{episodes} episodes are not enough: half of them only check; give 2 or more")
+        raise UsageError(
+            f"{counted(episodes, 'episode')} will not do: half of them only check; give 2 or more"
+        )
     if len(set(map(robot_name, robots))) < len(robots):
         raise UsageError("a robot is named twice; name each once")
     if seed < 0:

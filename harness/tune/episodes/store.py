@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +20,15 @@ from harness.robots.reading import model_hash
 from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
+from rover_metrics.errors import counted
+from rover_metrics.log.documents import DocumentError, read_json
 from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
 UNSET: tuple[Any, ...] = (None, (), [])  # options that an episode does not use; JSON has lists
 DEFAULTS = json_safe(Run().fields())  # as they are read
 TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
+LARGEST = 1 << 28  # bytes of an episode in memory: nine days of driving
 LABELS = ("ending", "driver", "terrain")
 
 
@@ -50,6 +54,7 @@ def decode(content: bytes) -> EpisodeRecord:
     """
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as npz:
+            _check_size(npz.zip)
             tables = {name: _table(npz, name, dtype) for name, dtype in TABLES.items()}
             ending, driver, terrain = (str(npz[name]) for name in LABELS)
             length = float(npz["path_length"])
@@ -59,6 +64,11 @@ def decode(content: bytes) -> EpisodeRecord:
     return EpisodeRecord(
         **tables, ending=Ending(ending), path_length=length, driver=driver, terrain=terrain
     )
+
+
+def _check_size(file: ZipFile) -> None:
+    if sum(info.file_size for info in file.infolist()) > LARGEST:
+        raise ValueError(f"it unpacks to more than {LARGEST >> 20} MB")
 
 
 def _table(npz: Mapping[str, NDArray[Any]], name: str, dtype: np.dtype[np.void]) -> Table:
@@ -89,10 +99,10 @@ class Store:
             part.write_bytes(content)
 
     def read(self, planned: Planned) -> EpisodeRecord | None:
-        """Returns an episode that was driven before; None if it was not, or its file is damaged."""
+        """Returns an episode that was driven before; None if it was not, or its file cannot be read."""
         try:
             return decode(self._path(planned).read_bytes())
-        except (FileNotFoundError, ValueError):
+        except (OSError, ValueError):
             return None
 
     def _path(self, planned: Planned) -> Path:
@@ -141,15 +151,15 @@ def _used(configs: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
 def _difference(path: Path, ours: dict[str, Any]) -> str:
     """What tells the sweep of a folder from ours, in a few words; empty if nothing does."""
     try:
-        theirs = json.loads(path.read_text(encoding="utf-8"))
+        theirs = read_json(path)
         if theirs | {"episodes": _used(theirs["episodes"])} == ours:
             return ""
         for name in ("version", "schema"):
             if theirs[name] != ours[name]:
                 return f"{name} {theirs[name]} instead of {ours[name]}"
         episodes = len(theirs["episodes"])
-    except (ValueError, TypeError, LookupError, AttributeError):
+    except (DocumentError, TypeError, LookupError, AttributeError):
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
-        return f"{episodes} episodes instead of {len(ours['episodes'])}"
+        return f"{counted(episodes, 'episode')} instead of {len(ours['episodes'])}"
     return "other robots, driver, seed or duration"

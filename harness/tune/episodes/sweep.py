@@ -10,12 +10,12 @@ from harness.episode.episode import Episode, together
 from harness.episode.loop import Route
 from harness.robots import find_rover
 from harness.spec.run import Run
-from harness.tune.episodes.contacts import event_rows
 from harness.tune.episodes.plan import Planned
-from harness.tune.episodes.recompute import Collected
+from harness.tune.episodes.recompute import Collected, event_rows
 from harness.tune.episodes.record import Ending, EpisodeRecord
 from harness.tune.episodes.store import Store, encode
 from harness.workers import Workers, work_off
+from rover_metrics.errors import counted
 
 KEPT = "the episodes so far are kept, and the same command goes on with them"
 
@@ -69,7 +69,7 @@ def sweep(
     The store gets each as soon as it is done; `show` is called with how many are.
 
     Raises:
-        RunFailed: Workers died again and again, or an episode cannot be written.
+        RunFailed: Workers died again and again, or an episode cannot be written or read again.
     """
     left = {episode: episode for episode in planned if store.read(episode) is None}
     done = len(planned) - len(left)
@@ -77,17 +77,19 @@ def sweep(
 
     def keep(episode: Planned, content: bytes) -> None:
         nonlocal done
-        _write(store, episode, content)
+        try:
+            store.write(episode, content)
+        except OSError as error:
+            message = f"cannot write episode {episode.name} to {store.folder}: {error.strerror}; {KEPT}"
+            raise RunFailed(message) from error
         done += 1
         show(done)
 
     work_off(left, drive_to_bytes, workers, keep, name=attrgetter("name"), mend=KEPT)
-    return {episode: record for episode in planned if (record := store.read(episode)) is not None}
-
-
-def _write(store: Store, episode: Planned, content: bytes) -> None:
-    try:
-        store.write(episode, content)
-    except OSError as error:
-        message = f"cannot write episode {episode.name} to {store.folder}: {error.strerror}; {KEPT}"
-        raise RunFailed(message) from error
+    records = {episode: record for episode in planned if (record := store.read(episode)) is not None}
+    if lost := set(planned) - set(records):
+        some = counted(len(lost), "episode")
+        raise RunFailed(
+            f"{some} in {store.folder} cannot be read again after writing; try another --out"
+        )
+    return records

@@ -12,18 +12,16 @@ from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.page import tables
 from harness.tune.page.contact_figures import contact_figures
 from harness.tune.page.drawing import drawings
-from harness.tune.page.ground_figures import ground_figures, steps_and_jumps
-from harness.tune.page.scan_figures import scan_figures
+from harness.tune.page.sample_figures import ground_figures, scan_figures, steps_and_jumps
 from harness.tune.page.subject import Subject
-from harness.tune.parameter_file import parameter_file
-from harness.tune.scoring import alarms, clearance, estimate, imu_events
-from harness.tune.scoring.imu_events import SIGNALS
+from harness.tune.scoring import alarms, clearance, estimate, ground
+from harness.tune.scoring.ground import SIGNALS
 from harness.tune.scoring.study import RobotStudy, conclusions, scored_records, unreachable
 from rover_metrics.sheet.sheet import Sheet
 
 NUMBERS = {  # of the method
     "gap": alarms.GAP,
-    "rough": imu_events.ROUGH * 1e3,
+    "rough": ground.ROUGH * 1e3,
     "horizon": clearance.HORIZON,
     "level": 100 * estimate.LEVEL,
     "resamples": estimate.RESAMPLES,
@@ -31,15 +29,27 @@ NUMBERS = {  # of the method
 }
 
 
-def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecord], command: str) -> str:
-    """Returns the HTML of a tuning's report, robots in order; the same arguments give the same bytes."""
+def render(
+    studies: Sequence[RobotStudy],
+    records: Mapping[Planned, EpisodeRecord],
+    command: str,
+    files: Mapping[str, str],
+) -> str:
+    """Returns the HTML of a tuning's report; the same arguments give the same bytes.
+
+    Args:
+        studies: Robots in order.
+        records: The episodes that they are made of.
+        command: What makes the files.
+        files: The text of each robot's parameter file, by its name.
+    """
     drawn = drawings([(one.name, find_rover(one.robot), one.collision) for one in studies])
     robots: list[dict[str, Any]] = [
         {
             "name": study.name,
             "conclusions": [*conclusions(study)],
             "unreachable": unreachable(study.collision),
-            "file": parameter_file(study, command),
+            "file": files[study.name],
             "items": _items(Subject(study, scored_records(study.robot, records)))
             | {"above": above, "side": side},
         }

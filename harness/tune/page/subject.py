@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from harness.page import figure as fig
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.choose import Records
-from harness.tune.scoring.result import Verdict
+from harness.tune.scoring.choose import Records, Verdict
 from harness.tune.scoring.study import RobotStudy
 
 SHARE = {"range": [-0.02, 1.02]}  # of an axis from 0 to 1

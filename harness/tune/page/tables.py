@@ -5,10 +5,10 @@ import math
 from harness.page.figure import DASH, MINUS, spelled
 from harness.tune.episodes.plan import Part
 from harness.tune.page.subject import chosen
+from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.collision import CollisionStudy
 from harness.tune.scoring.estimate import FEWEST_DIGITS, Estimate, digits_for
 from harness.tune.scoring.ground import GroundStudy
-from harness.tune.scoring.result import Candidate, Verdict
 from harness.tune.scoring.study import RobotStudy
 from rover_metrics.sheet.sheet import Sheet, unbroken
 

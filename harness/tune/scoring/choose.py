@@ -1,7 +1,7 @@
-"""Choosing a threshold on one half of the episodes and scoring it, beside the default, on both."""
+"""Choosing a threshold on one half of the episodes, and what both say of it beside the default."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -9,13 +9,87 @@ from numpy.typing import NDArray
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.estimate import Counts, Measure, estimate
-from harness.tune.scoring.result import Candidate, Scores, Verdict
+from harness.tune.scoring.estimate import (
+    FEWEST_DIGITS,
+    MOST_DIGITS,
+    Counts,
+    Estimate,
+    Measure,
+    digits_for,
+    estimate,
+)
+from rover_metrics.errors import counted
 from rover_metrics.extended.settings import PARAMETERS
 
+Scores = Mapping[str, Estimate]  # by measure
 Records = Mapping[Part, Sequence[EpisodeRecord]]
 # Of episodes for thresholds, shape (thresholds, episodes, kinds).
 Count = Callable[[Sequence[EpisodeRecord], NDArray[np.float64]], Counts]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """One value of a threshold, a bool if it is a switch, with how it did by part of the plan.
+
+    The part on which it was chosen flatters it.
+    """
+
+    value: float
+    scores: Mapping[Part, Scores]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What the data say of one threshold of one robot.
+
+    Attributes:
+        name: The ROS parameter; `unit` is its unit.
+        measure: The one by which a value is chosen.
+        default: RoboTerrain's value.
+        tuned: What was chosen; None where the data support no value.
+        gain: Tuned minus default on the test episodes, by measure.
+        lack: Why the data support no value, in a clause; None if they do.
+        note: What the tuned value holds for, or is made of; may be empty.
+    """
+
+    name: str
+    unit: str
+    measure: str
+    default: Candidate
+    tuned: Candidate | None = None
+    gain: Scores = field(default_factory=dict)
+    lack: str | None = None
+    note: str = ""
+
+    @property
+    def value(self) -> float | None:
+        """What a parameter file should say: None where the default stays.
+
+        Only a value that beats the default on episodes on which it was not chosen is supported, by more
+        than resampling both together explains, and by more than the digits that are shown hide.
+        """
+        if self.tuned is None:
+            return None
+        low = self.gain[self.measure].low
+        return self.tuned.value if low is not None and round(low, MOST_DIGITS) > 0.0 else None
+
+    @property
+    def digits(self) -> int:
+        """How many digits its scores need, so that tuned and default do not look the same."""
+        return FEWEST_DIGITS if self.tuned is None else digits_for(self.gain[self.measure])
+
+    def written(self, candidate: Candidate) -> str:
+        """Returns a value with its unit."""
+        value = candidate.value
+        return str(value).lower() if isinstance(value, bool) else f"{value:g} {self.unit}"
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether the intervals of tuned and default on the test episodes do not overlap."""
+        if self.tuned is None:
+            return False
+        tuned, default = (one.scores[Part.TEST][self.measure] for one in (self.tuned, self.default))
+        return tuned.low is not None and default.high is not None and tuned.low > default.high
 
 
 @dataclass(frozen=True)
@@ -102,18 +176,18 @@ def judged(
 
 
 def lack_of(
-    records: Records, things: str, count: Callable[[EpisodeRecord], int], fewest: int
+    records: Records, thing: tuple[str, str], count: Callable[[EpisodeRecord], int], fewest: int
 ) -> str | None:
     """Returns in a clause why the data support no value, None if they do.
 
     Args:
         records: The episodes; every part has to have enough.
-        things: Which are counted, in words.
+        thing: What is counted, one of them, and what else is said of it.
         count: How many an episode has.
         fewest: How many a part needs.
     """
     for part, some in records.items():
-        counted = sum(map(count, some))
-        if counted < fewest:
-            return f"{counted} {things} in the {part} episodes; {fewest} are needed"
+        there = sum(map(count, some))
+        if there < fewest:
+            return f"{counted(there, *thing)} in the {part} episodes; {fewest} are needed"
     return None

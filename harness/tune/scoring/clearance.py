@@ -13,9 +13,8 @@ from harness.robots import RoverSpec
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord, Sight, Zone
 from harness.tune.scoring.alarms import DETECTORS, EVENT_MEASURES, NEAREST_RANGE, alarms
-from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tune.scoring.choose import Records, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts
-from harness.tune.scoring.result import Verdict
 from harness.validate.driving import straight
 from harness.validate.grounds import floor
 from harness.validate.rig import Rig
@@ -86,8 +85,8 @@ def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceS
         f"{overhang:.3f} m from lidar to bumper + {braking.speed * LATENCY:.3f} m in {LATENCY:g} s at "
         f"{braking.speed:.2f} m/s + {braking.distance:.3f} m braking + {MARGIN:g} m margin"
     )
-    things, test = "contacts ahead with hazards that the lidar saw", {Part.TEST: records[Part.TEST]}
-    lack = lack_of(test, things, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
+    thing, test = ("contact", " ahead with hazards that the lidar saw"), {Part.TEST: records[Part.TEST]}
+    lack = lack_of(test, thing, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
     lack = lack and f"{lack} to check it"
     verdict = judged(PARAMETER, scoring, records, lack=lack, value=round(value, 2), note=note)
     return ClearanceStudy(verdict=verdict, overhang=overhang, braking=braking, margin=MARGIN)

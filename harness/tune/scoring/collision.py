@@ -21,9 +21,8 @@ from harness.tune.scoring.alarms import (
     matches,
     scan_counts,
 )
-from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tune.scoring.choose import Candidate, Records, Scores, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts
-from harness.tune.scoring.result import Candidate, Scores, Verdict
 from rover_metrics.extended.settings import PARAMETERS
 
 PARAMETER = "collision_threshold"
@@ -101,7 +100,8 @@ class CollisionStudy:
 def study_collisions(records: Records) -> CollisionStudy:
     """Judges the default and chooses a better value, if the data support one."""
     test = records[Part.TEST]
-    lack = lack_of(records, "contacts with hazards", lambda record: len(record.events), FEWEST_CONTACTS)
+    thing = "contact", " with hazards"
+    lack = lack_of(records, thing, lambda record: len(record.events), FEWEST_CONTACTS)
     verdict = judged(PARAMETER, SCORINGS[NEAREST_RANGE], records, lack=lack)
     default = _detector_study(NEAREST_RANGE, records, verdict.default)
     best = {} if lack else {name: one.best(records[Part.TRAIN]) for name, one in SCORINGS.items()}

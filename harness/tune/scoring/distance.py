@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from harness.robots import RoverSpec
 from harness.tune.episodes.recompute import STRIDE
 from harness.tune.episodes.record import WINDOW, EpisodeRecord
-from harness.tune.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tune.scoring.choose import Records, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts, Measure, share
-from harness.tune.scoring.result import Verdict
 
 PARAMETER = "distance_threshold"
 POSE_PERIOD = 0.02  # [s]
@@ -45,7 +44,7 @@ def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
     possible = rover.top_speed * STRIDE * POSE_PERIOD
     grid = np.round(np.arange(math.ceil(possible / STEP) * STEP, COARSEST, STEP), 2)
     scoring = Scoring(_counts, MEASURES, "balanced accuracy", grid)
-    lack = lack_of(records, "s of poses", lambda record: len(record.windows), FEWEST_SECONDS)
+    lack = lack_of(records, ("second", " of poses"), lambda record: len(record.windows), FEWEST_SECONDS)
     return DistanceStudy(
         verdict=judged(PARAMETER, scoring, records, lack=lack, note=NOTE),
         possible_step=possible,

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from harness.robots import find_rover, robot_name
 from harness.tune.episodes.plan import Part, Planned
 from harness.tune.episodes.record import Ending, EpisodeRecord
-from harness.tune.scoring.choose import Records
+from harness.tune.scoring.choose import Records, Verdict
 from harness.tune.scoring.clearance import ClearanceStudy, study_clearance
 from harness.tune.scoring.collision import CollisionStudy, study_collisions
 from harness.tune.scoring.distance import DistanceStudy, study_distance
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.ground import GroundStudy, study_ground
-from harness.tune.scoring.imu_events import SIGNALS
-from harness.tune.scoring.result import Verdict
+from harness.tune.scoring.ground import SIGNALS, GroundStudy, study_ground
+from rover_metrics.errors import counted
 
 MATERIAL = 0.05  # of a score: a smaller difference is real, but no default is wrong for it
 
@@ -148,12 +147,14 @@ def unreachable(study: CollisionStudy) -> str:
     if not study.contacts:
         return "No contact took place in the episodes that check."
     if not total:
-        return f"The lidar saw every one of the {study.contacts} hazards that were touched."
+        one = study.contacts == 1
+        what = "hazard that was" if one else f"{study.contacts} hazards that were"
+        return f"The lidar saw {'the' if one else 'every one of the'} {what} touched."
     reasons = ", ".join(f"{spot.contacts} {spot.sight}" for spot in blind)
     share = 100.0 * total / study.contacts
     return (
-        f"No threshold can tell {total} of {study.contacts} contacts ({share:.0f} %), for the lidar did "
-        f"not see the hazard: {reasons}."
+        f"No threshold can tell {total} of {counted(study.contacts, 'contact')} ({share:.0f} %), for "
+        f"the lidar did not see the hazard: {reasons}."
     )
 
 

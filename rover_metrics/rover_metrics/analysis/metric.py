@@ -1,36 +1,35 @@
-"""The metrics of a log by the codes of RoboTerrain's metrics_analyzer, and how each is reported.
+"""The metrics of a log by the codes of RoboTerrain's metrics_analyzer, and which one a word means.
 
 Every other column of a log is a metric too, under its own name.
 """
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
-from rover_metrics.errors import printable
-from rover_metrics.extended.metrics import EXTENDED_COLUMNS as _EXTENDED
+from rover_metrics.core.columns import COLUMNS
+from rover_metrics.errors import RoverMetricsError, printable
+from rover_metrics.extended.metrics import EXTENDED_COLUMNS, EXTENDED_HEADER
+
+ALL = "all"  # the word for every metric
 
 STAMP = "Timestamp"
-ROUGH = "Is Rough Terrain"
-COLLISION = "Current Collision Status"
+ROUGH, COLLISION = "Is Rough Terrain", "Current Collision Status"
 SMOOTHNESS, SMOOTHNESS_SUM = "Current Smoothness", "Smoothness Metric"
 CLEARANCE, ACCELERATION = "Obstacle Clearance", "IMU Acceleration Magnitude"
 DISTANCE = "Distance Traveled"
+VELOCITY, VORT = "Current Velocity", "VORT [m/s]"
 NOTES = "Notes"
-VORT = "VORT [m/s]"
 
 
 class Kind(Enum):
-    """What a column holds, and so what can be said of it.
+    """What a column holds, and so what can be said of it."""
 
-    LEVEL is a value of its own in each row. COUNTER only grows, so its rows say little and its rate
-    per minute says all. FLAG is 0 or 1 and is reported as the share of rows that are 1, in percent.
-    """
-
-    LEVEL = "level"
-    COUNTER = "counter"
-    FLAG = "flag"
+    LEVEL = "level"  # a value of its own in each row
+    COUNTER = "counter"  # only grows, so its rate per minute is reported
+    FLAG = "flag"  # 0 or 1, reported as the share of rows that are 1, in percent
 
 
 @dataclass(frozen=True)
@@ -71,52 +70,32 @@ class Metric:
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 
+LEVEL, COUNTER, FLAG = Kind
 _ALL = (
-    Metric("TC", "Total Collisions", "Collisions", "scans/min", Kind.COUNTER),
-    Metric("CS", COLLISION, "Time in collision", "% of rows", Kind.FLAG),
-    Metric("SM", SMOOTHNESS_SUM, "Smoothness sum", "(m/s² + rad/s)/min", Kind.COUNTER),
+    Metric("TC", "Total Collisions", "Collisions", "scans/min", COUNTER),
+    Metric("CS", COLLISION, "Time in collision", "% of rows", FLAG),
+    Metric("SM", SMOOTHNESS_SUM, "Smoothness sum", "(m/s² + rad/s)/min", COUNTER),
     Metric(
-        "TSR",
-        SMOOTHNESS,
-        "Smoothness of the route",
-        "m/s² + rad/s",
-        thresholds=("smoothness_threshold",),
+        "TSR", SMOOTHNESS, "Smoothness of the route", "m/s² + rad/s", LEVEL, ("smoothness_threshold",)
     ),
     Metric(
-        "OC",
-        CLEARANCE,
-        "Obstacle clearance",
-        "m",
-        thresholds=("collision_threshold", "min_safe_clearance"),
+        "OC", CLEARANCE, "Obstacle clearance", "m", LEVEL, ("collision_threshold", "min_safe_clearance")
     ),
-    Metric("DT", DISTANCE, "Distance traveled", "m/min", Kind.COUNTER),
-    Metric("CV", "Current Velocity", "Current velocity", "m/s"),
+    Metric("DT", DISTANCE, "Distance traveled", "m/min", COUNTER),
+    Metric("CV", VELOCITY, "Current velocity", "m/s"),
     Metric(
-        "VORT",
-        "Current Velocity",
-        "Velocity over rough terrain",
-        "m/s",
-        rough_only=True,
-        extended_column=VORT,
+        "VORT", VELOCITY, "Velocity over rough terrain", "m/s", rough_only=True, extended_column=VORT
     ),
-    Metric(
-        "IM",
-        ACCELERATION,
-        "IMU acceleration",
-        "m/s²",
-        thresholds=("rough_terrain_threshold",),
-    ),
-    Metric("RT", ROUGH, "Time on rough terrain", "% of rows", Kind.FLAG),
+    Metric("IM", ACCELERATION, "IMU acceleration", "m/s²", LEVEL, ("rough_terrain_threshold",)),
+    Metric("RT", ROUGH, "Time on rough terrain", "% of rows", FLAG),
     Metric("VR", "Vertical Roughness", "Vertical roughness", "m/s²"),
 )
 
 METRICS: Mapping[str, Metric] = MappingProxyType({metric.code: metric for metric in _ALL})
-
-COUNTERS = tuple(metric.column for metric in _ALL if metric.kind is Kind.COUNTER)
-FLAGS = tuple(metric.column for metric in _ALL if metric.kind is Kind.FLAG)
+COUNTERS = tuple(metric.column for metric in _ALL if metric.kind is COUNTER)
+FLAGS = tuple(metric.column for metric in _ALL if metric.kind is FLAG)
 METRIC_COLUMNS = tuple(dict.fromkeys(metric.column for metric in _ALL))
-
-_CUMULATIVE = {column.header for column in _EXTENDED if column.cumulative}
+_CUMULATIVE = {column.header for column in EXTENDED_COLUMNS if column.cumulative}
 
 
 def is_other(column: str) -> bool:
@@ -131,5 +110,55 @@ def other_metric(column: str) -> Metric:
     title, unit = (title, rest[:-1]) if bracket and rest.endswith("]") else (name, "")
     unit = unit.replace("^2", "²").replace("^3", "³")
     if column in _CUMULATIVE:
-        return Metric(name, column, title, f"{unit or '1'}/min", Kind.COUNTER)
+        return Metric(name, column, title, f"{unit or '1'}/min", COUNTER)
     return Metric(name, column, title, unit)
+
+
+class UnknownMetric(RoverMetricsError):
+    """A word that is neither a code nor a column."""
+
+
+def choose(words: Iterable[str], headers: Iterable[Sequence[str]]) -> tuple[Metric, ...]:
+    """Returns the metrics that words mean, each once.
+
+    Words are codes, columns of the headers with or without their units, or "all"; capitals or not.
+
+    Raises:
+        UnknownMetric: A word is none of these; the message names what is.
+    """
+    columns = list(dict.fromkeys(name for header in headers for name in header))
+    others = (other_metric(column) for column in columns if is_other(column))
+    everything, chosen = [*METRICS.values(), *others], dict[str, Metric]()
+    for word in words:
+        metrics = everything if word.casefold() == ALL else [_one(word.strip(), columns)]
+        chosen.update((metric.code, metric) for metric in metrics)
+    return tuple(chosen.values())
+
+
+def _one(word: str, columns: Sequence[str]) -> Metric:
+    if word.upper() in METRICS:
+        return METRICS[word.upper()]
+    for column in (*METRIC_COLUMNS, *columns):
+        if word.casefold() in _spellings(column):
+            if is_other(column):
+                return other_metric(column)
+            for metric in METRICS.values():
+                if column in (metric.column, metric.extended_column):
+                    return metric
+    raise UnknownMetric(f"-m {word}: {_why_unknown(word, columns)}")
+
+
+def _spellings(column: str) -> tuple[str, str]:
+    """A column's name with its unit and without."""
+    return column.casefold(), column.partition(" [")[0].casefold()
+
+
+def _why_unknown(word: str, columns: Sequence[str]) -> str:
+    if word.casefold() in [column.casefold() for column in COLUMNS]:
+        return "times and notes are no metrics"
+    if any(word.casefold() in _spellings(column) for column in EXTENDED_HEADER):
+        return "no log has this column; metrics_node writes it with extended_columns:=true"
+    names = {spelling: column for column in columns for spelling in _spellings(column)}
+    near = [names[each] for each in difflib.get_close_matches(word.casefold(), names)]
+    such = f", such as {', '.join(dict.fromkeys(near))}" if near else ""
+    return f"choose from {', '.join(METRICS)}, {ALL}, or a column of the logs{such}"

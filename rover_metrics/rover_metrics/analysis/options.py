@@ -1,77 +1,65 @@
 """The command line of rover_metrics.analyze; each mistake is one line."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn
 
-from rover_metrics.analysis.choice import ALL
+from rover_metrics.analysis.logs.log import AXES
 from rover_metrics.analysis.logs.reading import DEFAULT_GAP
-from rover_metrics.analysis.logs.time_axis import AXES
-from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.metric import ALL, METRICS
 from rover_metrics.analysis.pairing import PAIRINGS
 from rover_metrics.analysis.program import level, positive
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
-from rover_metrics.errors import OneLineParser, RoverMetricsError
+from rover_metrics.errors import OneLineParser
 
 DEFAULT_INTERVAL = 1.0  # s
-
-
-class UsageError(RoverMetricsError):
-    """A wrong command line."""
-
-
-class _Parser(OneLineParser):
-    def error(self, message: str) -> NoReturn:
-        raise UsageError(" ".join(self.mended(message).split()))
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Returns the options of a command line, of sys.argv if None.
 
-    Raises:
-        UsageError: The words make no sense; the message names the valid choices.
+    Words that make no sense end the program: one line that names the valid choices, exit code 2.
     """
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
     if options.plots is None:
         options.plots = ["comparison" if ALL in map(str.casefold, options.metrics) else "time_series"]
     if options.fixed_interval is None:
         options.normalize = options.normalize or "percentage"
         options.fixed_interval = DEFAULT_INTERVAL
     elif options.normalize not in (None, "fixed_interval"):
-        raise UsageError(
+        parser.error(
             f"--fixed-interval has no effect with -n {options.normalize}; give -n fixed_interval"
         )
     options.normalize = options.normalize or "fixed_interval"
-    _check_groups(options)
+    for fault in _faults_of_groups(options):
+        parser.error(fault)
+    options.group_names = options.group_names or ["first", "versus"]
+    options.unit, options.pair_by = options.unit or "log", options.pair_by or "seed"
     return options
 
 
-def _check_groups(options: argparse.Namespace) -> None:
+def _faults_of_groups(options: argparse.Namespace) -> Iterator[str]:
     if not options.versus:
         for name in ("group_names", "unit", "pair_by"):
             if getattr(options, name) is not None:
-                raise UsageError(f"--{name.replace('_', '-')} has no effect without --versus LOG...")
-    shared = {path.resolve() for path in options.logs} & {path.resolve() for path in options.versus}
-    if shared:
-        raise UsageError(f"{min(shared)} is in both groups; each log belongs to one")
-    options.group_names = options.group_names or ["first", "versus"]
-    if options.group_names[0] == options.group_names[1]:
-        raise UsageError("--group-names must be two different names")
-    if not "".join(options.group_names).isprintable():
-        raise UsageError("--group-names must be names that can be printed")
-    options.unit = options.unit or "log"
+                yield f"--{name.replace('_', '-')} has no effect without --versus LOG..."
+    if shared := {*map(Path.resolve, options.logs)} & {*map(Path.resolve, options.versus)}:
+        yield f"{min(shared)} is in both groups; each log belongs to one"
+    if options.group_names and options.group_names[0] == options.group_names[1]:
+        yield "--group-names must be two different names"
+    if not "".join(options.group_names or ()).isprintable():
+        yield "--group-names must be names that can be printed"
     if options.unit == "episode" and options.pair_by in ("seed", "order"):
-        raise UsageError(f"--pair-by {options.pair_by} pairs logs; give --unit log")
-    options.pair_by = options.pair_by or "seed"
+        yield f"--pair-by {options.pair_by} pairs logs; give --unit log"
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def _parser() -> OneLineParser:
+    parser = OneLineParser(
         prog="python -m rover_metrics.analyze",
         description="Statistics and plots of metrics logs. Logs come before options that take lists.",
-        epilog="Exit code: 0 if every log was analysed, 1 if any was skipped, 2 for wrong arguments.",
+        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong words or files.",
         allow_abbrev=False,
     )
     add = parser.add_argument

@@ -1,9 +1,5 @@
-"""What is written to the output folder. File names come from metrics, never from the names of logs.
+"""What is written to the output folder. File names come from metrics, never from the names of logs."""
 
-What cannot be written is an OutputError.
-"""
-
-import contextlib
 import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,12 +11,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from rover_metrics.analysis.outcome import Result
 from rover_metrics.analysis.plots.aggregate import draw_aggregate
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.style import STYLE, save
 from rover_metrics.analysis.plots.time_series import draw_time_series
-from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables import sheets
@@ -30,44 +26,53 @@ from rover_metrics.sheet.render import csv_text, latex
 
 _LONGEST_NAME = 60  # letters of a file name
 OUTLIER = ("Log", "Path", "Timestamp", "Metric", "Value", "Unit")  # columns of outliers.csv
-
-_PARTS = {  # of values that are two
-    "n": ("first", "second"),
-    "means": ("first", "second"),
-    "interval": ("low", "high"),
-    "bootstrap_interval": ("low", "high"),
-}
+_PARTS = dict.fromkeys(("n", "means"), ("first", "second"))  # names of the parts of values that are two
+_PARTS |= dict.fromkeys(("interval", "bootstrap_interval"), ("low", "high"))
 
 
 class OutputError(RoverMetricsError):
     """The output folder cannot be created or written."""
 
-
-@contextlib.contextmanager
-def _writing(folder: Path) -> Iterator[None]:
-    try:
-        yield
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise OutputError(
-            f"cannot write to {folder}: {reason}; choose another folder with -o"
-        ) from error
+    def __init__(self, folder: Path, error: Exception) -> None:
+        reason = getattr(error, "strerror", None) or error
+        super().__init__(f"cannot write to {folder}: {reason}; choose another folder with -o")
 
 
 def prepare_folder(folder: Path) -> None:
     """Creates the output folder, or raises OutputError."""
-    with _writing(folder):
+    try:
         folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise OutputError(folder, error) from error
 
 
-def save_plots(study: Study, result: Result, folder: Path) -> list[Path]:
-    """Draws and writes the plots asked for to a folder that exists; returns the files, two a figure."""
-    files: list[Path] = []
-    with mpl.rc_context(STYLE):
-        for name, figure in _figures(study, result):
-            if figure is not None:
-                with _writing(folder):
-                    files += save(figure, folder, name)
+def save_all(
+    study: Study, result: Result, folder: Path, *, as_csv: bool, as_latex: bool, outliers: bool
+) -> list[Path]:
+    """Writes what is asked for into a folder that exists, and returns the files.
+
+    Args:
+        study: Its plots are drawn, two files a figure.
+        result: Its numbers are written.
+        folder: Where to.
+        as_csv: Whether to write all numbers, see `write_csv`.
+        as_latex: Whether to write the tables, one a file.
+        outliers: Whether to write every outlier of every log.
+    """
+    try:
+        with mpl.rc_context(STYLE):
+            drawn = (save(figure, folder, name) for name, figure in _figures(study, result) if figure)
+            files = [path for paths in drawn for path in paths]
+        files += write_csv(result, folder) if as_csv else []
+        for sheet in sheets(result) if as_latex else ():
+            files.append(folder / f"{sheet.file}.tex")
+            files[-1].write_text(latex(sheet), encoding="utf-8")
+        if outliers:
+            files.append(folder / "outliers.csv")
+            text = csv_text(list(_outliers(study)), OUTLIER)
+            files[-1].write_text(text, encoding="utf-8", newline="")
+    except OSError as error:
+        raise OutputError(folder, error) from error
     return files
 
 
@@ -98,21 +103,8 @@ def _file_names(codes: Sequence[str]) -> list[str]:
     return names
 
 
-def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -> list[Path]:
-    """Writes the numbers of a result into a folder that exists, and returns the files."""
-    with _writing(folder):
-        files = write_csv(result, folder) if as_csv else []
-        for sheet in sheets(result) if as_latex else ():
-            files.append(folder / f"{sheet.file}.tex")
-            files[-1].write_text(latex(sheet), encoding="utf-8")
-    return files
-
-
 def write_csv(result: Result, folder: Path) -> list[Path]:
-    """Writes logs.csv and, where there is something to say, across.csv, comparison.csv, correlation.csv.
-
-    Returns the files; None is an empty cell.
-    """
+    """Writes logs.csv, and of what there is across.csv, comparison.csv and correlation.csv."""
     tables = {
         "logs": list(_logs(result)),
         "across": list(_across(result)) if len(result.logs) > 1 else [],
@@ -151,19 +143,12 @@ def _record(result: Result, values: Mapping[str, Any]) -> dict[str, Any]:
         if name not in _PARTS or isinstance(value, int):
             record[name] = value
         else:
-            first, second = (f"{name}_{part}" for part in _PARTS[name])
-            record[first], record[second] = value or (None, None)
+            record |= zip(
+                (f"{name}_{part}" for part in _PARTS[name]), value or (None, None), strict=True
+            )
         if name == "code":
             record["title"] = result.titles[value]
     return record
-
-
-def save_outliers(study: Study, folder: Path) -> Path:
-    """Writes every outlier of every log to outliers.csv: log, path, time, metric, value, unit."""
-    path = folder / "outliers.csv"
-    with _writing(folder):
-        path.write_text(csv_text(list(_outliers(study)), OUTLIER), encoding="utf-8", newline="")
-    return path
 
 
 def _outliers(study: Study) -> Iterator[dict[str, Field]]:

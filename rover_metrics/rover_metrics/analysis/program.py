@@ -11,8 +11,7 @@ from typing import TypeVar
 
 from rich.console import Console, Group
 
-from rover_metrics.analysis.logs.header import UnreadableLog
-from rover_metrics.analysis.result import Skipped
+from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
@@ -35,25 +34,30 @@ level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 
 def read_each(
     program: str, paths: Sequence[Path], read: Callable[[Path], AnyLog]
-) -> tuple[list[AnyLog], list[Skipped]]:
-    """Reads the logs that can be read, and says on stderr which cannot."""
+) -> tuple[list[AnyLog], list[Skipped], int]:
+    """Reads the logs that can be read, and says on stderr which cannot.
+
+    Returns the logs, what was skipped, and the exit code: 2 if a file is missing, 1 for any other fault.
+    """
     logs: list[AnyLog] = []
     skipped: list[Skipped] = []
+    code = 0
     for path in paths:
         try:
             logs.append(read(path))
         except UnreadableLog as error:  # noqa: PERF203 - a file is read, which takes longer
             tell(program, f"skipped {path}: {error}")
             skipped.append(Skipped(str(path), str(error)))
-    return logs, skipped
+            code = max(code, error.exit_code)
+    return logs, skipped, code
 
 
-def different(paths: Iterable[Path], again: Callable[[Path], None] = lambda _: None) -> list[Path]:
-    """Returns each file once; `again` is called with every further name of a file."""
+def different(program: str, paths: Iterable[Path]) -> list[Path]:
+    """Returns each file once, and says on stderr which has further names."""
     first: dict[Path, Path] = {}
     for path in paths:
         if first.setdefault(path.resolve(), path) is not path:
-            again(path)
+            tell(program, f"{path} is named more than once and counts once")
     return list(first.values())
 
 

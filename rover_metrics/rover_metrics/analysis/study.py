@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,15 +11,14 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from rover_metrics.analysis.logs.log import Floats, Log
-from rover_metrics.analysis.logs.time_axis import TimeAxis
+from rover_metrics.analysis.logs.log import Floats, Log, TimeAxis
 from rover_metrics.analysis.metric import METRICS, Metric
 from rover_metrics.analysis.pairing import Pairs
-from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.errors import printable
 
+Unit = Literal["log", "episode"]
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)
 _LONGEST_LABEL = 40  # characters
@@ -34,27 +33,22 @@ def labels(logs: Sequence[Log]) -> list[str]:
 
     Returns one name a log, without control characters, at most 40 characters and a number.
     """
-    names = [_name(log) for log in logs]
-    counts = Counter(names)
-    names = [
-        f"{name}, {log.path.stem.removeprefix(_LOG_PREFIX)}"
-        if counts[name] > 1 and name != log.path.stem
-        else name
-        for name, log in zip(names, logs, strict=True)
-    ]
-    parts = [(*log.path.absolute().parts[1:-1], name) for log, name in zip(logs, names, strict=True)]
-    depths = [1] * len(parts)
-    while True:
-        names = ["/".join(part[-depth:]) for part, depth in zip(parts, depths, strict=True)]
+    counts, parts = Counter(map(_name, logs)), []
+    for log in logs:
+        name, stem = _name(log), log.path.stem
+        if counts[name] > 1 and name != stem:
+            name = f"{name}, {stem.removeprefix(_LOG_PREFIX)}"
+        parts.append((*log.path.absolute().parts[1:-1], name))
+    names = [part[-1] for part in parts]
+    for depth in range(2, max(map(len, parts), default=0) + 1):
         counts = Counter(names)
-        longer = [i for i, name in enumerate(names) if counts[name] > 1 and depths[i] < len(parts[i])]
-        if not longer:
-            break
-        for i in longer:
-            depths[i] += 1
+        names = [
+            "/".join(part[-depth:]) if counts[name] > 1 else name
+            for part, name in zip(parts, names, strict=True)
+        ]
     names = [_shortened(printable(name)) for name in names]
     counts = Counter(names)
-    numbers = {name: itertools.count(1) for name in counts}
+    numbers: dict[str, Iterator[int]] = defaultdict(lambda: itertools.count(1))
     return [f"{name} ({next(numbers[name])})" if counts[name] > 1 else name for name in names]
 
 
@@ -65,7 +59,7 @@ def _name(log: Log) -> str:
         return log.path.stem
     terrain = Path(str(arguments["terrain"]))  # a name, or a heightmap, which has no difficulty
     difficulty = arguments.get("difficulty")
-    if terrain.suffix or not isinstance(difficulty, int | float):
+    if terrain.suffix or not isinstance(difficulty, int | float) or not 0 <= difficulty <= 1:
         return f"{arguments['robot']} {terrain.stem} seed {arguments['seed']}"
     return f"{arguments['robot']} {terrain.stem} {difficulty:g} seed {arguments['seed']}"
 

@@ -3,9 +3,10 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.outcome import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import Summary
+from rover_metrics.errors import counted
 from rover_metrics.sheet.sheet import Sheet, formatted, interval_text, number, probability
 
 
@@ -69,8 +70,7 @@ def _statistics(result: Result, log: LogResult, place: int) -> Sheet:
 def _heading(result: Result, log: LogResult) -> str:
     episodes = f", {log.episodes} episodes" if log.episodes > 1 else ""
     group = f" ({log.group})" if len(result.groups) > 1 else ""
-    rows = "1 row" if log.rows == 1 else f"{log.rows} rows"
-    return f"{log.label}{group}: {rows}, {log.duration:.10g} s{episodes}"
+    return f"{log.label}{group}: {counted(log.rows, 'row')}, {log.duration:.10g} s{episodes}"
 
 
 def _across(result: Result, group: str, summaries: Mapping[str, Summary], place: int) -> Sheet:
@@ -136,7 +136,7 @@ def _compared(result: Result, item: Comparison) -> dict[str, str]:
         "p (Holm)": probability(item.p_holm),
         "g": formatted(item.hedges_g, "+.2f"),
         "delta": formatted(item.cliffs_delta, "+.2f"),
-        "n": f"{item.n[0]} pairs" if item.paired else f"{item.n[0]} + {item.n[1]}",
+        "n": counted(item.n[0], "pair") if item.paired else f"{item.n[0]} + {item.n[1]}",
     }
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EVENT, SCAN, WINDOW, Ending, EpisodeRecord, Sight, Zone
+from harness.tune.output import parameter_file
 from harness.tune.page.page import render
 from harness.tune.scoring.study import RobotStudy, study
 from tests.support.once import made_once
@@ -63,7 +64,13 @@ def small_sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
 @pytest.fixture(scope="session")
 def small_page(small_sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> str:
     """The report of the small sweep."""
-    return made_once(tmp_path_factory, "small_page", lambda: render(*small_sweep, COMMAND))
+    return made_once(tmp_path_factory, "small_page", lambda: rendered(small_sweep))
+
+
+def rendered(sweep: Sweep) -> str:
+    """The report of a sweep."""
+    files = {study.name: parameter_file(study, COMMAND) for study in sweep[0]}
+    return render(*sweep, COMMAND, files)
 
 
 def _small_sweep() -> Sweep:

@@ -20,9 +20,7 @@ def first_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[int, Path]:
     return tune.main([*SHORT, "--out", str(folder)]), folder
 
 
-def test_data_that_support_nothing_give_no_value_and_say_why(
-    first_run: tuple[int, Path], capsys: Capture
-) -> None:
+def test_data_that_support_nothing_say_why(first_run: tuple[int, Path], capsys: Capture) -> None:
     exit_code, folder = first_run
 
     again = tune.main([*SHORT, "--out", str(folder)])
@@ -39,9 +37,7 @@ def test_data_that_support_nothing_give_no_value_and_say_why(
     assert "collision_threshold stays at 0.2 m: 0 contacts" in text
 
 
-def test_a_second_run_elsewhere_gives_the_same_bytes(
-    first_run: tuple[int, Path], tmp_path: Path
-) -> None:
+def test_a_second_run_gives_the_same_bytes(first_run: tuple[int, Path], tmp_path: Path) -> None:
     _, folder = first_run
 
     tune.main([*SHORT, "--out", str(tmp_path)])
@@ -56,14 +52,11 @@ def test_a_second_run_elsewhere_gives_the_same_bytes(
     ("words", "message"),
     [
         (["--robot", "mars"], "robot 'mars' does not exist; available: leo, rover_zero4wd"),
-        (["--episodes", "1"], "1 episodes are not enough"),
+        (["--episodes", "1"], "1 episode will not do"),
         (["--duration", "0"], "duration 0 s is not valid"),
         (["--driver", "fly"], "driver 'fly' does not exist; available: wander"),
-        (["--driver", "policy:none.npz"], "policy none.npz cannot be read"),
         (["--seed", "-1"], "seed -1 is not valid"),
-        (["--jobs", "0"], "0 jobs are not valid"),
         (["--backend", "slurm"], "local, ray://HOST:PORT, dask:tcp://HOST:PORT"),
-        (["--address", "localhost:1"], "--address needs --backend"),
         (["--out", "/proc/tuning"], "choose another --out"),
         (["--robt", "leo"], "see --help"),
     ],

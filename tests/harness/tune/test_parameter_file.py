@@ -9,9 +9,9 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.tune.episodes.plan import Part
-from harness.tune.parameter_file import parameter_file
+from harness.tune.output import parameter_file
+from harness.tune.scoring.choose import Candidate
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.result import Candidate
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
@@ -23,9 +23,7 @@ from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_metrics_node_takes_every_value_and_keeps_the_other_defaults(
-    small_sweep: "Sweep", tmp_path: Path
-) -> None:
+def test_metrics_node_takes_every_value_of_the_file(small_sweep: "Sweep", tmp_path: Path) -> None:
     study = small_sweep[0][0]
     file = tmp_path / "leo.yaml"
     file.write_text(parameter_file(study, "a command"))
@@ -59,7 +57,7 @@ def test_a_threshold_that_is_not_supported_is_only_a_comment(small_sweep: "Sweep
     assert "footprint_threshold" not in parameters
 
 
-def test_a_switch_and_a_threshold_are_written_only_where_they_beat_their_defaults(
+def test_only_what_beats_its_default_is_written(
     small_sweep: "Sweep",
 ) -> None:
     study = small_sweep[0][0]

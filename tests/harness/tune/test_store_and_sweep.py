@@ -1,7 +1,9 @@
 """Episodes on disk, and driving what is missing."""
 
+import io
 import json
 import shutil
+import zipfile
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,10 +11,11 @@ from typing import Any
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
+from harness.tune.episodes import store as storing
 from harness.tune.episodes import sweep as sweeping
 from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.episodes.store import Store, decode, encode
+from harness.tune.episodes.store import Store, encode
 from harness.workers import WorkerLost, Workers
 from tests.support.rovers import LEO
 
@@ -40,23 +43,9 @@ class Prepared(Workers):
 
 @pytest.fixture
 def content(make_record: MakeRecord) -> bytes:
-    return encode(make_record([1.0, 0.5], contacts=[(0.05, 0.1)], windows=[{"roughness": 0.01}]))
-
-
-def test_a_record_survives_its_file_and_equal_records_are_equal_bytes(make_record: MakeRecord) -> None:
-    record = make_record([1.0, float("inf")], contacts=[(0.05, 0.1)], windows=[{"rocks": 0.1}])
-
-    again = decode(encode(record))
-
-    assert encode(again) == encode(record)
-    assert again.scans["nearest"].tolist() == [1.0, float("inf")]
-    assert (again.driver, again.ending) == (record.driver, record.ending)
-
-
-@pytest.mark.parametrize("damage", [b"", b"PK", b"\x93NUMPY"])
-def test_damaged_bytes_are_no_record(damage: bytes) -> None:
-    with pytest.raises(ValueError, match="not an episode"):
-        decode(damage)
+    return encode(
+        make_record([1.0, float("inf")], contacts=[(0.05, 0.1)], windows=[{"roughness": 0.01}])
+    )
 
 
 def test_a_sweep_drives_everything_once(tmp_path: Path, content: bytes) -> None:
@@ -66,30 +55,29 @@ def test_a_sweep_drives_everything_once(tmp_path: Path, content: bytes) -> None:
 
     assert sorted(e.index for e in workers.driven) == list(range(8))
     assert list(records) == list(PLANNED)
+    assert [encode(record) for record in records.values()] == [content] * 8
     assert shown == list(range(9))
 
 
-def test_what_was_driven_before_is_not_driven_again(tmp_path: Path, content: bytes) -> None:
+def test_what_was_driven_before_is_not_driven_again_unless_its_file_is_torn(
+    tmp_path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
     first = Prepared(content, dies_after=[3, 0, 0, 0])
     with pytest.raises(RunFailed, match="the same command goes on"):
         sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), first, lambda _: None)
 
-    second = Prepared(content)
+    second, third = Prepared(content), Prepared(content)
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), second, lambda _: None)
+    huge = io.BytesIO(content)
+    with zipfile.ZipFile(huge, "a", zipfile.ZIP_DEFLATED) as episode:
+        episode.writestr("more", bytes(1 << 17))
+    monkeypatch.setattr(storing, "LARGEST", 1 << 16)
+    for number, damage in enumerate((b"", b"PK", huge.getvalue(), content[:100])):
+        next((tmp_path / "episodes").glob(f"000{number}-*.npz")).write_bytes(damage)
+    sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), third, lambda _: None)
 
-    assert len(first.driven) == 3
-    assert len(second.driven) == 5
-
-
-def test_a_torn_file_is_driven_again(tmp_path: Path, content: bytes) -> None:
-    sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), Prepared(content), lambda _: None)
-    torn = next((tmp_path / "episodes").glob("0003-*.npz"))
-    torn.write_bytes(torn.read_bytes()[:100])
-
-    workers = Prepared(content)
-    sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), workers, lambda _: None)
-
-    assert [e.index for e in workers.driven] == [3]
+    assert (len(first.driven), len(second.driven)) == (3, 5)
+    assert [e.index for e in third.driven] == [3, 2, 1, 0]  # torn files
 
 
 def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None:
@@ -147,12 +135,15 @@ def with_text(text: str) -> Callable[[Path], None]:
             "other robots, driver, seed or duration",
         ),
         (of_another_version, "version 0.0.1 instead of"),
-        *((with_text(text), "is not readable") for text in ("", "[]", "{}", '{"episodes": 3}')),
+        *(
+            (with_text(text), "is not readable")
+            for text in ("", "[]", "{}", "[" * 9**5, '{"episodes": 3}')
+        ),
         (episodes_without_a_sweep, "no known sweep"),
         (Path.touch, "cannot write to"),
     ],
 )
-def test_a_folder_that_is_not_of_this_sweep_is_one_line_that_names_it(
+def test_a_folder_of_no_or_another_sweep(
     before: Callable[[Path], object], mend: str, tmp_path: Path
 ) -> None:
     folder = tmp_path / "out"
@@ -171,6 +162,8 @@ def test_a_full_disk_is_reported(
         raise OSError(28, "No space left on device")
 
     store = Store(tmp_path, PLANNED)
+    with pytest.raises(RunFailed, match=r"8 episodes in .* cannot be read again"):
+        sweeping.sweep(PLANNED, store, Prepared(b"PK"), lambda _: None)
     monkeypatch.setattr(store, "write", full)
     with pytest.raises(RunFailed, match=f"cannot write episode 0007-.* to {tmp_path}: No space left"):
         sweeping.sweep(PLANNED, store, Prepared(content), lambda _: None)

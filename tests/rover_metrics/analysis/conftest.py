@@ -1,4 +1,4 @@
-"""Logs for the tests: synthetic ones whose numbers can be worked out by hand, and the real ones."""
+"""Logs for the tests: synthetic ones whose numbers can be worked out by hand."""
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -11,17 +11,8 @@ from rover_metrics.analysis.logs.reading import episode_starts
 from rover_metrics.analysis.metric import COUNTERS
 from rover_metrics.core.columns import COLUMNS
 
-_REAL_LOGS = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
-
 WriteLog = Callable[..., Path]
 MakeLog = Callable[..., Log]
-
-
-@pytest.fixture
-def real_logs() -> Path:
-    if not _REAL_LOGS.is_dir():
-        pytest.skip("needs the RoboTerrain logs in ../shared/data")
-    return _REAL_LOGS
 
 
 @pytest.fixture

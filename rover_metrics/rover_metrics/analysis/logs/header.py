@@ -1,7 +1,7 @@
 """The first line of a log, and what is wrong with a file that cannot be a log."""
 
 import csv
-import os
+from dataclasses import dataclass
 from pathlib import Path
 
 from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP
@@ -17,23 +17,30 @@ class UnreadableLog(RoverMetricsError):
     exit_code = 1
 
 
+class MissingLog(UnreadableLog):
+    """A file that is not there."""
+
+    exit_code = 2
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A file that could not be analysed, and why."""
+
+    path: str
+    reason: str
+
+
 def read_header(path: Path) -> list[str]:
     """Returns the column names of a log without surrounding spaces, in the order of the file.
 
     Raises:
         UnreadableLog: There is no such file, or it does not begin like a metrics log.
     """
-    check_is_file(path)
-    try:
-        with path.open("rb") as file:
-            first = file.readline(_LONGEST_HEADER)
-            has_rows = bool(file.read(1))
-    except OSError as error:
-        raise UnreadableLog(f"cannot be read: {error.strerror}") from error
-    if not first.strip():
+    text, has_rows = first_line(path)
+    if not text.strip():
         what = "first line is not a header but blank" if has_rows else "file is empty"
         raise UnreadableLog(f"the {what}")
-    text = first.decode("utf-8-sig", errors="replace").rstrip("\r\n")
     names = [name.strip() for name in next(csv.reader([text], strict=False))]
     _check_names(names, text)
     if not has_rows:
@@ -41,19 +48,26 @@ def read_header(path: Path) -> list[str]:
     return names
 
 
-def check_is_file(path: Path) -> None:
-    """Checks that there is a file that may be read; else raises UnreadableLog."""
+def first_line(path: Path) -> tuple[str, bool]:
+    """Returns the first line of a text, without its end, and whether there is more.
+
+    Raises:
+        UnreadableLog: There is no file, it cannot be read, or is no text in UTF-8.
+    """
     try:
         if path.is_dir():
             raise UnreadableLog("this is a folder; name the CSV files in it")
         if not path.exists():
-            raise UnreadableLog("there is no such file")
+            raise MissingLog("there is no such file")
         if not path.is_file():
             raise UnreadableLog("this is not a regular file")
-        if not os.access(path, os.R_OK):
-            raise UnreadableLog("cannot be read: permission denied")
+        with path.open("rb") as file:
+            first, has_rows = file.readline(_LONGEST_HEADER), bool(file.read(1))
     except (OSError, ValueError) as error:  # a name too long, or with a NUL
         raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    if b"\0" in first:
+        raise UnreadableLog("it is no text in UTF-8, perhaps UTF-16; save it as CSV in UTF-8")
+    return first.decode("utf-8-sig", errors="replace").rstrip("\r\n"), has_rows
 
 
 def _check_names(names: list[str], text: str) -> None:

@@ -1,9 +1,9 @@
-"""A log in memory: typed columns, episodes, and what was odd about the file."""
+"""A log in memory: typed columns, episodes, what was odd about the file, and the time axes of plots."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from rover_metrics.core.thresholds import Thresholds
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+AxisName = Literal["percentage", "fixed_interval", "none"]
+AXES: tuple[AxisName, ...] = get_args(AxisName)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,3 +57,61 @@ class Log:
     def duration(self) -> float:
         """Time logged, without the gaps between episodes [s]."""
         return float(sum(self.stamps[rows][-1] - self.stamps[rows][0] for rows in self.episodes))
+
+
+@dataclass(frozen=True)
+class TimeAxis:
+    """How the rows of an episode are placed in time.
+
+    Attributes:
+        name: "percentage" of the episode; "fixed_interval" for one mean per interval; "none" for the
+            rows as they were recorded.
+        interval: Length of a fixed interval [s].
+    """
+
+    name: AxisName = "percentage"
+    interval: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """What the axis shows, with its unit."""
+        if self.name == "percentage":
+            return "Share of the episode [%]"
+        means = f", means over {self.interval:g} s" if self.name == "fixed_interval" else ""
+        return f"Time since the episode began [s]{means}"
+
+    def place(self, stamps: Floats, values: Floats) -> tuple[Floats, Floats]:
+        """Returns position and value of the rows of one episode, from their times [s] and values.
+
+        In percent, from 0 to 100; else in seconds since the episode began. Intervals without a value
+        are left out, not filled.
+        """
+        elapsed = stamps - stamps[0]
+        if self.name == "fixed_interval":
+            return _bin_means(elapsed, values, self.interval)
+        length = float(elapsed[-1])
+        if self.name == "percentage" and length:
+            return elapsed * (100.0 / length), values
+        return elapsed, values
+
+
+def _bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats, Floats]:
+    """Returns beginnings and means of the bins [k width, (k + 1) width) that have a value."""
+    known = np.isfinite(values)
+    # A thousandth of a bin: 0.3 s in bins of 0.1 s is bin 3, whatever the floats say.
+    bins = np.floor(positions[known] / width + 1e-3)
+    numbers, member = np.unique(bins, return_inverse=True)
+    sums = np.bincount(member, weights=values[known], minlength=numbers.size)
+    return numbers * width, sums / np.bincount(member, minlength=numbers.size)
+
+
+def on_grid(positions: Floats, values: Floats, grid: Floats) -> Floats:
+    """Returns an episode on a common grid: means where rows are dense, lines between where sparse.
+
+    NaN beyond the episode's ends. Positions ascend, the grid does so evenly; values may be NaN.
+    """
+    width = float(grid[1] - grid[0])
+    at, means = _bin_means(positions - grid[0] + width / 2, values, width)
+    if not at.size:
+        return np.full(grid.size, np.nan)
+    return np.asarray(np.interp(grid - grid[0], at, means, left=np.nan, right=np.nan))

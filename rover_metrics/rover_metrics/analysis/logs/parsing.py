@@ -19,6 +19,7 @@ import pandas as pd
 
 from rover_metrics.analysis.logs.header import UnreadableLog, shown
 from rover_metrics.analysis.metric import METRIC_COLUMNS, NOTES, STAMP
+from rover_metrics.errors import counted
 
 _CHUNK = 200_000  # rows
 _LONGEST_LINE = 1 << 16  # bytes
@@ -40,12 +41,13 @@ class Tally:
             self.first, self.example = int(lines[0]), example
         self.count += lines.size
 
-    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> str:
-        """Returns one line: how many of a noun, what is odd about them, where, and what follows."""
+    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
+        """Returns a line, if there are any: how many of a noun, what is odd, where, and what follows."""
+        if not self.count:
+            return []
         where = f"line {self.first}" if self.count == 1 else f"first on line {self.first}"
         example = f", {self.example}" if self.example else ""
-        plural = "s" if self.count > 1 else ""
-        return f"{self.count} {noun}{plural}{what} ({where}{example}): {outcome}"
+        return [f"{counted(self.count, noun)}{what} ({where}{example}): {outcome}"]
 
 
 @dataclass

@@ -7,13 +7,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from rover_metrics.analysis.logs.consistency import CHECKED_COLUMNS, describe_consistency
-from rover_metrics.analysis.logs.findings import describe_table, describe_time
+from rover_metrics.analysis.logs.findings import (
+    CHECKED_COLUMNS,
+    describe_consistency,
+    describe_table,
+    describe_time,
+)
 from rover_metrics.analysis.logs.header import UnreadableLog, read_header
 from rover_metrics.analysis.logs.log import Floats, Integers, Log
-from rover_metrics.analysis.logs.parsing import Table, read_table
+from rover_metrics.analysis.logs.parsing import Table, Tally, read_table
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.errors import counted
 from rover_metrics.log.session_record import (
     SessionEnd,
     session_arguments,
@@ -68,20 +73,17 @@ def _check_usable(table: Table, header: Sequence[str]) -> None:
                 f"{table.total} rows have {what} fields (first on line {tally.first})"
             )
     if table.rows.empty:
-        raise UnreadableLog(f"none of its {table.total} rows is usable (line 2 is the first)")
+        raise UnreadableLog(f"no usable row among {counted(table.total, 'row')} (line 2 is the first)")
 
 
 def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFrame:
     """Silences flags that are neither 0 nor 1, and adds what there is to say of it."""
-    for name in FLAGS:
-        if name in rows:
-            wrong = rows[name].notna() & ~rows[name].isin([0, 1])
-            if wrong.any():
-                findings.append(
-                    f"{wrong.sum()} values of {name} are neither 0 nor 1 (first on line "
-                    f"{wrong.idxmax()}): left out"
-                )
-                rows = rows.assign(**{name: rows[name].mask(wrong)})
+    for name in filter(set(rows).__contains__, FLAGS):
+        wrong, tally = rows[name].notna() & ~rows[name].isin([0, 1]), Tally()
+        tally.add(rows.index[wrong])
+        findings += tally.describe("value", f" of {name} other than 0 and 1")
+        if tally.count:
+            rows = rows.assign(**{name: rows[name].mask(wrong)})
     return rows
 
 

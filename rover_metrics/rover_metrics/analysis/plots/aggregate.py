@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy import stats
 
-from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.logs.time_axis import on_grid
+from rover_metrics.analysis.logs.log import Floats, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.study import Study
+from rover_metrics.errors import counted
 
 _PERCENT_STEP = 2.0
 _STEPS = 60  # of a time axis whose interval nobody chose
@@ -59,13 +59,12 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
             mean, low, high = mean_and_band(curves, study.options.confidence)
             style = styling.look(number)
             axes.fill_between(grid, low, high, color=style["color"], alpha=0.2, linewidth=0)
-            plural = "s" if len(curves) > 1 else ""
-            axes.plot(grid, mean, **style, label=f"{group} ({len(curves)} episode{plural})")
+            axes.plot(grid, mean, **style, label=f"{group} ({counted(len(curves), 'episode')})")
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
             lowest = min(lowest, float(np.nanquantile(low, 0.03)))
     bounds = study.bounds(metric)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
-    end = max(top, 1.3 * styling.highest_bound(bounds)) or (1.0 if lowest >= 0 else -0.1 * lowest)
+    end = max(top, 1.3 * styling.ends_of(bounds)[1]) or (1.0 if lowest >= 0 else -0.1 * lowest)
     axes.set_ylim(min(0.0, 1.1 * lowest), end)
     axes.margins(x=0)
     styling.draw_thresholds(axes, bounds)

@@ -10,16 +10,15 @@ from matplotlib.figure import Figure
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
+from rover_metrics.analysis.outcome import Result
 from rover_metrics.analysis.plots.style import (
     MARKERS,
     draw_thresholds,
-    highest_bound,
+    ends_of,
     look,
     lower_end,
-    lowest_bound,
     metric_grid,
 )
-from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import t_interval
 from rover_metrics.analysis.study import Study
@@ -127,11 +126,12 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])
     axes.set_xlim(-0.6, len(study.members) - 0.4)
     bounds = study.bounds(metric)
-    lowest = min(lowest_bound(bounds), *shown, math.inf)
+    lowest, highest = ends_of(bounds)
+    lowest = min(lowest, *shown, math.inf)
     bottom = lower_end(lowest, max(shown)) if shown else 0.0
     top = axes.get_ylim()[1]
     if not bottom:
-        top = max(top, 1.3 * highest_bound(bounds))
+        top = max(top, 1.3 * highest)
     axes.set_ylim(bottom, top)
     axes.grid(visible=False, axis="x")
     draw_thresholds(axes, {name: [v for v in values if v < top] for name, values in bounds.items()})

@@ -89,14 +89,10 @@ def lower_end(lowest: float, highest: float) -> float:
     return lowest - margin if lowest < 0 or is_hidden else 0.0
 
 
-def highest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
-    """Returns the largest threshold, which a figure has to show; 0 without any."""
-    return max((value for values in bounds.values() for value in values), default=0.0)
-
-
-def lowest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
-    """Returns the smallest threshold, which a figure has to show; infinite without any."""
-    return min((value for values in bounds.values() for value in values), default=math.inf)
+def ends_of(bounds: Mapping[str, Sequence[float]]) -> tuple[float, float]:
+    """Returns the smallest and the largest threshold, which a figure has to show; inf and 0 for none."""
+    values = [value for each in bounds.values() for value in each]
+    return min(values, default=math.inf), max(values, default=0.0)
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:

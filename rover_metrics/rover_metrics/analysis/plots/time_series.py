@@ -11,11 +11,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.logs.time_axis import TimeAxis
+from rover_metrics.analysis.logs.log import Floats, TimeAxis
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.study import Member, Study
+from rover_metrics.errors import counted
 
 MOST_POINTS = 4000  # two a pixel at 200 dpi
 _FEWEST_SMOOTHED = 9  # rows
@@ -47,7 +47,7 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
             axes.plot(*thinned(at, mean), **style, zorder=3)
             style["label"] = None  # a log is named once
             drawn.append(y if show_rows else mean)
-    values = np.concatenate([values[np.isfinite(values)] for values in drawn] or [np.zeros(0)])
+    values = np.concatenate([np.zeros(0), *(each[np.isfinite(each)] for each in drawn)])
     if not values.size:
         return None
     bounds = study.bounds(metric)
@@ -78,19 +78,18 @@ def _lowest_rows(study: Study, metric: Metric) -> dict[str, tuple[float, float]]
 
 def _limit(axes: Axes, metric: Metric, values: Floats, bounds: Mapping[str, Sequence[float]]) -> None:
     """Ends the y axis where it shows the bulk and the thresholds, and says what lies beyond."""
-    top, above, highest = upper_limit([values], 1.15 * styling.highest_bound(bounds))
+    low, high = styling.ends_of(bounds)
+    top, above, highest = upper_limit(values, 1.15 * high)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
-    lowest = min(float(values.min()), styling.lowest_bound(bounds))
-    bottom = styling.lower_end(lowest, highest)
-    if lowest < 0:
-        bottom = -upper_limit([-values], 0.0)[0]
+    lowest = min(float(values.min()), low)
+    bottom = -upper_limit(-values, 0.0)[0] if lowest < 0 else styling.lower_end(lowest, highest)
     axes.set_ylim(bottom, top)
     for count, side, extreme, y in (
         (above, "above", f"highest {highest:.4g}", 1),
         (int((values < bottom).sum()), "below", f"lowest {lowest:.4g}", 0),
     ):
         if count:
-            text = f"{count} value{'s' if count > 1 else ''} {side} the axis, the {extreme}"
+            text = f"{counted(count, 'value')} {side} the axis, the {extreme}"
             place: Literal["top", "bottom"] = "top" if y else "bottom"
             axes.annotate(text, (1, y), xycoords="axes fraction", ha="right", va=place, fontsize=7.5)
 
@@ -165,14 +164,11 @@ def thinned(positions: Floats, values: Floats) -> tuple[Floats, Floats]:
     return positions[rows], values[rows]
 
 
-def upper_limit(samples: list[Floats], at_least: float) -> tuple[float, int, float]:
-    """Chooses where a y axis ends, so that a few peaks do not flatten all else.
+def upper_limit(values: Floats, at_least: float) -> tuple[float, int, float]:
+    """Chooses where a y axis of finite values ends, so that a few peaks do not flatten all else.
 
     Returns the end of the axis, at_least or more, how many values lie beyond, and the highest.
     """
-    values = np.concatenate([sample[np.isfinite(sample)] for sample in samples] or [np.zeros(1)])
-    if not values.size:
-        return max(at_least, 1.0), 0, 0.0
     highest = float(values.max())
     usual = float(np.quantile(values, 0.995))
     end = max(1.1 * (usual if highest > 1.5 * usual and usual > 0 else highest), at_least)

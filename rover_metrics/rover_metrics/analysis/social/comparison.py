@@ -22,8 +22,7 @@ from rover_metrics.analysis.social.metrics import (
     run_figures,
     windows,
 )
-from rover_metrics.analysis.statistics.comparison import Comparison, cohens_d, compare
-from rover_metrics.analysis.statistics.holm import with_holm
+from rover_metrics.analysis.statistics.comparison import Comparison, cohens_d, compare, with_holm
 
 METRICS = {"risk_s_per_goal": "Risk seconds a goal", "s_per_goal": "Seconds a goal"}
 

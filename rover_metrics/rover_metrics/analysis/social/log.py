@@ -14,14 +14,16 @@ from pathlib import Path
 
 import numpy as np
 
-from rover_metrics.analysis.logs.header import UnreadableLog, check_is_file, shown
+from rover_metrics.analysis.logs.header import UnreadableLog, first_line, shown
 from rover_metrics.analysis.logs.log import Floats, Integers
+from rover_metrics.errors import counted
 
 TIME, NEAREST = "time_s", "dmin"
 GOALS = ("goals_count", "goals")
-PLACES = (("robot_x", "robot_y"), ("rx", "ry"))
+PLACES = (("robot_x", "rx"), ("robot_y", "ry"))
 DISTANCE = re.compile(r"(?:d\d+_(?P<old>.+)|(?P<new>.+?)(?:_actor)?_dist)")
 MOST_LISTED = 3  # lines left out that are listed one by one
+LARGEST = 1e12  # of a number in a log: no time, place or count is beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,26 +58,28 @@ def read_social_log(path: Path) -> SocialLog:
     Raises:
         UnreadableLog: It is none; the message says why, without the path.
     """
-    check_is_file(path)
-    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        lines = csv.reader(file, strict=False)
-        names = [name.strip() for name in next(lines, [])]
-        _check_header(names)
-        findings: list[str] = []
-        rows = list(_rows(lines, len(names), findings))
+    names = [name.strip() for name in next(csv.reader([first_line(path)[0]], strict=False), [])]
+    _check_header(names)
+    findings: list[str] = []
+    try:
+        with path.open(encoding="utf-8", errors="replace", newline="") as file:
+            file.readline()
+            rows = list(_rows(csv.reader(file, strict=False), len(names), findings))
+    except (OSError, csv.Error) as error:
+        raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
     if not rows:
         raise UnreadableLog("there is a header but no whole row")
     table = np.array(rows)
     column = {name: table[:, index] for index, name in enumerate(names)}
     people = {name: match for name in names if (match := DISTANCE.fullmatch(name))}
     distance = np.column_stack([column[name] for name in people])
-    nearest = column.get(NEAREST)
+    nearest, unknown = column.get(NEAREST), np.full(len(rows), np.nan)
     goals = np.nan_to_num(next(column[name] for name in GOALS if name in column))
     return SocialLog(
         path=path,
         actors=tuple(match["old"] or match["new"] for match in people.values()),
         time_s=column[TIME],
-        position=_position(column, len(rows)),
+        position=np.column_stack([column.get(x, column.get(old, unknown)) for x, old in PLACES]),
         distance=distance,
         nearest=np.fmin.reduce(distance, axis=1) if nearest is None else nearest,
         goals=goals.astype(np.int64),
@@ -84,7 +88,7 @@ def read_social_log(path: Path) -> SocialLog:
 
 
 def _check_header(names: Sequence[str]) -> None:
-    missing = [name for name in (TIME,) if name not in names]
+    missing = [] if TIME in names else [TIME]
     missing += [] if set(GOALS) & set(names) else [" or ".join(GOALS)]
     missing += [] if any(map(DISTANCE.fullmatch, names)) else ["the distances (NAME_dist or d1_NAME)"]
     if missing:
@@ -106,18 +110,11 @@ def _rows(lines: Iterator[list[str]], width: int, findings: list[str]) -> Iterat
             values = [float(cell or "nan") for cell in cells]
         except ValueError:
             values = []
-        if len(values) == width:
+        if len(values) == width and not any(abs(value) > LARGEST for value in values):
             yield values
             continue
         left_out += 1
         if left_out <= MOST_LISTED:
             findings.append(f"line {number} is not {width} numbers and is left out")
     if left_out > MOST_LISTED:
-        findings.append(f"{left_out - MOST_LISTED} more lines are left out")
-
-
-def _position(column: dict[str, Floats], rows: int) -> Floats:
-    for x, y in PLACES:
-        if x in column and y in column:
-            return np.column_stack([column[x], column[y]])
-    return np.full((rows, 2), np.nan)
+        findings.append(f"{counted(left_out - MOST_LISTED, 'more line')} left out")

@@ -36,6 +36,7 @@ class RunFigures:
         intrusions: Times that a person came into, or was first seen in, the personal space.
         min_time_to_collision: Smallest distance over closing speed [s]; None if nobody ever came nearer.
         closing_s: Seconds with a time to collision of less than SOON, to anybody.
+        s_per_goal: Seconds for a goal; None without a goal, as is `risk_s_per_goal`.
     """
 
     seconds: int
@@ -46,30 +47,25 @@ class RunFigures:
     intrusions: int
     min_time_to_collision: float | None
     closing_s: int
-
-    @property
-    def risk_s_per_goal(self) -> float | None:
-        """Risk seconds for a goal; None without a goal."""
-        return self.risk_s / self.goals if self.goals else None
-
-    @property
-    def s_per_goal(self) -> float | None:
-        """Seconds for a goal; None without a goal."""
-        return self.seconds / self.goals if self.goals else None
+    risk_s_per_goal: float | None
+    s_per_goal: float | None
 
 
 def run_figures(log: SocialLog, risk_distance: float = RISK_DISTANCE) -> RunFigures:
     """Returns what a log comes to; a distance below `risk_distance` [m] is a risk."""
     collision_s = times_to_collision(log)
+    goals, risk_s = max(0, int(log.goals[-1] - log.goals[0])), int((log.nearest < risk_distance).sum())
     return RunFigures(
         seconds=len(log),
-        goals=max(0, int(log.goals[-1] - log.goals[0])),
-        risk_s=int((log.nearest < risk_distance).sum()),
+        goals=goals,
+        risk_s=risk_s,
         min_distance=_smallest(log.nearest),
         zone_s=_zones(log.nearest),
         intrusions=_intrusions(log.distance),
         min_time_to_collision=_smallest(collision_s),
         closing_s=int((collision_s < SOON).any(axis=1).sum()),
+        risk_s_per_goal=risk_s / goals if goals else None,
+        s_per_goal=len(log) / goals if goals else None,
     )
 
 

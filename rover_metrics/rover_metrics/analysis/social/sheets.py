@@ -28,7 +28,7 @@ def social_sheets(
 
 
 def _runs(group: Group, risk_distance: float) -> Sheet:
-    shares = f"intimate to {ZONES['intimate']:g} m, personal to {ZONES['personal']:g} m"
+    shares = f"intimate below {ZONES['intimate']:g} m, personal below {ZONES['personal']:g} m"
     caption = (
         f"Risk: seconds with somebody nearer than {risk_distance:g} m. Zones: share of the seconds with "
         f"the nearest person in each of Hall's, {shares}. Intrusions: times that somebody came nearer "

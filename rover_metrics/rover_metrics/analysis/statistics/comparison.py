@@ -16,11 +16,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from math import comb, sqrt
+from typing import TypeVar
 
 import numpy as np
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats
+from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Interval, t_interval
 
 _ROUNDING = 1 + 1e-9  # 1 - 0.95 is a little more than 0.05
@@ -188,3 +190,26 @@ def describe_power(comparisons: Sequence[Comparison], unit: str, alpha: float) -
     hopeless = [each.code for each in comparisons if (each.smallest_p or 0.0) > above]
     if hopeless:
         yield f"So few {unit}s cannot give a p below {alpha:.2g} for {', '.join(hopeless)}."
+
+
+Tested = TypeVar("Tested", Comparison, Correlation)
+
+
+def holm(probabilities: Sequence[float | None]) -> list[float | None]:
+    """Adjusts p-values so that the chance of any false alarm among them stays as stated (Holm 1979).
+
+    None stands where there was no test, which does not count.
+    """
+    tests = sorted((p, i) for i, p in enumerate(probabilities) if p is not None)
+    adjusted: list[float | None] = [None] * len(probabilities)
+    highest = 0.0
+    for rank, (p, i) in enumerate(tests):
+        highest = max(highest, min(1.0, (len(tests) - rank) * p))
+        adjusted[i] = highest
+    return adjusted
+
+
+def with_holm(tested: Sequence[Tested]) -> tuple[Tested, ...]:
+    """Returns comparisons or correlations with their adjusted p-values."""
+    adjusted = holm([each.p for each in tested])
+    return tuple(replace(each, p_holm=p) for each, p in zip(tested, adjusted, strict=True))

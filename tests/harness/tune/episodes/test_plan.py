@@ -13,17 +13,6 @@ from harness.tune.episodes.store import Store
 ROBOTS = ("leo", "rover_zero4wd")
 
 
-def test_every_robot_drives_in_the_same_worlds() -> None:
-    worlds = [
-        [(e.run.world.terrain, e.run.seed, e.run.world.difficulty, e.run.rover.driver) for e in planned]
-        for robot in ROBOTS
-        for planned in [[e for e in plan(ROBOTS, 10, 0, 60.0) if e.run.rover.robot == robot]]
-    ]
-
-    assert worlds[0] == worlds[1]
-    assert len(set(worlds[0])) == 10
-
-
 def test_worlds_come_in_pairs_of_one_stratum_one_to_choose_on_and_one_to_check_on() -> None:
     planned = plan(ROBOTS, 4 * len(STRATA), 7, 60.0)  # every stratum twice
     worlds = [one.run.world for one in planned]
@@ -33,6 +22,8 @@ def test_worlds_come_in_pairs_of_one_stratum_one_to_choose_on_and_one_to_check_o
     assert [one.part for one in planned[:6]] == [*[Part.TRAIN] * 2, *[Part.TEST] * 2, *[Part.TRAIN] * 2]
     assert [(one.run.world.terrain, one.run.rover.driver) for one in planned[::4]] == [*STRATA * 2]
     assert worlds[0::4] == worlds[2::4]  # of a pair
+    both = zip(planned[::2], planned[1::2], strict=True)  # of one world
+    assert all(leo.run.alone(robot="rover_zero4wd") == zero.run for leo, zero in both)
     assert [world.difficulty for world in worlds[:12:4]] == [0.5, 0.2, 0.8]
     assert {one.run.duration for one in planned} == {60.0}
     seeds = {part: {one.run.seed for one in planned if one.part is part} for part in Part}
@@ -70,7 +61,7 @@ def test_bad_values_are_refused(
         plan(robots, episodes, seed, duration)
 
 
-def test_another_driver_takes_the_open_ground_and_gets_goals_if_it_needs_them(
+def test_another_driver_takes_the_open_ground_with_goals_if_needed(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "still.npz"

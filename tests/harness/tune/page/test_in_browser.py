@@ -54,30 +54,20 @@ def test_drag_zooms_a_figure_and_a_double_click_shows_all_of_it(visit: Visit) ->
     assert visit.said == []
 
 
-def test_the_button_copies_the_whole_parameter_file(visit: Visit) -> None:
-    page = visit.page
-    visit.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page.locator("button[data-copies=file-leo]").click()
-    wait_for(page, f"{button_of('leo')}.textContent === 'Copied'")
-    copied = page.evaluate("navigator.clipboard.readText()")
-    assert copied == page.locator("#file-leo").text_content()
-    assert "ros__parameters:" in copied
-
-
-def test_without_a_clipboard_the_button_selects_the_whole_parameter_file(
-    browser: "Browser", page_file: Path
+def test_the_button_copies_or_selects_the_file(
+    visit: Visit, browser: "Browser", page_file: Path
 ) -> None:
-    page = Visit(browser, page_file).page
-    page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
-    page.locator("button[data-copies=file-rover_zero4wd]").click()
-    wait_for(page, f"{button_of('rover_zero4wd')}.textContent === 'Selected'")
-    selected = page.evaluate("getSelection().toString()")
-    assert selected.strip() == (page.locator("#file-rover_zero4wd").text_content() or "").strip()
-    assert "ros__parameters:" in selected
-
-
-def button_of(robot: str) -> str:
-    return f"document.querySelector('[data-copies=file-{robot}]')"
+    page, other = visit.page, Visit(browser, page_file).page
+    visit.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    other.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
+    for at, robot, done in ((page, "leo", "Copied"), (other, "rover_zero4wd", "Selected")):
+        at.locator(f"button[data-copies=file-{robot}]").click()
+        wait_for(at, f"document.querySelector('[data-copies=file-{robot}]').textContent === '{done}'")
+    copied, file = page.evaluate("navigator.clipboard.readText()"), page.locator("#file-leo")
+    assert copied == file.text_content()
+    selected, file = other.evaluate("getSelection().toString()"), other.locator("#file-rover_zero4wd")
+    assert selected.strip() == (file.text_content() or "").strip()
+    assert "ros__parameters:" in copied + selected
 
 
 def test_colours_follow_the_system(visit: Visit) -> None:

@@ -1,7 +1,5 @@
 """The report of a tuning: what stands on it, without a browser."""
 
-import re
-from collections.abc import Mapping
 from dataclasses import replace
 from html import unescape
 from itertools import pairwise
@@ -10,122 +8,40 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from harness.tune.episodes.plan import Part
-from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
-from harness.tune.page.ground_figures import ground_figures
-from harness.tune.page.page import render
-from harness.tune.page.scan_figures import scan_figures
-from harness.tune.page.subject import Subject, levels
-from harness.tune.page.tables import _text, clearance
-from harness.tune.parameter_file import parameter_file
+from harness.tune.output import parameter_file
+from harness.tune.page.sample_figures import MOST_POINTS, has_both_classes, precision_recall, roc
+from harness.tune.page.subject import levels
+from harness.tune.page.tables import _text
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.imu_events import SIGNALS
-from harness.tune.scoring.study import scored_records
-from tests.support.pages import Outline, without_plotly
+from tests.harness.tune.conftest import COMMAND, rendered
+from tests.support.pages import Outline, described_page
+from tests.support.snapshots import check_snapshot
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
 
 
-@pytest.fixture(scope="module")
-def page(small_page: str) -> str:
-    """The page without plotly."""
-    return without_plotly(small_page)
-
-
-@pytest.fixture
-def command(page: str) -> str:
-    """What the page says that it was made with."""
-    return unescape(re.findall(r"<pre tabindex=\"0\">([^<]*)</pre>", page)[0])
-
-
-def cells_of(page: str, threshold: str) -> list[str]:
-    """The cells of the first row of a threshold."""
-    row = page[page.index(f'<th scope="row">{threshold}</th>') :].partition("</tr>")[0]
-    return re.findall(r"<td[^>]*>([^<]*)</td>", row)
-
-
-def test_headings_are_in_order_and_every_tag_is_closed(page: str) -> None:
-    outline = Outline(page)
-    assert outline.open == []
-    assert outline.levels.count(1) == 1
-    assert all(later <= earlier + 1 for earlier, later in pairwise(outline.levels))
-
-
-def test_page_refers_to_nothing_outside_itself(page: str) -> None:
-    assert not re.search(r"https?://|(src|href)=\"(?!data:|#)", page)
-    for target in re.findall(r'href="#([^"]+)"', page):
-        assert f'id="{target}"' in page
-    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]+)"', page)
-    assert policy.startswith("default-src &#39;none&#39;; script-src &#39;sha256-")
-
-
-def test_same_arguments_give_the_same_bytes_and_not_too_many(
-    small_page: str, small_sweep: "Sweep", command: str
-) -> None:
-    assert render(*small_sweep, command) == small_page
+def test_tables_and_figures_of_a_tuning_are_as_somebody_has_checked(small_page: str) -> None:
+    text = described_page(small_page)
+    assert all(later <= earlier + 1 for earlier, later in pairwise(Outline(text).levels))
+    assert "<b>" not in text  # of the command
     assert len(small_page.encode()) < 3_000_000
+    check_snapshot("tuning.html.txt", text)
 
 
-def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_sweep: "Sweep") -> None:
-    verdict = small_sweep[0][0].collision.verdict
-    assert verdict.tuned is not None
-    measure, default, *scores, standing = cells_of(page, "collision_threshold")
-    assert (measure, default, standing) == ("F1", "0.2 m", "better: intervals apart")
-    told = [score.replace("\N{NO-BREAK SPACE}", " ") for score in scores]
-    assert told[2] == f"{verdict.tuned.value:g} m"
-    assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
-    assert told[5].startswith("+")
+def test_same_arguments_give_the_same_page(small_page: str, small_sweep: "Sweep") -> None:
+    assert rendered(small_sweep) == small_page
+    assert all(parameter_file(study, COMMAND) in unescape(small_page) for study in small_sweep[0])
 
 
-def test_the_safe_clearance_is_the_sum_of_its_parts(small_sweep: "Sweep") -> None:
-    lengths = [float(length.split()[0]) for _, length in clearance(small_sweep[0][0]).rows]
-    assert sum(lengths[:4]) == pytest.approx(lengths[4], abs=0.002)
-
-
-def test_a_threshold_without_support_says_why(page: str) -> None:
-    second = page[page.index('<th scope="row">distance_threshold</th>') :]
-    assert cells_of(second, "collision_threshold")[-1].startswith(
-        "default stays: 0 contacts with hazards in the train episodes"
-    )
-    assert "No contact with a hazard in the test episodes, so there is no curve." in page
-    assert "The test episodes have ground of one class only, so there is no figure." in page
-
-
-def test_parameter_files_stand_on_the_page_as_they_are(
-    page: str, small_sweep: "Sweep", command: str
-) -> None:
-    texts = re.findall(r"<pre id=\"file-\w+\"[^>]*>([^<]*)</pre>", page)
-    assert [unescape(text) for text in texts] == [
-        parameter_file(study, command) for study in small_sweep[0]
-    ]
-
-
-def test_the_command_is_text_and_never_markup(page: str) -> None:
-    assert "<b>" not in page
-    assert page.count("&lt;b&gt;tuning") == 3  # both files and the way to repeat it
-
-
-@pytest.mark.parametrize(
-    ("score", "expected"),
-    [
-        (Estimate(-0.25, -0.5, 0.125), "\N{MINUS SIGN}0.25 (\N{MINUS SIGN}0.50 to +0.12)"),
+def test_a_gain_has_a_sign_and_its_interval() -> None:
+    minus = "\N{MINUS SIGN}"
+    for score, expected in (
+        (Estimate(-0.25, -0.5, 0.125), f"{minus}0.25 ({minus}0.50 to +0.12)"),
         (Estimate(0.5), "+0.50 (no interval)"),
         (Estimate(float("nan")), "\N{EN DASH}"),
-    ],
-)
-def test_a_gain_has_a_sign_and_its_interval(score: Estimate, expected: str) -> None:
-    assert _text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
-
-
-def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
-    scores: Mapping[str, np.ndarray] = {
-        FALSE_ALARMS: np.array([0.0, 5.0, 2.0, 5.0, 9.0, 4.0]),
-        "recall": np.array([0.1, 0.6, 0.4, 0.7, 0.7, 0.2]),
-    }
-    price, recall = frontier(scores)
-    assert price.tolist() == [0.0, 2.0, 5.0]
-    assert recall.tolist() == [0.1, 0.4, 0.7]
+    ):
+        assert _text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:
@@ -135,32 +51,15 @@ def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> No
     assert [shape["name"] for shape in levels(doubtful)][1].startswith("chosen (not proven) 0.")
 
 
-@pytest.mark.parametrize("number", range(len(SIGNALS)))
-def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sweep") -> None:
-    studies, records = small_sweep
-    leo, signal = Subject(studies[0], scored_records("leo", records)), SIGNALS[number]
-    plot = ground_figures(leo)[f"{signal.parameter}-classes"]
-    assert not isinstance(plot, str)
-    assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)
-
-
-@pytest.mark.parametrize("name", ["roc", "rough_terrain_threshold-roc"])
-def test_values_of_thresholds_stand_on_the_curve_of_what_they_are_compared_with(
-    name: str, small_sweep: "Sweep"
-) -> None:
-    studies, records = small_sweep
-    leo = Subject(studies[0], scored_records("leo", records))
-    plot = (scan_figures(leo) | ground_figures(leo))[name]
-    assert not isinstance(plot, str)
-    curves, marks = list[list[float]](), list[list[float]]()
-    for trace in plot.figure["data"]:
-        if not trace["name"].startswith("chance"):
-            (marks if trace["mode"] == "markers" else curves).append([trace["x"], trace["y"]])
-    assert len(marks) >= 2
-    points = [np.array(curve, np.float64) for curve in curves]
-    between = np.linspace(0.0, 1.0, 50)[:, None, None]  # of two points that follow each other
-    each = [one[:, :-1].T * (1.0 - between) + one[:, 1:].T * between for one in points]
-    dense = np.concatenate([one.reshape(-1, 2) for one in each])
-    for place in marks:
-        assert np.hypot(*(dense.T - place)).min() < 0.02
-    assert all(np.trapezoid(y, x) > 0.5 for x, y in points)
+def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() -> None:
+    rng = np.random.default_rng(0)
+    truth = rng.random(20_000) < 0.1
+    score = rng.normal(truth * 2.0)
+    curve, along = roc(score, truth), precision_recall(score, truth)
+    assert len(curve.x) <= MOST_POINTS + 1
+    assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
+    assert np.trapezoid(curve.y, curve.x) == pytest.approx(curve.area, abs=0.002)
+    assert abs(curve.area - 0.921) < 0.01  # Phi(2 / sqrt 2)
+    assert 0.0 < float(along.x[0]) < float(along.x[-1]) == 1.0
+    assert along.y[-1] == pytest.approx(truth.mean())
+    assert [has_both_classes(np.array(some, bool)) for some in ([1], [], [0, 1])] == [False, False, True]

@@ -38,9 +38,7 @@ def found_in(record: EpisodeRecord) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize(("gap_ms", "expected"), [(500, 1), (501, 2)])
-def test_alarms_up_to_half_a_second_apart_are_one(
-    make_record: MakeRecord, gap_ms: int, expected: int
-) -> None:
+def test_alarms_half_a_second_apart_are_one(make_record: MakeRecord, gap_ms: int, expected: int) -> None:
     record = make_record([NEAR] * 3)
     record.scans["stamp_ms"] = (1000, 1250, 1250 + gap_ms)
 
@@ -55,14 +53,13 @@ def test_alarms_up_to_half_a_second_apart_are_one(
     [
         (1.0, 1.499, False),  # too long before the contact
         (1.0, 1.5, True),  # half a second before: what is touched may be too near to be seen
-        (1.9, 2.1, True),
         (2.05, 2.1, True),
         (2.25, 2.3, True),  # the scan that follows the last tick
         (2.251, 2.3, False),
         (1.0, 3.0, True),
     ],
 )
-def test_an_alarm_belongs_to_a_contact_shortly_after_it_or_during_it(
+def test_which_alarm_belongs_to_a_contact(
     make_record: MakeRecord, start: float, end: float, *, belongs: bool
 ) -> None:
     record = make_record([], contacts=[(2.0, 2.2), (9.0, 9.1)])
@@ -94,7 +91,7 @@ def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record:
         np.testing.assert_allclose(measure(counts[:2]), expected[name], err_msg=name)
 
 
-def test_scans_are_scored_one_by_one_as_scikit_learn_does(make_record: MakeRecord) -> None:
+def test_scans_are_scored_as_scikit_learn_does(make_record: MakeRecord) -> None:
     rng = np.random.default_rng(0)
     record = make_record(np.round(rng.uniform(0.0, 1.0, 200), 1))
     record.scans["contact"] = rng.random(200) < 0.3
@@ -116,22 +113,7 @@ def test_scans_are_scored_one_by_one_as_scikit_learn_does(make_record: MakeRecor
         )
 
 
-def test_each_detector_has_its_distance_and_near_returns_count_only_where_it_says_so(
-    make_record: MakeRecord,
-) -> None:
-    record = make_record([3.0, 2.0])
-    record.scans["footprint"] = (1.0, 0.5)
-    record.scans["near_returns"] = (0, 1)
-
-    assert {name: detector(record).tolist() for name, detector in DETECTORS.items()} == {
-        "nearest range": [3.0, 2.0],
-        "nearest range, near returns count": [3.0, -np.inf],
-        "footprint clearance": [1.0, 0.5],
-        "footprint clearance, near returns count": [1.0, -np.inf],
-    }
-
-
-def test_lead_time_runs_from_the_first_alarm_to_each_contact_that_was_found(
+def test_lead_time_runs_from_the_first_alarm_to_each_contact(
     make_record: MakeRecord,
 ) -> None:
     # Told by two alarms; told only once it has begun; not told.

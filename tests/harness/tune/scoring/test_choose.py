@@ -1,4 +1,4 @@
-"""Which value of a threshold is chosen, and how it is judged beside the default."""
+"""Which value of a threshold is chosen, how it is judged beside the default, when it replaces it."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.choose import Scoring, judged
-from harness.tune.scoring.estimate import Sums
+from harness.tune.scoring.choose import Candidate, Scoring, Verdict, judged
+from harness.tune.scoring.estimate import Estimate, Sums
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 MakeRecord = Callable[..., EpisodeRecord]
@@ -50,12 +50,10 @@ def episodes(make_record: MakeRecord) -> list[EpisodeRecord]:
     ("scores", "best"),
     [
         ((0.0, 1.0, 3.0, 2.999, 2.999, 0.0), 0.3),
-        ((0.0, 1.0, 1.0, 1.0, 0.0, 0.0), 0.3),  # the middle of a plateau
-        ((1.0, 1.0, 1.0, 1.0, 1.0, 0.0), 0.3),
+        ((1.0, 1.0, 1.0, 1.0, 1.0, 0.0), 0.3),  # the middle of a plateau
         ((0.0, 2.0, 2.0, 0.0, 0.0, 0.0), 0.3),  # of an even number the upper of the middle two
         ((2.0, 0.0, 0.0, 0.0, 2.0, 2.0), 0.5),  # of plateaus apart likewise
         ((NAN, 1.0, 2.0, NAN, 0.0, NAN), 0.3),  # what is undefined is not best
-        ((-3.0, -2.0, -1.0, -2.0, -3.0, -4.0), 0.3),
     ],
 )
 def test_the_best_value_is_the_middle_of_those_with_the_highest_score(
@@ -64,7 +62,7 @@ def test_the_best_value_is_the_middle_of_those_with_the_highest_score(
     assert scoring(scores).best(episodes) == best
 
 
-def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(
+def test_the_gain_is_of_the_same_resampled_episodes(
     episodes: list[EpisodeRecord],
 ) -> None:
     gain = scoring((0.0, 1.0, 2.0, 3.5, 4.0, 5.0)).gain(episodes, (0.4, 0.2))
@@ -73,7 +71,7 @@ def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(
         assert (gain[name].value, gain[name].low, gain[name].high) == pytest.approx((expected,) * 3)
 
 
-def test_a_value_is_chosen_on_one_part_and_judged_against_the_default_on_the_other(
+def test_a_value_is_chosen_on_one_part_and_judged_on_the_other(
     episodes: list[EpisodeRecord],
 ) -> None:
     one, other = scoring((0.0, 1.0, 2.0, 0.0, 0.0, 0.0)), scoring((0.0, 3.0, 0.0, 0.0, 9.0, 0.0))
@@ -104,3 +102,54 @@ def test_without_support_only_the_default_is_scored(episodes: list[EpisodeRecord
     assert (verdict.name, verdict.unit, verdict.measure) == (PARAMETER, "m", "mean")
     assert verdict.default.scores[Part.TEST]["mean"].value == pytest.approx(1.275)
     assert not verdict.is_proven
+
+
+def candidate(value: float, score: Estimate) -> Candidate:
+    other = Estimate(0.1, 0.0, 0.2)  # the part on which it was chosen says nothing
+    scores = {
+        Part.TRAIN: {"F1": other, "recall": other},
+        Part.TEST: {"F1": score, "recall": other},
+    }
+    return Candidate(value=value, scores=scores)
+
+
+def verdict(gain: Estimate, tuned: Estimate, default: Estimate) -> Verdict:
+    return Verdict(
+        name="collision_threshold",
+        unit="m",
+        measure="F1",
+        default=candidate(0.2, default),
+        tuned=candidate(0.3, tuned),
+        gain={"F1": gain, "recall": Estimate(0.5, 0.4, 0.6)},
+    )
+
+
+SOME = Estimate(0.5, 0.4, 0.6)
+
+
+def test_a_value_is_given_only_if_the_whole_interval_of_its_gain_is_above_zero() -> None:
+    for low, value in ((0.001, 0.3), (0.0006, 0.3), (0.0004, None), (-0.001, None), (None, None)):
+        assert verdict(Estimate(0.1, low, 0.2), SOME, SOME).value == value
+
+
+def test_it_is_proven_only_if_the_intervals_are_apart() -> None:
+    ends = ((0.61, 0.6, True), (0.6, 0.6, False), (None, 0.6, False), (0.61, None, False))
+    for tuned_low, default_high, proven in ends:
+        tuned, default = Estimate(0.7, tuned_low, 0.8), Estimate(0.5, 0.4, default_high)
+        assert verdict(SOME, tuned, default).is_proven is proven
+        assert not verdict(SOME, default, tuned).is_proven
+
+
+def test_scores_have_a_third_digit_where_two_hide_the_difference() -> None:
+    for gain, digits in (
+        (Estimate(0.2, 0.1, 0.3), 2),
+        (Estimate(0.01, 0.01, 0.01), 2),
+        (Estimate(0.0086, 0.0068, 0.0108), 3),  # 0.987 to 0.996, not 0.99 to 1.00
+        (Estimate(0.02, 0.0002, 0.04), 3),
+        (Estimate(-0.02, -0.04, -0.0099), 3),
+        (Estimate(0.0, -0.1, 0.1), 2),  # what is 0 is told as 0
+        (Estimate(float("nan")), 2),
+    ):
+        assert verdict(gain, SOME, SOME).digits == digits
+    written = [verdict(SOME, SOME, SOME).written(candidate(v, SOME)) for v in (0.250, True, False)]
+    assert written == ["0.25 m", "true", "false"]

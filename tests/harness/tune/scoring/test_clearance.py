@@ -26,20 +26,8 @@ def test_a_stop_from_top_speed_takes_what_the_controller_allows(rover: RoverSpec
     assert braking.speed == pytest.approx(rover.top_speed, rel=0.03)
     assert braking.distance == pytest.approx(braking.speed**2 / (2 * rover.linear_acceleration), rel=0.1)
     assert braking.time == pytest.approx(braking.speed / rover.linear_acceleration, rel=0.1)
-
-
-def test_a_fast_rover_is_stopped_from_a_speed_that_has_room_on_the_floor() -> None:
-    fast = ROVER_ZERO4WD.but(wheel_speed_limit=80.0)
-    assert measure_braking(fast, seed=0).speed < 2.1
-
-
-@pytest.mark.parametrize("speed", [0.3, 1.0])
-def test_a_warning_must_come_as_early_as_the_stopping_distance_takes(speed: float) -> None:
-    stopping_distance = speed * LATENCY + speed**2 / (2 * 5.0)
-
-    assert STOP.needed_lead(speed) == pytest.approx(stopping_distance / speed)
-    assert STOP.needed_lead(5.0) == STOP.needed_lead(1.0)  # faster it cannot be but downhill
-    assert Braking(speed, distance=0.3, time=9.0).stopping_distance == pytest.approx(0.1 * speed + 0.3)
+    if rover is ROVER_ZERO4WD:  # a fast one is stopped from a speed that has room on the floor
+        assert measure_braking(rover.but(wheel_speed_limit=80.0), seed=0).speed < 2.1
 
 
 @pytest.fixture
@@ -60,7 +48,7 @@ def near_between(
 
 
 @pytest.mark.usefixtures("stops")
-def test_the_clearance_is_the_sum_of_its_parts_rounded_up(
+def test_the_clearance_is_a_sum_rounded_up(
     make_record: MakeRecord, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     records = dict.fromkeys(Part, [near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)
@@ -108,37 +96,14 @@ def test_a_warning_counts_if_it_comes_in_time_and_a_contact_follows(
     assert counts[0, :, 1:4].tolist() == [[0, 0, 0]] * 2
 
 
-def test_each_contact_and_each_warning_counts_for_itself(make_record: MakeRecord) -> None:
-    scans = np.arange(1, 121) / 20
-    warned = np.isin(np.round(scans), (1.0, 4.0)) & (scans % 1.0 < 0.3)
-    contacts = [(start, start + 0.1) for start in (1.4, 1.5, 1.8, 5.0)]  # one after the other warning
-    record = make_record(np.where(warned, 0.25, 3.0), contacts=contacts)
-    record.events["zone"][0] = Zone.SIDE
-
-    counts = clearance._counts(STOP, [record], np.array([0.25, 0.5]))[:, 0, :4]
-
-    assert counts.tolist() == [[3, 0, 0, 0], [3, 3, 2, 2]]  # strict, as in the metrics
-
-
-def test_warning_in_the_nick_of_time_is_in_time(make_record: MakeRecord) -> None:
-    record = near_between(make_record, 1.0, 1.5, [(1.25, 1.3)])
-    just = Braking(speed=1.0, distance=0.1, time=0.25 * 2 - 0.2)  # needs 0.25 s
-
-    record.events["start_s"] = record.times[19] + just.needed_lead(1.0)
-
-    assert clearance._counts(just, [record], np.array([0.5]))[0, 0, 1] == 1
-
-
 @pytest.mark.parametrize(
     ("changed", "contacts"),
     [
         ({}, 1),
         ({"zone": Zone.SIDE}, 0),
-        ({"zone": Zone.REAR}, 0),
         ({"sight": Sight.TOO_LOW}, 0),
         ({"speed": 0.05}, 0),
         ({"speed": 0.06}, 1),
-        ({"speed": -0.5}, 0),
     ],
 )
 def test_only_contacts_ahead_that_were_seen_while_moving_could_have_been_avoided(
@@ -155,13 +120,12 @@ def test_only_contacts_ahead_that_were_seen_while_moving_could_have_been_avoided
 
 
 @pytest.mark.usefixtures("stops")
-@pytest.mark.parametrize("ahead", [4, 5])
-def test_five_contacts_ahead_are_needed_to_check_it(make_record: MakeRecord, ahead: int) -> None:
+def test_five_contacts_ahead_are_needed_to_check_it(make_record: MakeRecord) -> None:
     record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1), (2.0, 2.1)])
     record.events["zone"][1] = Zone.SIDE
-    records = {Part.TRAIN: [record], Part.TEST: [record] * ahead}
-    lack = (
-        "4 contacts ahead with hazards that the lidar saw in the test episodes; 5 are needed to check it"
+    few, enough = (
+        study_clearance({Part.TRAIN: [record], Part.TEST: [record] * ahead}, LEO, seed=0).verdict.lack
+        for ahead in (4, 5)
     )
-
-    assert study_clearance(records, LEO, seed=0).verdict.lack == (lack if ahead == 4 else None)
+    what = "contacts ahead with hazards that the lidar saw in the test episodes"
+    assert (few, enough) == (f"4 {what}; 5 are needed to check it", None)

@@ -7,7 +7,7 @@ import pytest
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.scoring.distance import study_distance
-from tests.support.rovers import LEO, ROVER_ZERO4WD
+from tests.support.rovers import ROVER_ZERO4WD
 
 MakeRecord = Callable[..., EpisodeRecord]
 
@@ -32,19 +32,3 @@ def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: M
     assert study.verdict.tuned is not None
     assert study.verdict.tuned.value == 0.75  # of 0.51 to 0.99
     assert study.verdict.note == "for poses at 50 Hz, four in a row of which may be lost"
-
-
-@pytest.mark.parametrize(
-    ("count", "lack"),
-    [(100, None), (99, "99 s of poses in the test episodes; 100 are needed")],
-)
-def test_a_hundred_seconds_of_each_part_are_needed(
-    make_record: MakeRecord, count: int, lack: str | None
-) -> None:
-    enough = make_record([], windows=seconds(0.1, 5.0, 100))
-    records = {
-        Part.TRAIN: [enough],
-        Part.TEST: [make_record([], windows=seconds(0.1, 5.0, n)) for n in (50, count - 50)],
-    }
-
-    assert study_distance(records, LEO).verdict.lack == lack

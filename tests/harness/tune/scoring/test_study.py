@@ -9,14 +9,11 @@ import pytest
 
 from harness.tune.episodes.plan import Part, plan
 from harness.tune.episodes.record import Ending, EpisodeRecord, Sight
-from harness.tune.scoring.alarms import DETECTORS, NEAREST_RANGE
+from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.collision import UnseenContacts
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.result import Candidate, Verdict
 from harness.tune.scoring.study import (
-    Driven,
     _driven,
-    alternatives,
     judgement,
     scored_records,
     unreachable,
@@ -70,7 +67,6 @@ def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
         (None, (0.0, 0.0, 0.0), "stays for leo, because the data support no value: no contacts."),
         (0.65, (0.2, -0.1, 0.3), "stays for leo, for nothing better is proven: "),
         (0.65, (0.2, 0.05, 0.3), "is wrong for leo: "),
-        (0.65, (0.2, 0.049, 0.3), "is worse than it could be for leo: "),
         (0.65, (0.02, 0.004, 0.049), "is a little worse than it could be for leo: "),
         (0.65, (0.04, 0.03, 0.05), "is worse than it could be for leo: "),
         (0.55, (0.2, 0.1, 0.3), "is worse than 0.3 m for leo: "),
@@ -93,7 +89,9 @@ def test_a_default_is_as_bad_as_the_whole_interval_of_the_gain_says(
     ("contacts", "unseen", "words"),
     [
         (0, (0, 0, 0), "No contact took place"),
-        (7, (0, 0, 0), "The lidar saw every one of the 7"),
+        (7, (0, 0, 0), "The lidar saw every one of the 7 hazards that were touched"),
+        (1, (0, 0, 0), "The lidar saw the hazard that was touched"),
+        (1, (1, 0, 0), r"1 of 1 contact \(100 %\)"),
         (16, (3, 0, 1), r"4 of 16 contacts \(25 %\).*: 3 below the lidar, 1 out of its plane\.$"),
     ],
 )
@@ -105,16 +103,3 @@ def test_contacts_that_no_threshold_tells_are_counted_by_reason(
     study = replace(small_sweep[0][0].collision, contacts=contacts, unseen_contacts=spots)
 
     assert re.search(words, unreachable(study))
-
-
-def test_the_other_detectors_are_those_after_the_first(small_sweep: "Sweep") -> None:
-    study = small_sweep[0][0].collision
-    names = [name for name in DETECTORS if name != NEAREST_RANGE]
-
-    sentences = list(alternatives(study))
-
-    assert [line.partition(" below ")[0].lower() for line in sentences] == names
-    f1 = study.detectors[1].events.scores[Part.TEST]["F1"]
-    assert f"F1 {f1.text()}, recall" in sentences[0]
-    rounded = Driven(endings={Ending.TIPPED_OVER: 1, Ending.COMPLETE: 3}, seconds=630, path_length=1234)
-    assert rounded.text() == "10 min and 1.23 km scored; 3 complete, 1 tipped over"

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -53,7 +52,7 @@ def logs(row: Row) -> Iterator[tuple[str, list[str], tuple[Metric, ...]]]:
     yield "rows of an older node", [*map(row, range(8)), *older], speed
     yield "half of them", [*good[:2], *older], speed
     yield "one row with a field too many", [row(0).replace("100,", "100,7,")], EVERY
-    for note in ("", '"Low, rough"', '"a, b, c, d"', '"Low, ro', 'odd "quote'):
+    for note in ("", '"a, b, c, d"', '"Low, ro', 'odd "quote'):
         yield f"a note: {note}", [good[0], row(1, Notes=note), good[2]], EVERY
         spaced = [line.replace(",", ", ") for line in (good[0], row(1, Notes=note))]
         yield f"a note, and spaces: {note}", spaced, EVERY
@@ -116,23 +115,18 @@ def test_a_row_with_any_number_of_fields_too_many_is_left_out_alike(
         assert [finding.partition(" (")[2][:7] for finding in log.findings[:2]] == ["line 5)", "line 10"]
 
 
-def test_another_column_keeps_all_its_digits_and_may_be_empty(
-    write_log: WriteLog, tmp_path: Path
-) -> None:
+def test_another_column_keeps_all_its_digits(write_log: WriteLog, row: Row, tmp_path: Path) -> None:
     lines = write_log(lines=2).read_text().splitlines()
     path = tmp_path / "more.csv"
     path.write_text(f"{lines[0]},ms\n{lines[1]},1700000000123\n{lines[2]},\n")
     log = read_log(path, [other_metric("ms")])
     np.testing.assert_array_equal(log.columns["ms"], [1_700_000_000_123, np.nan])
     assert log.findings == ()
+    jumps = [row(i, Timestamp=stamp) for i, stamp in enumerate((50, 51, 52, 3, 4, 40, 41))]
+    assert list(read_log(write_log(lines=jumps), gap=100.0).starts) == [0, 3]
 
 
-def test_a_gap_is_as_long_as_asked_for(write_log: WriteLog, row: Row) -> None:
-    lines = [row(i, Timestamp=stamp) for i, stamp in enumerate((50, 51, 52, 3, 4, 40, 41))]
-    assert list(read_log(write_log(lines=lines), gap=100.0).starts) == [0, 3]
-
-
-def test_a_session_that_was_killed_is_read_with_a_finding_and_one_that_ended_without(
+def test_a_session_that_was_killed_is_read_with_a_finding(
     write_log: WriteLog,
 ) -> None:
     log = write_log()
@@ -140,16 +134,6 @@ def test_a_session_that_was_killed_is_read_with_a_finding_and_one_that_ended_wit
     assert read_log(log).findings == ("the session has no end mark: it was killed, or is still running",)
     write_record(log, COMPLETE, {})
     assert read_log(log).findings == ()
-
-
-@pytest.mark.parametrize(
-    ("error", "reason"), [(MemoryError(), "out of memory"), (ValueError("no\n such"), "no such")]
-)
-def test_what_pandas_cannot_do_is_told_in_one_line(
-    write_log: WriteLog, monkeypatch: pytest.MonkeyPatch, error: Exception, reason: str
-) -> None:
-    monkeypatch.setattr("pandas.read_csv", Mock(side_effect=error))
-    assert described(write_log()) == f"refused: cannot be read: {reason}"
 
 
 def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, row: Row) -> None:
@@ -176,9 +160,7 @@ def test_what_is_no_text_or_no_file_is_refused(tmp_path: Path, write_log: WriteL
     assert "no column for OC, VR" in described(tmp_path / "little.csv", (METRICS["OC"], METRICS["VR"]))
 
 
-def test_an_extended_log_reads_as_the_twelve_and_its_empty_cells_are_nothing_odd(
-    write_log: WriteLog, row: Row, tmp_path: Path
-) -> None:
+def test_an_extended_log_reads_as_the_twelve(write_log: WriteLog, row: Row, tmp_path: Path) -> None:
     header = ",".join(EXTENDED_HEADER)
     empty = "," * (len(EXTENDED_HEADER) - len(COLUMNS))
     lines = [row(i) + (empty if i % 2 else f",0.25{empty[1:]}") for i in range(10)]

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.logs.time_axis import TimeAxis, on_grid
+from rover_metrics.analysis.logs.log import Floats, TimeAxis, on_grid
 
 STAMPS = np.array([100.0, 101.0, 102.0, 104.0])
 VALUES = np.array([1.0, 3.0, np.nan, 7.0])
@@ -41,11 +40,3 @@ def test_a_grid_averages_dense_rows_and_bridges_sparse_ones_but_not_the_ends() -
     shifted = on_grid(np.arange(41.0) + 100, np.arange(41.0), grid + 100)
     np.testing.assert_allclose(shifted, dense)
     assert np.isnan(on_grid(np.array([0.0]), np.array([np.nan]), grid)).all()
-
-
-def test_labels_say_what_the_axis_shows() -> None:
-    assert TimeAxis().label == "Share of the episode [%]"
-    assert TimeAxis("none").label == "Time since the episode began [s]"
-    assert TimeAxis("fixed_interval", 0.5).label == (
-        "Time since the episode began [s], means over 0.5 s"
-    )

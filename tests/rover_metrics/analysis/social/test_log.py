@@ -37,7 +37,7 @@ def test_what_a_log_may_lack_and_what_is_left_out(tmp_path: Path) -> None:
     assert log.position.shape == (3, 2)
     assert log.goals.tolist() == [3, 0, 7]
     told = [f"line {number} is not 5 numbers and is left out" for number in (3, 4, 6)]
-    assert list(log.findings) == [*told, "2 more lines are left out"]
+    assert list(log.findings) == [*told, "2 more lines left out"]
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,9 @@ def test_a_run_by_hand() -> None:
     assert figures.min_time_to_collision == pytest.approx(0.5 / 1.5)
     assert figures.closing_s == 2
     assert run_figures(log, 1.0).risk_s == 3
+    none = run_figures(made([[nan], [nan]], [0, 0]))
+    assert (none.risk_s_per_goal, none.s_per_goal, none.min_distance) == (None, None, None)
+    assert (none.min_time_to_collision, sum(none.zone_s.values())) == (None, 0)
 
 
 def test_time_to_collision_is_distance_over_closing_speed() -> None:
@@ -55,21 +58,12 @@ def test_time_to_collision_is_distance_over_closing_speed() -> None:
     np.testing.assert_allclose(times_to_collision(log)[:, 0], [4.0, inf, inf, inf, 8.0, inf, inf])
 
 
-def test_a_run_without_goals_or_people_in_sight_has_no_ratio() -> None:
-    figures = run_figures(made([[np.nan], [np.nan]], [0, 0]))
-    assert (figures.risk_s_per_goal, figures.s_per_goal) == (None, None)
-    assert (figures.min_distance, figures.min_time_to_collision) == (None, None)
-    assert sum(figures.zone_s.values()) == 0
-
-
 ROWS = st.lists(st.tuples(st.integers(0, 2), st.sampled_from([0.2, 0.5, 2.0, np.nan])), min_size=1)
 
 
 @settings(max_examples=30)
 @given(st.lists(ROWS, max_size=3), st.integers(1, 3))
-def test_a_window_ends_with_its_last_goal_and_reaches_from_one_log_into_the_next(
-    runs: list[list[tuple[int, float]]], goals: int
-) -> None:
+def test_a_window_ends_with_its_last_goal(runs: list[list[tuple[int, float]]], goals: int) -> None:
     logs = [made([[far] for _, far in run], np.cumsum([new for new, _ in run]).tolist()) for run in runs]
     expected, seconds, risk, reached = [], 0, 0, 0
     before: int | None = None

@@ -1,6 +1,7 @@
 """Two groups of observations, against scipy and every pair or split counted."""
 
 from itertools import combinations, product
+from math import comb
 
 import numpy as np
 import pytest
@@ -9,8 +10,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.statistics.comparison import MOST_SPLITS, compare
-from rover_metrics.analysis.statistics.holm import holm
+from rover_metrics.analysis.statistics.comparison import compare, describe_power, holm
 
 A = np.array([1.0, 2.0, 3.0, 4.0])
 B = np.array([6.0, 7.0, 8.0, 9.0])
@@ -33,20 +33,15 @@ def exact_p(first: Floats, second: Floats) -> float:
 @given(FEW, FEW)
 def test_few_observations_are_judged_by_every_split_and_pair(first: Floats, second: Floats) -> None:
     result = compare("CV", first, second, 0.9)
-    assert (result.code, result.n, result.test) == (
-        "CV",
-        (first.size, second.size),
-        "exact permutation",
-    )
+    sizes = (first.size, second.size)
+    assert (result.code, result.n, result.test) == ("CV", sizes, "exact permutation")
     assert list(result.means) == pytest.approx([first.mean(), second.mean()])
     assert result.difference == pytest.approx(second.mean() - first.mean())
     assert result.p == pytest.approx(exact_p(first, second))
     signs = np.sign(second[:, None] - first[None, :])
     assert result.cliffs_delta == pytest.approx(signs.mean())
     freedom = first.size + second.size - 2
-    pooled = np.sqrt(
-        (((first - first.mean()) ** 2).sum() + ((second - second.mean()) ** 2).sum()) / freedom
-    )
+    pooled = np.sqrt((first.var() * first.size + second.var() * second.size) / freedom)
     if pooled:
         g = (second.mean() - first.mean()) / pooled * (1 - 3 / (4 * freedom - 1))
         assert result.hedges_g == pytest.approx(g)
@@ -65,17 +60,12 @@ def test_few_observations_are_judged_by_every_split_and_pair(first: Floats, seco
         ((9, 8), "Mann-Whitney U", 2 / 24_310),
     ],
 )
-def test_the_number_of_splits_chooses_the_test(
-    sizes: tuple[int, int], test: str, smallest: float
-) -> None:
-    assert MOST_SPLITS == 20_000
+def test_the_number_of_splits_decides(sizes: tuple[int, int], test: str, smallest: float) -> None:
     rng = np.random.default_rng(0)
     a, b = rng.exponential(1, sizes[0]), 100 + rng.exponential(2, sizes[1])
     result = compare("CV", a, b, 0.95)
     assert result.test == test
-    assert [result.p, result.smallest_p] == pytest.approx(
-        [smallest] * 2
-    )  # all of the one below all of the other
+    assert [result.p, result.smallest_p] == pytest.approx([smallest] * 2)  # all below all
     if test == "Mann-Whitney U":
         mixed = np.concatenate((b[:4], a[4:]))
         expected = stats.mannwhitneyu(mixed, b).pvalue
@@ -93,7 +83,7 @@ def test_one_observation_or_none_gives_no_test() -> None:
 
 
 @given(st.lists(st.none() | st.floats(0.0, 1.0), max_size=6))
-def test_many_probabilities_are_adjusted_by_the_step_down_of_holm(
+def test_many_p_are_adjusted_by_the_step_down_of_holm(
     probabilities: list[float | None],
 ) -> None:
     """1979: p(j) becomes the largest of (m - i + 1) p(i) for all i up to j, and 1 at most."""
@@ -104,10 +94,8 @@ def test_many_probabilities_are_adjusted_by_the_step_down_of_holm(
         else:
             steps = [min(1.0, (len(known) - i) * q) for i, q in enumerate(known) if q <= p]
             assert adjusted == pytest.approx(max(steps))
-
-
-def test_adjusted_probabilities_are_those_of_the_textbooks_example() -> None:
-    assert holm([0.01, 0.04, None, 0.03, 0.005]) == pytest.approx([0.03, 0.06, None, 0.06, 0.02])
+    textbook = holm([0.01, 0.04, None, 0.03, 0.005])
+    assert textbook == pytest.approx([0.03, 0.06, None, 0.06, 0.02])
 
 
 PAIRS = st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=6)
@@ -155,9 +143,53 @@ def test_many_pairs_are_judged_by_wilcoxons_signed_ranks() -> None:
         ([1, 3], [4, 6], 3 / np.sqrt(2) * 4 / 7),
     ],
 )
-def test_an_effect_has_no_sign_and_is_infinite_without_spread_and_none_without_a_test(
-    first: list[float], second: list[float], effect: float
-) -> None:
+def test_an_effect_has_no_sign(first: list[float], second: list[float], effect: float) -> None:
     groups = np.array(first, float), np.array(second, float)
     for a, b in (groups, groups[::-1]):
         assert compare("CV", a, b, 0.95).effect == pytest.approx(effect)
+
+
+def told(logs: int, metrics: int, *, paired: bool = False, alpha: float = 1 - 0.95) -> list[str]:
+    apart = (np.arange(float(logs)), 100 + np.arange(float(logs)))
+    found = [compare(f"M{i}", *apart, 0.95, paired=paired) for i in range(metrics)]
+    notes = list(describe_power(found, "log", alpha))
+    adjusted = [p for p in holm([each.p for each in found]) if p is not None]
+    assert bool(notes) == (not adjusted or min(adjusted) > alpha + 1e-9)
+    return notes
+
+
+def test_it_is_told_whether_any_p_can_pass_after_holms_correction() -> None:
+    assert told(5, 3) == []  # 3 x 2 / 252
+    (note,) = told(4, 3)
+    assert note == (
+        "So few logs cannot give a p (Holm) below 0.086 among 3 metrics, whatever they show: no "
+        "difference can be told at 0.05. It takes 5 logs in each group, or fewer metrics with -m."
+    )
+    assert told(4, 1) == []
+    (alone,) = told(3, 1)
+    assert "below 0.1, whatever they show" in alone
+    assert alone.endswith("It takes 4 logs in each group.")
+    assert "(Holm) below 1 among 4" in told(2, 4)[0]  # not 4 x 2 / 6
+
+
+@pytest.mark.parametrize("metrics", [1, 2, 11])
+def test_as_many_as_it_takes_are_enough_and_one_less_is_not(metrics: int) -> None:
+    enough = next(n for n in range(2, 20) if metrics * 2 / comb(2 * n, n) <= 0.05)
+    assert (told(enough, metrics), len(told(enough - 1, metrics))) == ([], 1)
+    pairs = next(n for n in range(2, 20) if metrics * 2 / 2**n <= 0.05)
+    assert told(pairs, metrics, paired=True) == []
+    assert f"It takes {pairs} logs" in told(pairs - 1, metrics, paired=True)[0]
+
+
+def test_metrics_of_fewer_logs_are_named_and_without_any_test_nothing_else_is_said() -> None:
+    few = compare("OC", np.arange(3.0), np.arange(3.0), 0.95)
+    many = compare("CV", np.arange(9.0), np.arange(9.0), 0.95)
+    alone = compare("VR", np.arange(1.0), np.arange(9.0), 0.95)  # no test, so nothing is said of it
+    note = "So few logs cannot give a p below 0.05 for OC."
+    assert list(describe_power([few, many, alone], "log", 0.05)) == [note]
+    assert told(1, 2) == ["No test: it needs two logs or more in each group."]
+    assert list(describe_power([], "log", 0.05)) == []
+    four = compare("OC", np.arange(4.0), np.arange(4.0), 0.95)  # 2 / 70: not the first by Holm
+    assert list(describe_power([four, many], "log", 0.05)) == []
+    on_the_edge = compare("OC", np.arange(3.0), np.arange(3.0), 0.9)
+    assert list(describe_power([on_the_edge], "log", 1 - 0.9)) == []  # 2 / 20

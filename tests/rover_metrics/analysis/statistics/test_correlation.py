@@ -42,16 +42,6 @@ def test_it_is_spearmans_with_a_t_test_on_the_effective_pairs(x: object, y: obje
     assert result.p_holm is None
 
 
-def test_two_random_walks_are_not_taken_for_related() -> None:
-    alarms = naive = 0
-    for seed in range(60):
-        x, y = np.cumsum(np.random.default_rng(seed).normal(size=(2, 300)), axis=1)
-        alarms += found(x, y).p < 0.05
-        naive += stats.spearmanr(x, y).pvalue < 0.05
-    assert naive > 40
-    assert alarms <= 12
-
-
 def test_only_rows_that_have_both_count() -> None:
     x, y = NOISE[0].copy(), NOISE[0].copy()
     x[:100], y[250:] = np.nan, np.inf
@@ -59,17 +49,10 @@ def test_only_rows_that_have_both_count() -> None:
     assert (found(x, -y).rho, found(x, -y).p) == (-1.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("x", "y"),
-    [
-        (NOISE[0], np.ones(300)),
-        (np.ones(300), NOISE[0]),
-        (NOISE[0][:9], NOISE[1][:9]),
-        (np.where(np.arange(300) < 9, NOISE[0], np.nan), NOISE[1]),
-    ],
-)
-def test_constant_or_few_values_have_no_correlation(x: object, y: object) -> None:
-    assert correlate("CV", "OC", np.asarray(x), np.asarray(y)) is None
+def test_constant_or_few_values_have_no_correlation() -> None:
+    few = np.where(np.arange(300) < 9, NOISE[0], np.nan)
+    for x, y in ((NOISE[0], np.ones(300)), (np.ones(300), NOISE[0]), (few, NOISE[1])):
+        assert correlate("CV", "OC", x, y) is None
 
 
 def test_logs_are_combined_by_fishers_z_with_the_variance_of_ranks() -> None:
@@ -94,10 +77,3 @@ def test_logs_are_combined_by_fishers_z_with_the_variance_of_ranks() -> None:
         assert sign * mixed == pytest.approx(
             math.tanh((math.atanh(1 - 1e-12) + 97 * math.atanh(0.2)) / 98)
         )
-
-
-def test_a_difference_between_logs_is_no_correlation() -> None:
-    low, high = NOISE, NOISE + 100
-    pooled = stats.spearmanr(np.concatenate((low[0], high[0])), np.concatenate((low[1], high[1])))
-    assert pooled.statistic > 0.7
-    assert combine([found(*low), found(*high)]).rho == pytest.approx(found(*low).rho)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.autocorrelation import block_length, effective_size
 from rover_metrics.analysis.statistics.summary import (
@@ -36,22 +35,17 @@ def test_the_numbers_are_those_of_a_hand_calculation() -> None:
     assert summary.interval == pytest.approx(expected)
     assert summary.n_effective == effective_size(VALUES)
     assert (summary.bootstrap_interval, summary.block_length) == (None, None)  # too few rows
-
-
-def test_weights_decide_the_mean_and_where_its_interval_lies() -> None:
     weights = np.array([1.0, 3.0, 3.0, 1.0, 1.0, 1.0, 1.0, 5.0])
-    summary = summarise(VALUES, weights, Kind.COUNTER, 0.95)
-    assert summary.mean == pytest.approx((VALUES * weights).sum() / 16)
-    assert summary.interval is not None
-    assert np.mean(summary.interval) == pytest.approx(summary.mean)
+    weighted = summarise(VALUES, weights, Kind.COUNTER, 0.95)
+    assert weighted.mean == pytest.approx((VALUES * weights).sum() / 16)
+    assert weighted.interval is not None
+    assert np.mean(weighted.interval) == pytest.approx(weighted.mean)
 
 
 @pytest.mark.parametrize(
     ("ones", "n", "confidence"), [(1, 10, 0.95), (7, 9, 0.9), (0, 50, 0.95), (200, 300, 0.8)]
 )
-def test_a_flag_has_a_share_with_wilsons_interval_and_nothing_else(
-    ones: int, n: int, confidence: float
-) -> None:
+def test_a_flag_has_a_share_with_wilsons_interval(ones: int, n: int, confidence: float) -> None:
     values = np.repeat([0.0, 100.0], [n - ones, ones])
     summary = summarise(values, np.ones(n), Kind.FLAG, confidence)
     assert summary.n == n
@@ -62,18 +56,16 @@ def test_a_flag_has_a_share_with_wilsons_interval_and_nothing_else(
     assert (summary.bootstrap_interval is None) == (n < 20 or ones == 0)
 
 
-@pytest.mark.parametrize("values", [np.full(50, 3.0), np.array([3.0])])
-def test_constant_values_have_no_interval(values: Floats) -> None:
-    summary = summarise(values, np.ones(values.size), Kind.LEVEL, 0.95)
-    assert (summary.n, summary.mean) == (values.size, 3.0)
-    assert summary.sd == (0.0 if values.size > 1 else None)
-    assert summary.interval is summary.bootstrap_interval is None
-
-
-def test_no_values_have_no_number() -> None:
+def test_constant_values_have_no_interval_and_none_have_no_number() -> None:
+    for values in (np.full(50, 3.0), np.array([3.0])):
+        summary = summarise(values, np.ones(values.size), Kind.LEVEL, 0.95)
+        assert (summary.n, summary.mean) == (values.size, 3.0)
+        assert summary.sd == (0.0 if values.size > 1 else None)
+        assert summary.interval is summary.bootstrap_interval is None
+    none = np.empty(0)
     for summary in (
-        summarise(np.empty(0), np.empty(0), Kind.LEVEL, 0.95),
-        summarise_independent(np.empty(0), Kind.LEVEL, 0.95),
+        summarise(none, none, Kind.LEVEL, 0.95),
+        summarise_independent(none, Kind.LEVEL, 0.95),
     ):
         assert (summary.n, summary.mean, summary.sd, summary.interval) == (0, None, None, None)
 
@@ -92,9 +84,7 @@ def test_independent_values_have_students_interval_and_a_share_none_beyond_0_and
 
 
 @pytest.mark.parametrize("length", [1, 2, 7, 50])
-def test_the_bootstrap_resamples_blocks_that_go_round(
-    length: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_bootstrap_resamples_whole_blocks(length: int, monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(length)
     values, weights = rng.normal(size=50).cumsum(), rng.uniform(0.5, 2.0, 50)
     draws, means = np.random.default_rng(0), []
