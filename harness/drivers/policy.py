@@ -37,15 +37,11 @@ ACTIVATIONS: dict[str, Callable[[Floats], Floats]] = {"tanh": np.tanh, "relu": _
 
 @dataclass(frozen=True, eq=False)
 class Policy:
-    """A network of dense layers.
+    """A network of dense layers."""
 
-    Attributes:
-        layers: Weights, shape (in, out), and bias, shape (out,), of each.
-        activation: Between two layers; one of ACTIVATIONS.
-    """
-
+    # weights, shape (in, out), and bias, shape (out,), of each
     layers: tuple[tuple[Floats, Floats], ...]
-    activation: str = "tanh"
+    activation: str = "tanh"  # between two layers; one of ACTIVATIONS
 
     @property
     def beams(self) -> int:
@@ -53,11 +49,7 @@ class Policy:
         return len(self.layers[0][0]) - BESIDE_LIDAR
 
     def act(self, observation: Mapping[str, Floats]) -> Floats:
-        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1.
-
-        Raises:
-            UsageError: It was made for other observations.
-        """
+        """Returns the action, (2,) of -1 to 1, for an observation of PointNav; UsageError for others."""
         values = np.concatenate([observation[name] for name in sorted(observation)])
         if len(values) != (inputs := len(self.layers[0][0])):
             raise UsageError(
@@ -96,11 +88,7 @@ def write_policy(path: Path | str, policy: Policy) -> None:
 
 
 def read_policy(file: Path | str) -> Policy:
-    """Returns the policy of a file.
-
-    Raises:
-        UsageError: It cannot be read, or is no policy for point navigation.
-    """
+    """Returns the policy of a file; UsageError if it holds none for point navigation."""
     path = Path(file)
     try:
         return _read(path, path.stat().st_mtime_ns)
@@ -144,11 +132,7 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
 
 
 class PolicyDriver:
-    """Drives to each goal that it is given as its policy does; stands there, and before the first.
-
-    Raises:
-        UsageError: The policy is for a lidar with another number of beams.
-    """
+    """Drives to each goal that it is given as its policy does; stands there, and before the first."""
 
     summary: ClassVar[str] = "drives to each /goal_pose as a policy trained on PointNav does"
     senses: ClassVar[frozenset[type[Sample]]] = point_nav.SENSED
@@ -165,13 +149,7 @@ class PolicyDriver:
         self._goal: tuple[float, float] | None = None
 
     def head_for(self, x: float, y: float, _yaw: float) -> None:
-        """Takes the next goal.
-
-        Args:
-            x: Position in the world [m].
-            y: Position in the world [m].
-            _yaw: Not minded: PointNav is at its goal however it stands.
-        """
+        """Takes the next goal [m]; PointNav is at its goal whatever the heading."""
         self._goal = x, y
 
     def command(self, observation: Observation) -> Twist:

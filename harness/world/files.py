@@ -27,11 +27,7 @@ def is_heightmap(file: str) -> bool:
 
 
 def check_terrain(spec: WorldSpec) -> None:
-    """Checks that a terrain exists or is a file, and that all options are for its kind.
-
-    Raises:
-        UsageError: There is no such terrain, or an option is for another kind of terrain.
-    """
+    """Checks that a terrain exists or is a file, and all options are for its kind; else UsageError."""
     if is_terrain_file(spec.terrain):
         kind = HEIGHTMAPS if is_heightmap(spec.terrain) else SOLIDS
         if spec.difficulty != DEFAULT_DIFFICULTY:

@@ -43,12 +43,7 @@ def constant(value: Number, unit: str) -> Number:
 
 @dataclass(frozen=True, kw_only=True)
 class Terrain(ABC):
-    """Base of all terrains.
-
-    Attributes:
-        size: Side length of the map [m].
-        cell: Distance of two vertices [m].
-    """
+    """Base of all terrains."""
 
     name: ClassVar[str]
     summary: ClassVar[str]
@@ -56,8 +51,8 @@ class Terrain(ABC):
     has_level_spawn: ClassVar[bool] = True
     has_hazards: ClassVar[bool] = False  # whatever seed and difficulty
 
-    size: float = constant(40.0, "m")
-    cell: float = constant(0.1, "m")
+    size: float = constant(40.0, "m")  # side length of the map [m]
+    cell: float = constant(0.1, "m")  # distance of two vertices [m]
 
     @abstractmethod
     def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:

@@ -15,21 +15,13 @@ Walk = Route | RandomWalker | SocialForceWalker
 
 @dataclass(frozen=True, eq=False)
 class Actor:
-    """One person: an upright capsule that stands on the ground.
+    """One person: an upright capsule that stands on the ground."""
 
-    Attributes:
-        spec: Name, size and trajectory.
-        space: That the world leaves to people.
-        centre: Around which walkers walk, the start of the rover [m].
-        seed: Of the world.
-        begin: Where the walk begins [m].
-    """
-
-    spec: Pedestrian
-    space: FreeSpace
-    centre: tuple[float, float]
-    seed: int
-    begin: tuple[float, float] = (0.0, 0.0)
+    spec: Pedestrian  # name, size and trajectory
+    space: FreeSpace  # that the world leaves to people
+    centre: tuple[float, float]  # around which walkers walk, the start of the rover [m]
+    seed: int  # of the world
+    begin: tuple[float, float] = (0.0, 0.0)  # where the walk begins [m]
 
     @property
     def name(self) -> str:
@@ -37,14 +29,12 @@ class Actor:
         return self.spec.full_name
 
     def walk(self) -> Walk:
-        """Returns the walk from its begin on, the same each time.
-
-        Raises:
-            UsageError: Its times do not ascend, or there is no place for a walker to begin at.
-        """
+        """Returns the walk from its begin on, the same each time; UsageError if there is none."""
         options, trajectory = self.spec.options, self.spec.trajectory
         if trajectory is None:
-            way_points = self._random_walk()
+            # By the name, so that nobody's walk depends on who else walks.
+            rng = generator(self.seed, PEOPLE, self.spec.name)
+            way_points = RandomWalk(self.spec.name, self.space, self.centre, options, rng)
             if self.spec.walker == "social":
                 return SocialForceWalker(way_points, self.space, options)
             return RandomWalker(way_points, options.speed, options.delay)
@@ -58,11 +48,6 @@ class Actor:
             )
         closed = options.route == "closed"
         return Route.at_speed(trajectory.points, options.speed, closed=closed, delay=options.delay)
-
-    def _random_walk(self) -> RandomWalk:
-        # By the name, so that nobody's walk depends on who else walks.
-        rng = generator(self.seed, PEOPLE, self.spec.name)
-        return RandomWalk(self.spec.name, self.space, self.centre, self.spec.options, rng)
 
 
 def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], seed: int) -> Actor:

@@ -23,19 +23,12 @@ Point = tuple[float, ...]  # x, y and, where it counts for the length, z [m]
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """Points with the times at which they are passed.
+    """Points with the times at which they are passed."""
 
-    Attributes:
-        times: From 0 on, ascending [s].
-        points: x and y of each in the world [m].
-        loops: Whether it begins anew at its end; else its end is where one stays.
-        delay: Before it begins [s].
-    """
-
-    times: tuple[float, ...]
-    points: tuple[tuple[float, float], ...]
-    loops: bool = True
-    delay: float = 0.0
+    times: tuple[float, ...]  # from 0 on, ascending [s]
+    points: tuple[tuple[float, float], ...]  # x and y of each in the world [m]
+    loops: bool = True  # whether it begins anew at its end; else its end is where one stays
+    delay: float = 0.0  # before it begins [s]
 
     @classmethod
     def at_speed(

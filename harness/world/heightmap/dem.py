@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import maximum_filter
 
 from harness.base.errors import UsageError
 from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, SMALLEST_MAP, WorldSpec
@@ -127,13 +128,7 @@ def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> t
 
 
 def _start(ground: Heightfield, notes: list[str]) -> Start:
-    """The vertex next to the middle around which the ground is gentle.
-
-    Raises:
-        UsageError: There is none within reach; the message tells how steep it is.
-    """
-    from scipy.ndimage import maximum_filter  # noqa: PLC0415 - 0.1 s that named terrains save
-
+    """The vertex next to the middle around which the ground is gentle; UsageError if none is near."""
     (half_x, half_y), cell = ground.half_size, ground.cell
     rows, columns = ground.heights.shape
     steepest = maximum_filter(slopes(ground), 2 * math.ceil(START_REACH / cell) + 1, mode="nearest")

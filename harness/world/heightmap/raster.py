@@ -30,27 +30,17 @@ REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """What a file holds.
+    """What a file holds."""
 
-    Attributes:
-        values: Shape (rows, columns), NaN where there are none.
-        pixel: Distance of two columns and of two rows [m]; or why it is unknown, as a sentence starts.
-        in_metres: Whether the values are heights in metres; else they only are proportional to them.
-        notes: What its file says of it that a reader should know.
-    """
-
-    values: Field
+    values: Field  # shape (rows, columns), NaN where there are none
+    # distance of two columns and of two rows [m]; or why it is unknown, as a sentence starts
     pixel: tuple[float, float] | str
-    in_metres: bool
-    notes: tuple[str, ...] = ()
+    in_metres: bool  # whether the values are heights in metres; else they only are proportional to them
+    notes: tuple[str, ...] = ()  # what its file says of it that a reader should know
 
 
 def read_raster(path: Path) -> Raster:
-    """Reads a file of any supported format.
-
-    Raises:
-        UsageError: It is missing, too large, damaged or not a heightmap; the message says which.
-    """
+    """Reads a file of any format; UsageError if it is missing, too large, damaged or no heightmap."""
     kind = _kind(path)
     try:
         with warnings.catch_warnings():

@@ -23,57 +23,42 @@ EARTH = "0 0 -9.8"  # SDF's default
 
 @dataclass(frozen=True, eq=False)
 class Person:
-    """An <actor>, whose script harness.world.actors reads.
-
-    Attributes:
-        pose: T_world_actor: the way points are in its frame.
-        file: That it stands in.
-    """
+    """An <actor>, whose script harness.world.actors reads."""
 
     name: str
     element: Element
-    pose: Transform
-    file: Path
+    pose: Transform  # T_world_actor: the way points are in its frame
+    file: Path  # that it stands in
 
 
 @dataclass
 class Document:
-    """What was read.
+    """What was read."""
 
-    Attributes:
-        gravity: Downwards [m/s^2].
-        actors: The people of the file and of those that it includes.
-        files: Every SDF file that was read.
-        plugins: Names of those that were left out; `missing` says what else was, and why.
-        movable: Names of the models that Gazebo would let fall.
-        includes: How many there were.
-    """
-
-    gravity: float = 9.8
+    gravity: float = 9.8  # downwards [m/s^2]
     solids: list[Solid] = field(default_factory=list)
+    # the people of the file and of those that it includes
     actors: list[Person] = field(default_factory=list)
-    files: list[Path] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)  # every SDF file that was read
+    # names of those that were left out; `missing` says what else was, and why
     plugins: dict[str, None] = field(default_factory=dict)
     missing: dict[str, None] = field(default_factory=dict)
-    movable: list[str] = field(default_factory=list)
-    includes: int = 0
+    movable: list[str] = field(default_factory=list)  # names of the models that Gazebo would let fall
+    includes: int = 0  # how many there were
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What was left out, a line each."""
-        plugins = [f"plugins are not run: {', '.join(self.plugins)}"] if self.plugins else []
-        still = (
-            [f"not static, but nothing moves here: {', '.join(self.movable)}"] if self.movable else []
+        left = (
+            ("plugins are not run", self.plugins),
+            ("not static, but nothing moves here", self.movable),
         )
-        return (*(f"left out: {name}" for name in self.missing), *plugins, *still)
+        lists = (f"{what}: {', '.join(names)}" for what, names in left if names)
+        return (*(f"left out: {name}" for name in self.missing), *lists)
 
 
 def read_document(path: Path, resources: Resources) -> Document:
-    """Reads a world, or a model alone.
-
-    Raises:
-        UsageError: The file or one that it includes is not valid; the message says what.
-    """
+    """Reads a world, or a model alone; UsageError if it or a file that it includes is not valid."""
     document = Document()
     _Reading(document, resources).file(path)
     return document

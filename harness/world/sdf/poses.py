@@ -19,11 +19,7 @@ IDENTITY: Transform = np.eye(4)
 
 
 def read_pose(element: Element, owner: str) -> tuple[Transform, str]:
-    """Returns the pose of an element as (T_reference_element, the reference's name or "").
-
-    Raises:
-        UsageError: It is not x y z roll pitch yaw, nor x y z with a quaternion x y z w.
-    """
+    """Returns T_reference_element and the reference's name, or ""; UsageError if the pose is none."""
     pose = element.find("pose")
     if pose is None:
         return IDENTITY, ""
@@ -96,11 +92,7 @@ class Frames:
         self._nested.setdefault(name, frames)
 
     def find(self, name: str) -> Transform:
-        """Returns T_root_frame.
-
-        Raises:
-            UsageError: There is no such frame, or frames are given in a circle.
-        """
+        """Returns T_root_frame; UsageError if there is no such frame, or frames are in a circle."""
         return self._find(name, ())
 
     def _find(self, name: str, asked: tuple[str, ...]) -> Transform:

@@ -12,11 +12,7 @@ DEEPEST = 100  # elements within elements
 
 
 def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
-    """Returns the root of an XML file; no entity is expanded and no other file is looked at.
-
-    Raises:
-        UsageError: It cannot be read, is too large or too deep, declares a document type, or is no XML.
-    """
+    """Returns the root of an XML file, of which no entity is expanded; UsageError if it is unusable."""
     try:
         with path.open("rb") as file:
             data = file.read(most_bytes + 1)
@@ -32,11 +28,7 @@ def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
 
 
 def parse_xml(data: bytes) -> Element:
-    """Returns the root of a document.
-
-    Raises:
-        UsageError: It is too deep, declares a document type, or is no XML.
-    """
+    """Returns the root of a document; UsageError if it is too deep, has a DOCTYPE, or is no XML."""
     parser, builder, depth = expat.ParserCreate(), TreeBuilder(), 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 from harness.base.errors import UsageError
 from harness.spec.world import WorldSpec
@@ -20,10 +21,8 @@ from harness.world.solid import MeshFile, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
-from harness.world.solids.pieces import obstacles_of
-from harness.world.solids.primitives import obstacle_of
-from harness.world.solids.room import room_without_pits
-from harness.world.solids.surface import Surface, chosen_grid, surface_of
+from harness.world.solids.pieces import obstacle_of, obstacles_of
+from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 START_ROOM = 0.7  # [m] around the start that is free
@@ -140,8 +139,6 @@ def free_start(world: World, surface: Surface, step_limit: float, notes: list[st
     Raises:
         UsageError: There is none.
     """
-    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415 - 0.1 s that named terrains save
-
     ground = world.ground
     resolution = max(START_RESOLUTION, ground.cell)  # finer than its heights, kilometres take gigabytes
     cells = occupancy(world, math.radians(STEEPEST_START), step_limit, resolution)

@@ -33,15 +33,10 @@ SIMPLER = "simplify it first (Blender: Decimate; MeshLab: Quadric Edge Collapse)
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles that share vertices; seen from outside, their corners go round counter-clockwise.
+    """Triangles that share vertices; seen from outside, their corners go round counter-clockwise."""
 
-    Attributes:
-        vertices: Shape (v, 3) [m].
-        faces: Indices of vertices, shape (f, 3).
-    """
-
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: NDArray[np.float64]  # shape (v, 3) [m]
+    faces: NDArray[np.int64]  # indices of vertices, shape (f, 3)
 
     @property
     def corners(self) -> NDArray[np.float64]:
@@ -63,11 +58,7 @@ class Mesh:
 
 
 def areas_and_normals(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns areas [m2], shape (f,), and unit normals, shape (f, 3), of triangles.
-
-    Args:
-        corners: Shape (f, 3, 3), counter-clockwise. The normal of a triangle without area is 0.
-    """
+    """Returns areas [m2] and unit normals, or 0 without an area, of triangles, shape (f, 3, 3)."""
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(doubled, axis=1)
     return 0.5 * lengths, doubled / np.maximum(lengths, 1e-300)[:, None]

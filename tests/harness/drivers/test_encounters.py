@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from harness.base.errors import UsageError
 from harness.drivers import find_driver
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.staged import Meeting, StagedEncounter
+from harness.drivers.encounters import Meeting, StagedEncounter
 from harness.episode.episode import Episode
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist

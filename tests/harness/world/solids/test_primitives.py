@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind, Shape
 from harness.world.solid import Primitive, Solid
-from harness.world.solids.primitives import obstacle_of
+from harness.world.solids.pieces import obstacle_of
 from tests.harness.world.solids.shapes import at
 
 SLOPE = 0.5  # along x
