@@ -18,15 +18,12 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "top"
 
 
-@pytest.mark.parametrize(
-    "uri",
-    [
+def test_files_are_found_beside_a_world_and_two_folders_up(tree: Path) -> None:
+    for uri in (
         *("model://pkg/meshes/m.dae", "package://pkg/meshes/m.dae", "model:////pkg/meshes/m.dae"),
         *("FILE://../meshes/m.dae", "meshes/m.dae", "model://pkg/meshes/m%2Edae"),
-    ],
-)
-def test_files_are_found_beside_a_world_and_two_folders_up(tree: Path, uri: str) -> None:
-    assert Resources().find(uri, tree / "pkg/worlds/a.world") == tree / "pkg/meshes/m.dae"
+    ):
+        assert Resources().find(uri, tree / "pkg/worlds/a.world") == tree / "pkg/meshes/m.dae"
 
 
 @pytest.mark.parametrize(
@@ -73,7 +70,6 @@ def test_folders_of_the_option_come_before_the_environment_and_the_world(
         ("<sdf/><sdf version='1.99'/><sdf>none.sdf</sdf>{}", "m6.sdf"),
         ("<sdf version='1.10'> m10.sdf </sdf>{}", "m10.sdf"),
         ("<sdf>../secret.sdf</sdf>", r"there is no \.\./secret\.sdf beside it"),
-        ("<sdf>none.sdf</sdf>", r"there is no none\.sdf beside it"),
         ("", "names no <sdf>"),
     ],
 )
