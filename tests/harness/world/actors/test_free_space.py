@@ -1,7 +1,6 @@
 """Where a body can walk, against distances to boxes that numpy works out."""
 
 import math
-from itertools import product
 
 import numpy as np
 import pytest
@@ -49,15 +48,6 @@ def test_the_first_point_that_is_blocked_is_reported(
     assert hit is not None
     assert hit[0] == where
     np.testing.assert_array_equal(hit[1], point)
-
-
-def test_people_walk_on_the_map_to_half_a_metre_from_its_edge() -> None:
-    """6 m x 8 m around (10, -20)."""
-    bare = FreeSpace(Heightfield(OBLONG, 0.1, (10.0, -20.0)), ())
-    for x, y in product((7.5, 12.5), (-23.5, -16.5)):
-        assert bare.blocked(np.array([(x, y)]), 1.0) is None
-        for off in ((x + math.copysign(0.01, x - 10.0), y), (x, y + math.copysign(0.01, y + 20.0))):
-            assert bare.blocked(np.array([off]), 0.0) is not None
 
 
 def test_of_several_hazards_the_one_that_is_near_is_reported_and_seen() -> None:
