@@ -116,14 +116,6 @@ def test_a_goal_lies_4_to_10_m_away_on_the_map_and_holds_until_60_cm_before_it(
     assert rng.draws == 4  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize(("share", "goal"), [(0.25, (0.0, -12.0)), (0.75, (0.0, 12.0))])
-def test_goals_are_kept_off_every_edge(share: float, goal: tuple[float, float], dice: MakeDice) -> None:
-    driver = wander(dice(1.0, share))
-    driver.command(seen(0.0, 0.0, math.copysign(7.0, goal[1])))
-    beside = seen(1.0, 2.0, goal[1], math.pi)
-    assert driver.command(beside).angular == pytest.approx(0.0)
-
-
 def test_a_goal_that_is_not_reached_in_45_seconds_is_given_up(dice: MakeDice) -> None:
     rng = dice(0.0, AHEAD)
     driver = wander(rng)

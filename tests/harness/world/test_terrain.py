@@ -33,12 +33,6 @@ def test_difficulty_moves_parameters_from_easiest_through_default_to_hardest() -
     assert {type(count) for count in (*stones, *rocks)} == {int}
 
 
-def test_the_grid_has_its_size_and_cell_with_a_vertex_at_the_origin() -> None:
-    ground = Noise(size=6.0, cell=0.05).ground(np.random.default_rng(0))
-    assert ground.heights.shape == (121, 121)
-    assert ground.half_size == pytest.approx((3.0, 3.0))
-
-
 def test_the_spawn_is_levelled_and_the_rest_is_left_alone() -> None:
     heights = Noise().ground(np.random.default_rng(0)).heights
     axis = np.linspace(-6.0, 6.0, 121)

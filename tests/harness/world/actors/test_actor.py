@@ -70,27 +70,6 @@ def test_a_random_walk_is_straight_free_and_steady_and_depends_on_nobody_else() 
         assert FreeSpace(BARE.ground, BARE.obstacles).blocked(way, radius - 1e-6) is None
 
 
-def polar(rng: np.random.Generator, start: tuple[float, float], within: float) -> np.ndarray:
-    """200 points of a disc, as many a square metre everywhere, to the millimetre, shape (200, 2)."""
-    share, turn = rng.uniform(size=(200, 2)).T
-    spots = complex(*start) + within * share**0.5 * np.exp(2j * np.pi * turn)
-    return np.round(np.column_stack([spots.real, spots.imag]), 3)
-
-
-@pytest.mark.parametrize("walker", ["random", "social"])
-def test_a_walk_depends_on_the_worlds_seed_the_name_and_the_start(walker: str) -> None:
-    """The draws are part of what a seed means: numpy's for the key (20, bytes of the name)."""
-    world = replace(BARE, start=(4.0, -3.0, 1.0), seed=7, obstacles=())
-    for name in ("b", "bob", "eve", "zoe_2"):
-        (actor,) = with_actors(world, parse_actors([f"{name}={walker}:within=5"])).people
-        rng = np.random.default_rng(np.random.SeedSequence(7, spawn_key=(20, *name.encode())))
-        spots = polar(rng, (4.0, -3.0), 5.0)
-        inside = (np.abs(spots) <= 9.5).all(axis=1)
-        far = np.hypot(*(spots - (4.0, -3.0)).T) > 2.0
-        assert actor.begin == pytest.approx(spots[inside & far][0], abs=1e-9)
-        assert isinstance(actor.walk(), RandomWalker if walker == "random" else SocialForceWalker)
-
-
 class Space(FreeSpace):
     """Free everywhere, but for ways if a test says so."""
 

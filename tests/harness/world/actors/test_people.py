@@ -148,20 +148,6 @@ def test_mistakes_are_one_line_that_names_what_is_valid(text: str, said: str, tm
     assert "\n" not in str(raised.value)
 
 
-@pytest.mark.parametrize(
-    ("form", "low", "high"),
-    [
-        *(("speed={}", 0.05, 10), ("delay={}", 0, 1e6), ("height=3,radius={}", 0.05, 1)),
-        *(("radius=0.05,height={}", 0.3, 3), ("within={}", 2, 500), ("push={}", 0, 1)),
-    ],
-)
-def test_limits_belong_to_what_is_valid(form: str, low: float, high: float) -> None:
-    parse_actors([f"a=random:{form.format(low)}", f"b=random:{form.format(high)}"])
-    for value in (low - 0.01, high + 0.01):
-        with pytest.raises(UsageError, match="is not valid"):
-            parse_actors([f"a=random:{form.format(value)}"])
-
-
 def test_names_are_different_and_people_not_too_many() -> None:
     with pytest.raises(UsageError, match="two actors are called 'g'; give one another name"):
         parse_actors(["g=1,2", "g_actor=random"])

@@ -115,16 +115,10 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
         ("a.obj", b"", "it holds no triangles|damaged or cut short"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "1 of its vertices are NaN or infinite"),
         ("a.stl", bytes(80) + struct.pack("<I12fH", 1, *[math.inf] * 12, 0), "its vertices are NaN"),
-        ("a.stl", b"solid x\nfacet", "damaged or cut short|no triangles"),
         ("a.dae", b"<COLLADA/>", "damaged or cut short: .+ .+"),  # the reason in words
         ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "declares a document type"),
         ("a.dae", b"<COLLADA><asset><unit meter='-1'/></asset></COLLADA>", "unit of -1 m is not valid"),
-        (
-            "a.dae",
-            b"<COLLADA><asset><unit meter='1e6'/></asset></COLLADA>",
-            "unit of 1e6 m is",
-        ),
-        ("a.dae", b"<COLLADA><asset><unit meter='x'/></asset></COLLADA>", "unit of x m is not valid"),
+        ("a.dae", b"<COLLADA><asset><unit meter='1e6'/></asset></COLLADA>", "unit of 1e6 m is"),
         ("a.dae", b"<COLLADA><asset><up_axis>W_UP</up_axis></asset></COLLADA>", "up_axis 'W_UP' is not"),
     ],
 )

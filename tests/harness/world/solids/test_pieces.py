@@ -124,11 +124,6 @@ def test_a_corner_of_two_walls_is_two_pieces_by_where_they_face() -> None:
     ]
 
 
-def test_a_roof_whose_ridge_is_ten_or_thirty_centimetres_high_is_two_decks_of_a_square_metre() -> None:
-    for ridge in (0.6, 0.8):
-        assert names(made(strip(((0, 0.5), (1, ridge), (2, 0.5)), -1.0, 0.0))) == {"DECK convex": 2}
-
-
 def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:
     """An L of four triangles, 20 cm wide; each piece is a slab 2 cm deep below them."""
     corners = [(0.0, 0.0), (0.6, 0.0), (0.6, 0.2), (0.2, 0.2), (0.2, 0.6), (0.0, 0.6), (0.0, 0.2)]
