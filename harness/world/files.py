@@ -45,15 +45,12 @@ def check_terrain(spec: WorldSpec) -> None:
 
 
 def file_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
-    """Makes the world of a file of any kind.
+    """Makes the world of a file; UsageError if it is unreadable, incomplete or nowhere fit to stand on.
 
     Args:
         spec: Names the file and says what it leaves open.
         rover: What the rover needs of it.
         seed: Of the world, which has no randomness of its own.
-
-    Raises:
-        UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
     """
     # Imported here, since named terrains save the libraries of either.
     if is_heightmap(spec.terrain):

@@ -56,13 +56,7 @@ class Terrain(ABC):
 
     @abstractmethod
     def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
-        """Returns the heights at the vertices, shape (n, n) [m].
-
-        Args:
-            x: Of the vertices in the world, shape (n, n) [m].
-            y: Of the vertices in the world, shape (n, n) [m].
-            rng: Source of all randomness of the ground.
-        """
+        """Returns the heights at the vertices x, y, all of shape (n, n) [m]."""
 
     def obstacles(self, _ground: Heightfield, _rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Returns what stands on that ground; nothing unless a terrain says otherwise."""

@@ -51,17 +51,13 @@ class Actor:
 
 
 def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], seed: int) -> Actor:
-    """Returns a person in a world.
+    """Returns a person in a world; UsageError, which says where, if there is no way or no begin.
 
     Args:
         spec: Who it is.
         space: That the world leaves to people.
         centre: Around which walkers walk [m].
         seed: Of the world.
-
-    Raises:
-        UsageError: A route leads off the map or through a hazard, or there is no place for a walker to
-            begin at; the message tells where.
     """
     walk = Actor(spec, space, centre, seed).walk()
     if isinstance(walk, Route) and (hit := space.blocked(along(walk.points), spec.options.radius)):

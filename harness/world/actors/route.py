@@ -90,7 +90,7 @@ class Route:
 def timed(
     times: Sequence[float], points: Sequence[Point], *, loops: bool, delay: float, who: str
 ) -> Route:
-    """Returns the route through points at times, as an SDF script has it; the first one is the begin.
+    """Returns the route through points at times, as an SDF script has it; UsageError if they descend.
 
     Args:
         times: Of the points [s].
@@ -98,9 +98,6 @@ def timed(
         loops: Whether it begins anew at its end.
         delay: Before it begins [s].
         who: The actor, for the message.
-
-    Raises:
-        UsageError: The times do not ascend.
     """
     if any(after < before for before, after in pairwise(times)) or times[0] < 0.0:
         raise UsageError(f"{who}: the times of its way points do not ascend from 0 on; mend <time>")

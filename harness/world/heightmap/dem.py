@@ -27,16 +27,7 @@ START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
 def heightmap_world(spec: WorldSpec, seed: int, *, needs_start: bool) -> World:
-    """Makes a world without obstacles from a heightmap.
-
-    Args:
-        spec: Names the file and gives size and relief where the file does not.
-        seed: Of the world, which has no randomness of its own.
-        needs_start: Whether a place to start from is to be looked for.
-
-    Raises:
-        UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
-    """
+    """Makes a world without obstacles from a heightmap, with a start where one is needed."""
     path = Path(spec.terrain)
     raster = read_raster(path)
     try:

@@ -18,17 +18,13 @@ LARGEST_SIZE = 1e5  # [m]
 
 
 def read_shapes(geometry: Element, owner: str, file: Path, resources: Resources) -> list[Placed]:
-    """Returns the shapes of which a <geometry> consists.
+    """Returns the shapes of a <geometry>; Missing if they cannot be had, UsageError for a wrong number.
 
     Args:
         geometry: The element.
         owner: The collision that has it, for messages.
         file: The file that it stands in.
         resources: Where its own files are.
-
-    Raises:
-        Missing: It is of a kind that cannot be had, or its file is not there.
-        UsageError: A number is not valid.
     """
     kind = next((child for child in geometry), None)
     if kind is None or kind.tag == "empty":

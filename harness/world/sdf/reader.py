@@ -68,15 +68,12 @@ def is_true(text: str) -> bool:
 
 
 def numbers(text: str, count: int, name: str) -> tuple[float, ...]:
-    """Returns the finite numbers of a text.
+    """Returns the finite numbers of a text; UsageError for others, for more or fewer.
 
     Args:
         text: Separated by white space.
         count: How many there must be.
         name: What they are called in the message.
-
-    Raises:
-        UsageError: There are more or fewer, or one is none or not finite.
     """
     words = text.split()
     try:

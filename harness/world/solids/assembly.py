@@ -35,16 +35,7 @@ BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the ro
 
 
 def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
-    """Makes a world from an SDF file or a mesh.
-
-    Args:
-        spec: Names the file and says what it leaves open.
-        rover: What the rover needs of the world.
-        seed: Of the world, which has no randomness of its own.
-
-    Raises:
-        UsageError: It or a file that it names is not readable, or nothing of it can be driven.
-    """
+    """Makes a world from an SDF file or a mesh; UsageError if it is not readable or cannot be driven."""
     path, resources = Path(spec.terrain), Resources([*map(Path, spec.resource_path)])
     try:
         if path.suffix.lower() in SUFFIXES:
@@ -66,7 +57,7 @@ def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
 def assembled(
     solids: Sequence[Solid], spec: WorldSpec, rover: RoverNeeds, seed: int, notes: list[str]
 ) -> World:
-    """Returns the world of some solids.
+    """Returns the world of some solids; UsageError if nothing of it can be driven.
 
     Args:
         solids: What can be collided with.
@@ -74,9 +65,6 @@ def assembled(
         rover: What the rover needs of the world.
         seed: Of the world, which has no randomness of its own.
         notes: What is known of it; takes what was done.
-
-    Raises:
-        UsageError: Nothing of it can be driven.
     """
     kinds = Kinds(spec, rover.clearance, [solid.name for solid in solids])
     parts = partition(solids, notes, spec.mesh_unit, spec.mesh_up)
@@ -128,16 +116,13 @@ def _obstacles(
 
 
 def free_start(world: World, surface: Surface, step_limit: float, notes: list[str]) -> Start:
-    """Returns the free and gentle place that is nearest to the origin, or to the middle of the map.
+    """Returns the free and gentle place nearest to the origin or the map's middle; else UsageError.
 
     Args:
         world: Ground and obstacles.
         surface: Where the ground has a floor.
         step_limit: Highest step that the rover climbs [m].
         notes: Takes the start, if it is neither.
-
-    Raises:
-        UsageError: There is none.
     """
     ground = world.ground
     resolution = max(START_RESOLUTION, ground.cell)  # finer than its heights, kilometres take gigabytes

@@ -52,16 +52,13 @@ class Partition:
 
 
 def partition(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "") -> Partition:
-    """Returns what is ground and what stands on it.
+    """Returns what is ground and what stands on it; UsageError if a file is unusable or none is ground.
 
     Args:
         solids: Of a world.
         notes: Takes what was done.
         unit: Of meshes; "" is as their files say.
         up: The axis of meshes that is up; "" is as their files say.
-
-    Raises:
-        UsageError: A file is not usable, or nothing is ground.
     """
     parts, candidates = Partition(), list[tuple[Solid, Mesh]]()
     for solid in solids:

@@ -79,16 +79,13 @@ def joined(meshes: "list[Mesh]") -> Mesh:
 
 
 def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tuple[Mesh, str]:
-    """Returns the triangles of a file, and the SHA-256 of what was read.
+    """Returns the triangles of a file and the SHA-256 of what was read; UsageError if it is unusable.
 
     Args:
         path: The file, whose name tells what it is.
         submesh: The name of the only part that is meant; "" for all.
         unit: One of UNITS; "" is as the file says, else metres.
         up: One of UP; "" is as the file says, else z.
-
-    Raises:
-        UsageError: It is missing, too large, damaged or holds no triangles.
     """
     return _read(path, modified_ns(path), submesh, unit, up)
 

@@ -66,16 +66,13 @@ def bodies(mesh: Mesh) -> Iterator[Mesh]:
 
 
 def obstacles_of(mesh: Mesh, ground: Heightfield, kind: Kind, clearance: float) -> list[Obstacle]:
-    """Returns a mesh as convex obstacles; nothing of bodies that lie in the ground or off the map.
+    """Returns a mesh as convex obstacles, without bodies in the ground or off the map, unless too many.
 
     Args:
         mesh: What the ground does not show, in the world.
         ground: On which it stands.
         kind: What an obstacle is, by the height of its top above the ground.
         clearance: What the rover clears [m].
-
-    Raises:
-        UsageError: They are too many.
     """
     pieces: list[Obstacle] = []
     for body in bodies(mesh):
@@ -136,15 +133,7 @@ def _is_ceiling(body: Mesh, normals: Points, ground: Heightfield) -> NDArray[np.
 def _split(
     body: Mesh, chosen: NDArray[np.int64], areas: Field, normals: Points, halves: Halves
 ) -> Iterator[Points]:
-    """Corners of convex pieces that together are some triangles of a body.
-
-    Args:
-        body: What is split.
-        chosen: Which triangles.
-        areas: Of all triangles of the body [m2], shape (f,).
-        normals: Unit normals of all triangles of the body, shape (f, 3).
-        halves: How a part is halved.
-    """
+    """Corners of convex pieces that are chosen triangles of a body; areas and normals are of all."""
     part = body.part(chosen)
     corners = _own_hull(part, areas[chosen])
     if corners is None:

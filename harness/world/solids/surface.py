@@ -73,16 +73,13 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
 
 
 def surface_of(mesh: Mesh, grid: Grid, plane: float | None, notes: list[str]) -> Surface:
-    """Returns the heightfield of the ground.
+    """Returns the heightfield of the ground; UsageError if nothing of it faces up.
 
     Args:
         mesh: The ground's triangles; none where there is only a plane.
         grid: The vertices.
         plane: Height of a plane without end [m], if there is one.
         notes: Takes what was done, and how well it fits.
-
-    Raises:
-        UsageError: Nothing of it faces up.
     """
     crossed = crossings(mesh.corners, grid)
     heights = floors(crossed, grid, plane)
