@@ -246,15 +246,3 @@ def test_it_never_meets_the_same_hazard_twice_running_if_there_is_another(
     pair = ideal(made("ram", dice(*shares, *shares), post(4, 0), post(-3, 0)))
     list(pair.steps(900))
     assert min(x for x, _, _ in pair.path) < -3.0
-
-
-@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-@pytest.mark.parametrize("error", [0.1, -0.3, 1.0, -1.5, 2.5])
-def test_on_its_way_it_slows_down_as_it_looks_away_and_never_backs(
-    rover: RoverSpec, error: float, dice: MakeDice
-) -> None:
-    bearing = math.atan2(1.0, 4.0)  # of the post from (2, -1)
-    encounter = made("ram", dice(0.0, 0.0, 0.5), post(6.0, 0.0), rover=rover)
-    twist = encounter.command(Observation(0, 2.0, -1.0, bearing - error, None))
-    assert twist.linear == pytest.approx(rover.cruise_speed * max(0.0, math.cos(error)))
-    assert twist.angular == pytest.approx(max(-1.0, min(1.0, 2.5 * error)) * rover.cruise_yaw_rate)

@@ -99,21 +99,13 @@ def test_a_disc_is_as_free_as_the_cells_whose_middles_lie_in_it() -> None:
     assert not grid.is_free(10.0, math.nan)
 
 
-@pytest.mark.parametrize(
-    ("kind", "height", "is_free"),
-    [
-        (ObstacleKind.HAZARD, 0.9, False),
-        (ObstacleKind.HAZARD, 1.1, True),
-        (ObstacleKind.DECK, 0.0, True),
-    ],
-)
-def test_decks_and_what_is_high_above_the_ground_are_not_in_the_way_wherever_the_map_lies(
-    kind: ObstacleKind, height: float, is_free: bool
-) -> None:
+def test_decks_and_what_is_high_above_the_ground_are_not_in_the_way_wherever_the_map_lies() -> None:
     corners = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (0.0, 0.3)])
-    thing = convex(kind, corners + np.array([100.0, -50.0, 5.0 + height]))
     last = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.1, 0.1), (102.0, -50.0, 5.0))
     ground = Heightfield(np.full((41, 41), 5.0), 0.25, (100.0, -50.0))
-    found = occupancy(World("w", ground, (thing, last), 0, None), 0.5, 0.1)
-    places = ((100.0, -50.0), (102.0, -50.0), (101.5, -50.0), (0.0, 0.0))
-    assert [found.is_free(*place) for place in places] == [is_free, False, True, False]
+    hazard, deck = ObstacleKind.HAZARD, ObstacleKind.DECK
+    for kind, height, is_free in ((hazard, 0.9, False), (hazard, 1.1, True), (deck, 0.0, True)):
+        thing = convex(kind, corners + np.array([100.0, -50.0, 5.0 + height]))
+        found = occupancy(World("w", ground, (thing, last), 0, None), 0.5, 0.1)
+        places = ((100.0, -50.0), (102.0, -50.0), (101.5, -50.0), (0.0, 0.0))
+        assert [found.is_free(*place) for place in places] == [is_free, False, True, False]

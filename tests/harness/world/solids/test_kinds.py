@@ -35,6 +35,6 @@ def test_a_pattern_that_fits_nothing_is_refused_with_the_models_that_there_are()
     with pytest.raises(UsageError, match=r"^--rock: solid 'Stone_1' .* did you mean 'stone_1'\?$"):
         kinds(rock=("stone_1", "Stone_1"))
     with pytest.raises(
-        UsageError, match="^--hazard: solid 'link' .*; available: wall, stone_1, stone_2$"
+        UsageError, match=r"^--hazard: solid 'link' .*; available: wall, stone_1, stone_2$"
     ):
         kinds(hazard=("link",))
