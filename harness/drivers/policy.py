@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
-from zipfile import BadZipFile
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
 
 PREFIX = "policy:"  # of the driver's name, before the file's
 LIMITS = point_nav.limits(LIDAR_RANGE_MAX)
+MOST_BYTES = 2**26  # unpacked
 BESIDE_LIDAR = sum(len(low) for name, (low, _) in LIMITS.items() if name != "lidar")
 
 Floats = NDArray[np.float32]
@@ -99,15 +100,23 @@ def read_policy(file: Path | str) -> Policy:
 @lru_cache(maxsize=4)
 def _read(path: Path, _modified_ns: int) -> Policy:
     try:
+        with ZipFile(path) as packed:
+            is_small = sum(member.file_size for member in packed.infolist()) <= MOST_BYTES
         with np.load(path, allow_pickle=False) as archive:
-            arrays = dict(archive)
-    except (ValueError, BadZipFile, TypeError, EOFError) as error:
+            arrays = dict(archive) if is_small else {}
+    except OSError:
+        raise
+    except Exception as error:  # zip files and arrays raise anything at all over a damaged file
         raise UsageError(f"policy {path} is no .npz file of arrays; see docs/gym.md") from error
+    if not is_small:
+        raise UsageError(f"policy {path} holds more than {MOST_BYTES >> 20} MiB; give a smaller one")
     count = sum(name.startswith("weights_") for name in arrays)
     names = [f"{kind}_{index}" for index in range(max(count, 1)) for kind in ("weights", "bias")]
     missing = [name for name in ("activation", *names) if name not in arrays]
     if missing:
         raise UsageError(f"policy {path} lacks {', '.join(missing)}; see docs/gym.md")
+    if wrong := [name for name in names if arrays[name].dtype.kind not in "fiu"]:
+        raise UsageError(f"policy {path}: {', '.join(wrong)} are no numbers; see docs/gym.md")
     floats = [arrays[name].astype(np.float32) for name in names]
     layers = tuple(zip(floats[::2], floats[1::2], strict=True))
     activation = str(arrays["activation"])

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 from harness.base.errors import UsageError, find_named
-from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, SOLIDS, WorldSpec
+from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, MESH_UNITS, SOLIDS, WorldSpec
 from harness.world.solids.mesh_file import SUFFIXES as MESHES
-from harness.world.solids.mesh_file import UNITS, UP
+from harness.world.solids.mesh_file import UP
 from harness.world.terrains import TERRAINS
 from harness.world.world import RoverNeeds, World
 
@@ -39,7 +39,7 @@ def check_terrain(spec: WorldSpec) -> None:
             flag, terrain = name.replace("_", "-"), Path(spec.terrain).name
             raise UsageError(f"--{flag} applies to {valid} only; leave it out with {terrain}")
     if spec.mesh_unit:
-        find_named("mesh unit", spec.mesh_unit, UNITS)
+        find_named("mesh unit", spec.mesh_unit, MESH_UNITS)
     if spec.mesh_up:
         find_named("mesh axis", spec.mesh_up, UP)
 

@@ -1,6 +1,9 @@
 """The people of a world: bodies whose walks are checked against ground and hazards."""
 
+import math
 from dataclasses import dataclass
+
+import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.streams import PEOPLE, generator
@@ -9,8 +12,12 @@ from harness.world.actors.people import Pedestrian
 from harness.world.actors.random_walk import RandomWalk, RandomWalker
 from harness.world.actors.route import Route, timed
 from harness.world.actors.social_force import SocialForceWalker
+from harness.world.obstacles import Points
 
 Walk = Route | RandomWalker | SocialForceWalker
+
+LONGEST = 200_000.0  # [m] of a route one way, which is looked at every 10 cm
+CHECKED_AT_ONCE = 100_000  # points
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +67,7 @@ def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], se
         seed: Of the world.
     """
     walk = Actor(spec, space, centre, seed).walk()
-    if isinstance(walk, Route) and (hit := space.blocked(along(walk.points), spec.options.radius)):
+    if isinstance(walk, Route) and (hit := _blocked(walk, spec, space)):
         where, (x, y) = hit
         (x_min, y_min), (x_max, y_max) = space.low.tolist(), space.high.tolist()
         raise UsageError(
@@ -70,3 +77,16 @@ def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], se
         )
     begin = walk.walk(0.0, 0.0, ()) if isinstance(walk, SocialForceWalker) else walk.place(0.0)
     return Actor(spec, space, centre, seed, (begin.x, begin.y))
+
+
+def _blocked(walk: Route, spec: Pedestrian, space: FreeSpace) -> tuple[str, Points] | None:
+    """What blocks a route, and where; of one that is too long to be followed way points are tried."""
+    way = spec.trajectory.points if spec.trajectory else ()
+    if (length := sum(map(math.dist, way, way[1:]))) > LONGEST:
+        if off := space.blocked(np.array(walk.points), -math.inf):
+            return off
+        said = f"actor '{spec.name}' walks {length / 1e3:.4g} km, and {LONGEST / 1e3:g} km are the most"
+        raise UsageError(f"{said}; give nearer way points")
+    points = along(walk.points)
+    parts = np.array_split(points, len(points) // CHECKED_AT_ONCE + 1)
+    return next(filter(None, (space.blocked(part, spec.options.radius) for part in parts)), None)

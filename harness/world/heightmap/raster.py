@@ -20,6 +20,8 @@ from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
+MOST_BYTES = 2**28  # of a file: twice what the most pixels of 64 bits take
+MOST_HEADER = 10_000  # bytes of an array's header: numpy's own bound, which it asks too late
 FEWEST_PIXELS = 8  # along either side
 LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
 METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
@@ -62,12 +64,22 @@ def read_raster(path: Path) -> Raster:
 def _kind(path: Path) -> str:
     try:
         with path.open("rb") as file:
-            start = file.read(8)
+            start, size = file.read(12), path.stat().st_size
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UsageError(f"terrain {path} cannot be read: {reason}") from error
     if not start:
         raise UsageError(f"terrain {path} is empty")
+    if size > MOST_BYTES:
+        raise UsageError(
+            f"terrain {path} is larger than {MOST_BYTES >> 20} MiB; crop it (gdal_translate -srcwin)"
+        )
+    if (
+        start.startswith(b"\x93NUMPY")
+        and start[6] > 1
+        and int.from_bytes(start[8:], "little") > MOST_HEADER
+    ):
+        raise UsageError(f"terrain {path} is damaged: the header of an array is not that long")
     for magic, kind in FORMATS.items():
         if start.startswith(magic):
             return kind

@@ -19,6 +19,7 @@ from harness.world.solid import Color, Solid
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000
 EARTH = "0 0 -9.8"  # SDF's default
+LARGEST_GRAVITY = 100.0  # [m/s^2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +121,10 @@ class _Reading:
         if root.findall("world")[1:]:
             self._left_out("all worlds of the file but the first")
         gravity = numbers(text_of(world, "gravity", EARTH), 3, "gravity")
-        if gravity[0] or gravity[1] or gravity[2] >= 0.0:
+        if gravity[0] or gravity[1] or not -LARGEST_GRAVITY <= gravity[2] < 0.0:
             raise UsageError(
-                f"{path}: gravity {gravity} is not straight down; rovers drive on nothing else"
+                f"{path}: gravity {gravity} is not straight down, or more than {LARGEST_GRAVITY:g} "
+                "m/s^2; rovers drive on nothing else"
             )
         self._document.gravity = -gravity[2]
         self._scope(world, Frames("world"), place)
@@ -222,6 +224,8 @@ class _Reading:
             own = link.pose @ pose
         mu = text_of(collision.find("surface/friction/ode"), "mu")
         friction = numbers(mu, 1, f"<mu> of {name}")[0] if mu else None
+        if friction is not None and friction < 0.0:
+            raise UsageError(f"<mu> of {name} '{mu}' is not valid; give 0 or more")
         return [Solid(name, shape, own @ at, friction, color) for shape, at in shapes]
 
 

@@ -73,8 +73,10 @@ def _heightmap(kind: Element, owner: str, file: Path, resources: Resources) -> S
 
 def _mesh(kind: Element, owner: str, file: Path, resources: Resources) -> Shape:
     x, y, z = numbers(text_of(kind, "scale", "1 1 1"), 3, f"<scale> of {owner}")
-    if not all((x, y, z)):
-        raise UsageError(f"<scale> of {owner} is not valid; a factor is 0")
+    if not all(1e-6 <= abs(factor) <= 1e6 for factor in (x, y, z)):
+        raise UsageError(
+            f"<scale> of {owner} is not valid; a factor is 0, or not a millionth to a million"
+        )
     submesh = kind.find("submesh")
     name, centred = text_of(submesh, "name"), is_true(text_of(submesh, "center"))
     return MeshFile(resources.find(text_of(kind, "uri"), file), (x, y, z), name, centred)

@@ -1,4 +1,4 @@
-"""XML of strangers: opened without entities, of bounded size and depth; numbers and flags out of it."""
+"""XML of strangers: opened without entities, of bounded size and depth; plain texts and numbers."""
 
 import math
 from pathlib import Path
@@ -6,9 +6,11 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from harness.base.errors import UsageError
+from harness.base.number import number
 
 MOST_BYTES = 64 * 2**20
 DEEPEST = 100  # elements within elements
+MOST_ELEMENTS = 4_000_000  # a million way points have three each
 
 
 def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
@@ -29,14 +31,16 @@ def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
 
 def parse_xml(data: bytes) -> Element:
     """Returns the root of a document; UsageError if it is too deep, has a DOCTYPE, or is no XML."""
-    parser, builder, depth = expat.ParserCreate(), TreeBuilder(), 0
+    parser, builder, depth, count = expat.ParserCreate(), TreeBuilder(), 0, 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
+        nonlocal depth, count
+        depth, count = depth + 1, count + 1
         if depth > DEEPEST:
             raise UsageError(f"its elements are nested more than {DEEPEST} deep; that is no world")
-        builder.start(tag, attributes)
+        if count > MOST_ELEMENTS:
+            raise UsageError(f"it has more than {MOST_ELEMENTS:,} elements; take some out")
+        builder.start(tag, {name: _plain(value) for name, value in attributes.items()})
 
     def end(tag: str) -> None:
         nonlocal depth
@@ -59,7 +63,12 @@ def parse_xml(data: bytes) -> Element:
 def text_of(element: Element | None, tag: str, default: str = "") -> str:
     """Returns the text of a child, stripped; the default without such a child or without text."""
     child = None if element is None else element.find(tag)
-    return default if child is None else (child.text or "").strip() or default
+    return default if child is None else _plain(child.text or "").strip() or default
+
+
+def _plain(text: str) -> str:
+    """A text in which a space stands for whatever moves a terminal's cursor or begins a line."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)
 
 
 def is_true(text: str) -> bool:
@@ -77,7 +86,7 @@ def numbers(text: str, count: int, name: str) -> tuple[float, ...]:
     """
     words = text.split()
     try:
-        values = tuple(map(float, words))
+        values = tuple(map(number, words))
     except ValueError:
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):
