@@ -109,6 +109,9 @@ def test_size_is_as_the_file_says_unless_the_option_overrides_it(tmp_path: Path)
     whole = np.arange(101, dtype=np.uint16)[None] + np.zeros((101, 1), np.uint16)
     write_geotiff(path, whole, 5.0)  # whole numbers are metres where pixels are
     assert np.ptp(world_of(path, terrain_size=None).ground.heights) == 100.0
+    for length in (10.0, 5e4):
+        _mapped(length)(path)
+        assert world_of(path, terrain_size=None).ground.half_size == (length / 2,) * 2
     write_geotiff(path, hills(), 1e-5, model_type=2)
     assert world_of(path).ground.half_size == pytest.approx((10.0, 10.0))
 
@@ -331,6 +334,7 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "bomb.tif": (_bomb, "unpacks to more than its size"),
     "bomb.png": (lambda path: _png_header(path, 30000, 30000), "too many pixels"),
     "more.png": (lambda path: _png_header(path, 4096, 4097), "4096 x 4097 pixels are too many"),
+    "narrow.tif": (_tiff(np.zeros((9, 7))), "7 x 9 pixels are too few"),
     "low.npy": (_array(np.zeros((7, 9))), "9 x 7 pixels are too few"),
     "nan.npy": (_array(np.full((50, 50), np.nan)), "holds no height at all"),
     "half.npy": (_array(np.where(np.arange(400) < 201, np.nan, 0.0).reshape(20, 20)), "are missing"),

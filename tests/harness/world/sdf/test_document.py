@@ -44,8 +44,8 @@ def pose(numbers: list[float], relative_to: str = "") -> str:
 
 def assert_placed(document: Document, expected: list[tuple[str, np.ndarray]]) -> None:
     assert [solid.name for solid in document.solids] == [name for name, _ in expected]
-    for solid, (name, place) in zip(document.solids, expected, strict=True):
-        np.testing.assert_allclose(solid.pose, place, atol=1e-9, err_msg=name)
+    places = [solid.pose for solid in document.solids]
+    np.testing.assert_allclose(places, [place for _, place in expected], atol=1e-9)
 
 
 def geometry(kind: str, inner: str = "") -> str:

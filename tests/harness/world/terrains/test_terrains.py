@@ -100,3 +100,31 @@ def test_obstacles_stand_inside_the_map_on_its_ground(name: str, difficulty: flo
         x, y, z = obstacle.position
         ground = world.ground.height_at(x, y)
         assert z - obstacle.half_size[-1] <= ground + 1e-9 < z + obstacle.half_size[-1]
+
+
+# RMS of the heights about their mean [m], the height at 3, 2.5 [m], and a sum over the obstacles' numbers.
+FIRST_RELEASE = {
+    ("slope", 1.0): (4.676982, 1.209389, 0.0),
+    ("rolling", 0.5): (0.19868, 0.438451, 0.0),
+    ("gravel", 0.5): (0.050769, -0.100984, 0.0),
+    ("rocky", 0.5): (0.11982, 0.124311, 2186.698),
+    ("washboard", 0.5): (0.017684, 0.010459, 0.0),
+    ("dunes", 0.5): (0.166038, 0.442626, 0.0),
+    ("posts", 0.5): (0.049897, -0.035748, 1242.481),
+    ("maze", 0.5): (0.0, 0.0, 496.2),
+    ("marsyard", 0.5): (0.521665, 0.120853, 0.0),
+}
+
+
+@pytest.mark.parametrize(("name", "difficulty"), FIRST_RELEASE)
+def test_a_seed_makes_the_world_that_it_has_made_since_the_first_release(
+    name: str, difficulty: float
+) -> None:
+    """Recorded runs name their world by terrain, seed and difficulty: it must not move under them."""
+    rms, height, total = FIRST_RELEASE[name, difficulty]
+    world = world_of(name, 1, difficulty)
+    numbers = [(*o.half_size, *o.position, *o.quaternion) for o in world.obstacles]
+    found = world.ground.heights.std(), world.ground.height_at(3.0, 2.5)
+    assert found == pytest.approx((rms, height), abs=2e-6)
+    weighted = sum(n * value for row in numbers for n, value in enumerate(row, start=1))
+    assert weighted == pytest.approx(total, abs=0.01)
