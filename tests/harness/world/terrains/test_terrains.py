@@ -102,7 +102,7 @@ def test_obstacles_stand_inside_the_map_on_its_ground(name: str, difficulty: flo
         assert z - obstacle.half_size[-1] <= ground + 1e-9 < z + obstacle.half_size[-1]
 
 
-# RMS of the heights about their mean [m], the height at 3, 2.5 [m], and a sum over the obstacles' numbers.
+# RMS of the heights about their mean, the height at 3, 2.5 [m], and a sum over the numbers of obstacles.
 FIRST_RELEASE = {
     ("slope", 1.0): (4.676982, 1.209389, 0.0),
     ("rolling", 0.5): (0.19868, 0.438451, 0.0),
