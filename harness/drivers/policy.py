@@ -91,10 +91,14 @@ def write_policy(path: Path | str, policy: Policy) -> None:
 def read_policy(file: Path | str) -> Policy:
     """Returns the policy of a file; UsageError if it holds none for point navigation."""
     path = Path(file)
+    if path.exists() and not path.is_file():
+        raise UsageError(f"policy {path} is not a file; give an .npz file")
     try:
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:
-        raise UsageError(f"policy {path} cannot be read: {error.strerror}; give an .npz file") from error
+        raise UsageError(
+            f"policy {path} cannot be read: {error.strerror or error}; give an .npz file"
+        ) from error
 
 
 @lru_cache(maxsize=4)

@@ -63,6 +63,8 @@ def read_raster(path: Path) -> Raster:
 
 def _kind(path: Path) -> str:
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise UsageError(f"terrain {path} is not a file")
         with path.open("rb") as file:
             start, size = file.read(12), path.stat().st_size
     except (OSError, ValueError) as error:

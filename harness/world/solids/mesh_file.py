@@ -19,7 +19,7 @@ from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
 from harness.base.number import number
 from harness.spec.world import MESH_UNITS
-from harness.world.sdf.reader import DEEPEST, parse_xml
+from harness.world.sdf.reader import DEEPEST, parse_xml, read_bytes
 
 SUFFIXES = (".dae", ".obj", ".stl")
 MOST_BYTES = 128 * 2**20
@@ -113,13 +113,7 @@ def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tu
 def _bytes(path: Path) -> bytes:
     if path.suffix.lower() not in SUFFIXES:
         raise UsageError(f"meshes of that kind are not read; readable are {', '.join(SUFFIXES)}")
-    try:
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise UsageError(f"it cannot be read: {error.strerror}") from error
-    if len(data) > MOST_BYTES:
-        raise UsageError(f"it is larger than {MOST_BYTES >> 20} MiB; {SIMPLER}")
+    data = read_bytes(path, MOST_BYTES, "it ", SIMPLER)
     binary_stl = len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
     counts = {".obj": data.count(b"\nf "), ".stl": (len(data) - 84) // 50 if binary_stl else 0}
     _check_count(counts.get(path.suffix.lower(), 0))  # before anything is decoded

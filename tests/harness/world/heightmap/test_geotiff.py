@@ -82,7 +82,7 @@ def test_north_is_up_in_whichever_order_pixels_are_stored_and_a_turn_is_reported
     assert turns == [f"+x is {degrees:.1f} deg north of its coordinates' east"] * bool(degrees)
 
 
-@pytest.mark.parametrize("pixel", [0.05, 30.0])
+@pytest.mark.parametrize("pixel", [0.05, 1.0, 30.0])
 @pytest.mark.parametrize(("degrees", "valid"), [(0.4, True), (-0.4, True), (0.6, False), (-0.6, False)])
 def test_rows_and_columns_more_than_half_a_degree_aslant_are_refused(
     tmp_path: Path, degrees: float, pixel: float, *, valid: bool
