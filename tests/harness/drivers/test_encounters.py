@@ -137,13 +137,8 @@ def test_it_drives_up_lines_up_goes_to_60_cm_past_the_hazard_and_leaves(
     """Along x, through a post that only the driver knows of; beside the line it steers back to it."""
     x = 6.0
     start = x - RADIUS - rover.length / 2 - 1.2
-    shares = (
-        0.0,
-        -math.atan2(-aside, x) / 0.5,
-        0.5,
-        1.0,
-        0.0,
-    )  # hazard, heading, offset, speed, patience
+    veer = -math.atan2(-aside, x) / 0.5
+    shares = (0.0, veer, 0.5, 1.0, 0.0)  # hazard, heading, offset, speed, patience
     run = ideal(made(driver, dice(*shares), post(x, 0.0), rover=rover), y=aside)
     twists = list(run.steps(900))
     speed = sign * 0.9 * TOP_SPEED[rover.name]
