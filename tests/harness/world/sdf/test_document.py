@@ -218,45 +218,6 @@ def test_gravity_friction_and_names_have_the_defaults_of_sdf(tmp_path: Path) -> 
     assert (document.movable, len(document.solids)) == (["loose", "a", "d"], 6)
 
 
-def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path) -> None:
-    actor = "<actor name='{}'><pose>0 3 0 0 0 0</pose></actor>"
-    box = f"<model name='box'>{link()}</model>"
-    written(tmp_path, actor.format("lone"), "lone.sdf")
-    arm = f"<model name='arm'><joint name='j' type='revolute'/>{link()}</model>"
-    worldly = actor.format("worldly") + box.replace("<link", "<pose relative_to='world'/><link") + arm
-    written(tmp_path, f"<world name='w'>{worldly}</world>", "inner.world")
-    written(tmp_path, f"<model name='box'>{link()}{actor.format('nested')}</model>", "model.sdf")
-    written(tmp_path, box + actor.format("beside"), "beside.sdf")
-    written(tmp_path, actor.format("one") + actor.format("other"), "two.sdf")
-    include = "<include><uri>{}</uri>{}<pose degrees='1'>{} 0 1 0 0 90</pose></include>"
-    body = (
-        f"<frame name='f'><pose>100 0 0 0 0 0</pose></frame>{actor.format('own')}"
-        + include.format("lone.sdf", "<name>guide</name>", 10)
-        + include.format("lone.sdf", "", 20).replace("<pose", "<pose relative_to='f'")
-        + include.format("inner.world", "", 30)
-        + model(include.format("model.sdf", "", 40) + "<pose>1 0 0 0 0 0</pose>", "outer")
-        + "".join(include.format(f"{name}.sdf", "", x) for name, x in (("beside", 50), ("two", 60)))
-    )
-    document = read(tmp_path, body)
-    found = {p.name: (*p.pose[:3, 3].round(9).tolist(), p.file.name) for p in document.actors}
-    # A lone actor's pose and name are the include's, as a model's; of others they are in its frame.
-    assert found == {
-        "own": (0, 3, 0, "a.world"),
-        "guide": (10, 0, 1, "lone.sdf"),
-        "lone": (120, 0, 1, "lone.sdf"),
-        "worldly": (27, 0, 1, "inner.world"),
-        "nested": (38, 0, 1, "model.sdf"),
-        "beside": (47, 0, 1, "beside.sdf"),
-        **dict.fromkeys(("one", "other"), (57, 0, 1, "two.sdf")),
-    }
-    np.testing.assert_allclose(document.actors[1].pose[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
-    assert [solid.pose[0, 3] for solid in document.solids] == [41.0, 30.0, 50.0]
-    assert document.notes == (
-        "left out: model 'w::arm': it has joints that move",
-        "not static, but nothing moves here: w::box, sdf::box",
-    )
-
-
 def wrong(inner: str) -> str:
     return f"<world>{model(inner)}</world>"
 

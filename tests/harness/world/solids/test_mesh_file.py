@@ -66,14 +66,6 @@ def test_collada_is_turned_upright_and_scaled_to_metres(
     assert volume(mesh) == pytest.approx(48.0 * unit**3)
 
 
-def test_unit_and_axis_may_be_given_instead(tmp_path: Path) -> None:
-    path = write_dae(tmp_path / "a.dae", BOX, "<unit meter='0.01'/>")
-    for unit, length in {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}.items():
-        assert np.ptp(read_mesh(path, unit=unit)[0].vertices[:, 0]) == pytest.approx(2.0 * length)
-    mesh, _ = read_mesh(path, unit="mm", up="z")
-    np.testing.assert_allclose(mesh.vertices.max(0), [0.002, 0.004, 0.0065], atol=1e-12)
-
-
 def test_a_part_is_found_by_its_name_and_a_shape_that_stands_in_two_places_is_there_twice(
     tmp_path: Path,
 ) -> None:

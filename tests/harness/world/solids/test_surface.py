@@ -5,8 +5,6 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 from harness.base.errors import UsageError
 from harness.world.solids.mesh_file import Mesh
@@ -53,20 +51,6 @@ def test_maps_of_ten_metres_to_fifty_kilometres_are_driven_in_cells_that_are_not
         grid = chosen_grid(bounds, cell)
         assert grid.rows * grid.columns <= 1500 * 1500 + max(grid.rows, grid.columns)
         assert grid.cell == pytest.approx(cell or max(0.1, np.sqrt(width * depth) / 1499))
-
-
-@settings(max_examples=40)
-@example(0.0, 22.9868098108107, 10.0, 10.0, 1.0)  # 10 m less a rounding
-@given(*[st.floats(-100.0, 100.0)] * 2, *[st.floats(10.0, 30.0)] * 2, st.floats(0.1, 2.0))
-def test_vertices_lie_within_the_bounds_around_their_middle_as_many_as_fit(
-    x: float, y: float, width: float, depth: float, cell: float
-) -> None:
-    grid = chosen_grid((x, x + width, y, y + depth), cell)
-    assert grid.cell == cell
-    assert grid.middle == pytest.approx((x + width / 2, y + depth / 2))
-    for length, count, first, low in ((width, grid.columns, grid.x, x), (depth, grid.rows, grid.y, y)):
-        assert length - cell < (count - 1) * cell <= length + 1e-4
-        assert low - 1e-4 <= first < low + cell / 2 + 1e-4
 
 
 def test_beyond_the_outline_and_in_holes_there_are_pits_and_small_gaps_are_filled() -> None:
