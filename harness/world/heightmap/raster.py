@@ -15,6 +15,7 @@ import tifffile
 from PIL import Image
 
 from harness.base.errors import UsageError
+from harness.base.number import number
 from harness.world.heightfield import Field
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
@@ -138,7 +139,7 @@ def _read_tiff(path: Path) -> Raster:
         scale, offset = (_gdal_number(page, role) for role in ("scale", "offset"))
         is_float = page.dtype is not None and page.dtype.kind == "f"
     if nodata is not None:
-        values[np.isclose(values, float(nodata), rtol=1e-6, atol=0.0)] = np.nan
+        values[np.isclose(values, number(nodata), rtol=1e-6, atol=0.0)] = np.nan
     if is_scaled := (scale, offset) != (None, None):
         scale, offset = 1.0 if scale is None else scale, offset or 0.0
         values = values * scale + offset
@@ -152,7 +153,7 @@ def _read_tiff(path: Path) -> Raster:
 def _gdal_number(page: tifffile.TiffPage, role: str) -> float | None:
     """The number in an item of GDAL's metadata; None if there is no such item."""
     match = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
-    return None if match is None else float(match[1])
+    return None if match is None else number(match[1])
 
 
 def _tiff_values(page: tifffile.TiffPage) -> Field:
