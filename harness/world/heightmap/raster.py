@@ -139,7 +139,7 @@ def _read_tiff(path: Path) -> Raster:
         scale, offset = (_gdal_number(page, role) for role in ("scale", "offset"))
         is_float = page.dtype is not None and page.dtype.kind == "f"
     if nodata is not None:
-        values[np.isclose(values, number(nodata), rtol=1e-6, atol=0.0)] = np.nan
+        values[np.isclose(values, number(str(nodata)), rtol=1e-6, atol=0.0)] = np.nan
     if is_scaled := (scale, offset) != (None, None):
         scale, offset = 1.0 if scale is None else scale, offset or 0.0
         values = values * scale + offset
