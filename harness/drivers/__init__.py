@@ -41,11 +41,7 @@ DRIVERS: dict[str, type[Driver]] = {
 
 
 def find_driver(name: str) -> type[Driver]:
-    """Returns the driver of that name, or of the policy in a file, `policy:FILE`.
-
-    Raises:
-        UsageError: No such driver; the message names those there are. Or no such policy.
-    """
+    """Returns the driver of that name or, of `policy:FILE`, of a file; UsageError without such a one."""
     if name.startswith(PREFIX):
         file = Path(name.removeprefix(PREFIX))
         read_policy(file)
@@ -54,18 +50,10 @@ def find_driver(name: str) -> type[Driver]:
 
 
 def takes_goals(name: str) -> bool:
-    """Returns whether the driver of that name goes to goals that it is given.
-
-    Raises:
-        UsageError: No such driver.
-    """
+    """Returns whether the driver of that name goes to goals that it is given; UsageError without it."""
     return issubclass(find_driver(name), Goal | PolicyDriver)
 
 
 def sensed_by(name: str) -> frozenset[type[Sample]]:
-    """Returns the samples that the driver of that name looks at.
-
-    Raises:
-        UsageError: No such driver.
-    """
+    """Returns the samples that the driver of that name looks at; UsageError without it."""
     return find_driver(name).senses

@@ -17,48 +17,32 @@ BACKWARDS, SLOWEST = 0.6, 0.4  # of the cruising speed, of rovers that cannot tu
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a driver may use.
+    """What a driver may use."""
 
-    Attributes:
-        time_ns: Simulation time since the drive began, at the start or at a reset.
-        x: Position in the world, as a localisation would give it [m].
-        y: Position in the world [m].
-        yaw: Heading [rad].
-        ranges: The last scan, shape (beams,), or None before the first.
-        readings: The last sample of each kind that is read.
-        touches_hazard: What a bumper all around the rover would feel; for staged encounters.
-    """
-
-    time_ns: int
-    x: float
-    y: float
-    yaw: float
-    ranges: NDArray[np.float32] | None
-    touches_hazard: bool = False
+    time_ns: int  # simulation time since the drive began, at the start or at a reset
+    x: float  # position in the world, as a localisation would give it [m]
+    y: float  # position in the world [m]
+    yaw: float  # heading [rad]
+    ranges: NDArray[np.float32] | None  # the last scan, shape (beams,), or None before the first
+    touches_hazard: bool = False  # what a bumper all around the rover would feel; for staged encounters
+    # the last sample of each kind that is read
     readings: Mapping[type[Sample], Sample] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class DriverContext:
-    """What a driver is made for.
+    """What a driver is made for."""
 
-    Attributes:
-        rover: The rover to drive.
-        half_size: Half the lengths of the map along x and y, or of what of it can be driven [m].
-        bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
-        rng: The driver's own source of randomness.
-        command_timeout_ns: After which a command of /cmd_vel ends; None for never.
-        obstacles: What stands in the world; only a driver that stages encounters may look.
-        middle: Of the map, in the world: x, y [m].
-    """
-
-    rover: RoverSpec
+    rover: RoverSpec  # the rover to drive
+    # half the lengths of the map along x and y, or of what of it can be driven [m]
     half_size: tuple[float, float]
+    # direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive
     bearings: NDArray[np.float64]
-    rng: np.random.Generator
+    rng: np.random.Generator  # the driver's own source of randomness
+    # what stands in the world; only a driver that stages encounters may look
     obstacles: tuple[Obstacle, ...] = ()
-    command_timeout_ns: int | None = None
-    middle: tuple[float, float] = (0.0, 0.0)
+    command_timeout_ns: int | None = None  # after which a command of /cmd_vel ends; None for never
+    middle: tuple[float, float] = (0.0, 0.0)  # of the map, in the world: x, y [m]
 
 
 class Driver(Protocol):
@@ -79,10 +63,6 @@ def drivable(twist: Twist, rover: RoverSpec) -> Twist:
 
     Turning in place becomes backing up in the tightest curve, which turns the heading the same way and
     leaves what is ahead; a slow tight curve is driven fast enough to get round.
-
-    Args:
-        twist: As the driver commands it.
-        rover: Which is to follow; one that turns in place follows any.
     """
     if not rover.steers or twist.angular == 0.0:
         return twist

@@ -1,7 +1,7 @@
 """One seeded goal after another in a rectangle, as RoboTerrain's collector gives them."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,22 +16,13 @@ TRIES = 1000
 
 @dataclass
 class GoalCourse:
-    """Gives the next goal once the last one is reached or given up.
+    """Gives the next goal once the last one is reached or given up."""
 
-    Attributes:
-        area: Where goals lie.
-        space: Keeps them off hazards and on the map.
-        clearance: To hazards and the map's edge [m].
-        rng: Source of randomness.
-    """
-
-    area: Area
-    space: FreeSpace
-    clearance: float
-    rng: np.random.Generator
-
-    def __post_init__(self) -> None:
-        self._account = GoalAccount()
+    area: Area  # where goals lie
+    space: FreeSpace  # keeps them off hazards and on the map
+    clearance: float  # to hazards and the map's edge [m]
+    rng: np.random.Generator  # source of randomness
+    _account: GoalAccount = field(default_factory=GoalAccount, init=False)
 
     def next(self, time_s: float, place: tuple[float, float], orientation: Quaternion) -> Place | None:
         """Returns the goal that is due at a pose; None while there is one.
@@ -52,11 +43,7 @@ class GoalCourse:
         return goal
 
     def draw(self) -> Place:
-        """Returns a free place, heading anywhere.
-
-        Raises:
-            UsageError: There is none.
-        """
+        """Returns a free place, heading anywhere; UsageError if there is none."""
         x_min, x_max, y_min, y_max = self.area
         low, high = (x_min, y_min, -math.pi), (x_max, y_max, math.pi)
         for x, y, yaw in self.rng.uniform(low, high, size=(TRIES, 3)).tolist():

@@ -27,11 +27,7 @@ S = TypeVar("S")
 
 
 def limits(range_max: float) -> dict[str, Limits]:
-    """Returns the smallest and the largest numbers of each array, in the order of the arrays' names.
-
-    Args:
-        range_max: Of the lidar [m].
-    """
+    """Returns smallest and largest numbers of each array, by name, for a lidar of that range [m]."""
     return {
         "goal": ((0.0, -1.0, -1.0), (FARTHEST_GOAL, 1.0, 1.0)),
         "imu": (tuple(-limit for limit in IMU_LIMITS), IMU_LIMITS),
@@ -74,12 +70,7 @@ def clipped(value: object, low: object, high: object) -> NDArray[np.float32]:
 
 
 def commanded(action: Sequence[float], rover: RoverSpec) -> Twist:
-    """Returns what an action of two numbers from -1 to 1 commands: shares of the largest speeds.
-
-    Args:
-        action: Speed and yaw rate.
-        rover: Whose top speed and yaw rate 1 is.
-    """
+    """Returns what an action commands: shares, -1 to 1, of the rover's top speed and yaw rate."""
     speed, rate = action
     return Twist(speed * rover.top_speed, rate * rover.cruise_yaw_rate)
 
@@ -98,10 +89,5 @@ def way_to(goal: Point, pose: Pose) -> tuple[float, float]:
 
 
 def visible(ranges: NDArray[np.float32], farthest: float) -> NDArray[np.float32]:
-    """Returns ranges as numbers [m]: a miss and a fault are the largest, what is too near is 0.
-
-    Args:
-        ranges: REP-117 coded.
-        farthest: What a miss becomes [m].
-    """
+    """Returns REP-117 ranges as numbers [m]: a miss and a fault are the farthest, too near is 0."""
     return np.fmax(np.fmin(ranges, np.float32(farthest)), np.float32(0.0))  # fmin drops NaN

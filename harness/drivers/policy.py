@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
-from zipfile import BadZipFile
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
 
 PREFIX = "policy:"  # of the driver's name, before the file's
 LIMITS = point_nav.limits(LIDAR_RANGE_MAX)
+MOST_BYTES = 2**26  # unpacked
 BESIDE_LIDAR = sum(len(low) for name, (low, _) in LIMITS.items() if name != "lidar")
 
 Floats = NDArray[np.float32]
@@ -37,15 +38,11 @@ ACTIVATIONS: dict[str, Callable[[Floats], Floats]] = {"tanh": np.tanh, "relu": _
 
 @dataclass(frozen=True, eq=False)
 class Policy:
-    """A network of dense layers.
+    """A network of dense layers."""
 
-    Attributes:
-        layers: Weights, shape (in, out), and bias, shape (out,), of each.
-        activation: Between two layers; one of ACTIVATIONS.
-    """
-
+    # weights, shape (in, out), and bias, shape (out,), of each
     layers: tuple[tuple[Floats, Floats], ...]
-    activation: str = "tanh"
+    activation: str = "tanh"  # between two layers; one of ACTIVATIONS
 
     @property
     def beams(self) -> int:
@@ -53,11 +50,7 @@ class Policy:
         return len(self.layers[0][0]) - BESIDE_LIDAR
 
     def act(self, observation: Mapping[str, Floats]) -> Floats:
-        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1.
-
-        Raises:
-            UsageError: It was made for other observations.
-        """
+        """Returns the action, (2,) of -1 to 1, for an observation of PointNav; UsageError for others."""
         values = np.concatenate([observation[name] for name in sorted(observation)])
         if len(values) != (inputs := len(self.layers[0][0])):
             raise UsageError(
@@ -96,30 +89,38 @@ def write_policy(path: Path | str, policy: Policy) -> None:
 
 
 def read_policy(file: Path | str) -> Policy:
-    """Returns the policy of a file.
-
-    Raises:
-        UsageError: It cannot be read, or is no policy for point navigation.
-    """
+    """Returns the policy of a file; UsageError if it holds none for point navigation."""
     path = Path(file)
+    if path.exists() and not path.is_file():
+        raise UsageError(f"policy {path} is not a file; give an .npz file")
     try:
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:
-        raise UsageError(f"policy {path} cannot be read: {error.strerror}; give an .npz file") from error
+        raise UsageError(
+            f"policy {path} cannot be read: {error.strerror or error}; give an .npz file"
+        ) from error
 
 
 @lru_cache(maxsize=4)
 def _read(path: Path, _modified_ns: int) -> Policy:
     try:
+        with ZipFile(path) as packed:
+            is_small = sum(member.file_size for member in packed.infolist()) <= MOST_BYTES
         with np.load(path, allow_pickle=False) as archive:
-            arrays = dict(archive)
-    except (ValueError, BadZipFile, TypeError, EOFError) as error:
+            arrays = dict(archive) if is_small else {}
+    except OSError:
+        raise
+    except Exception as error:  # zip files and arrays raise anything at all over a damaged file
         raise UsageError(f"policy {path} is no .npz file of arrays; see docs/gym.md") from error
+    if not is_small:
+        raise UsageError(f"policy {path} holds more than {MOST_BYTES >> 20} MiB; give a smaller one")
     count = sum(name.startswith("weights_") for name in arrays)
     names = [f"{kind}_{index}" for index in range(max(count, 1)) for kind in ("weights", "bias")]
     missing = [name for name in ("activation", *names) if name not in arrays]
     if missing:
         raise UsageError(f"policy {path} lacks {', '.join(missing)}; see docs/gym.md")
+    if wrong := [name for name in names if arrays[name].dtype.kind not in "fiu"]:
+        raise UsageError(f"policy {path}: {', '.join(wrong)} are no numbers; see docs/gym.md")
     floats = [arrays[name].astype(np.float32) for name in names]
     layers = tuple(zip(floats[::2], floats[1::2], strict=True))
     activation = str(arrays["activation"])
@@ -144,11 +145,7 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
 
 
 class PolicyDriver:
-    """Drives to each goal that it is given as its policy does; stands there, and before the first.
-
-    Raises:
-        UsageError: The policy is for a lidar with another number of beams.
-    """
+    """Drives to each goal that it is given as its policy does; stands there, and before the first."""
 
     summary: ClassVar[str] = "drives to each /goal_pose as a policy trained on PointNav does"
     senses: ClassVar[frozenset[type[Sample]]] = point_nav.SENSED
@@ -165,13 +162,7 @@ class PolicyDriver:
         self._goal: tuple[float, float] | None = None
 
     def head_for(self, x: float, y: float, _yaw: float) -> None:
-        """Takes the next goal.
-
-        Args:
-            x: Position in the world [m].
-            y: Position in the world [m].
-            _yaw: Not minded: PointNav is at its goal however it stands.
-        """
+        """Takes the next goal [m]; PointNav is at its goal whatever the heading."""
         self._goal = x, y
 
     def command(self, observation: Observation) -> Twist:

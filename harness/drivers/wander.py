@@ -87,10 +87,7 @@ class Wander:
         x = observation.x + distance * math.cos(bearing)
         y = observation.y + distance * math.sin(bearing)
         (at_x, at_y), reach_x, reach_y = self._middle, self._reach_x, self._reach_y
-        return (
-            max(at_x - reach_x, min(at_x + reach_x, x)),
-            max(at_y - reach_y, min(at_y + reach_y, y)),
-        )
+        return (max(at_x - reach_x, min(at_x + reach_x, x)), max(at_y - reach_y, min(at_y + reach_y, y)))
 
     def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
         """Free range [m] of each candidate heading, shape (48,)."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
 from harness.drivers import find_driver, takes_goals
-from harness.drivers.staged import StagedEncounter
+from harness.drivers.encounters import StagedEncounter
 from harness.faults.injector import FaultInjector
 from harness.faults.lookup import find_faults
 from harness.robots import RoverSpec, find_rover

@@ -13,12 +13,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from harness.base import number
 from harness.base.errors import UsageError, unknown
 from harness.spec.value import AsText, Value, made, parsed
 
 FORM = "give [NAME=]FILE.sdf, NAME=X,Y/X,Y/..., NAME=random or NAME=social, and :KEY=VALUE,... behind it"
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-POINTS = re.compile(rf"{NUMBER},{NUMBER}(?:/{NUMBER},{NUMBER})*")
+POINTS = re.compile(rf"{number.FORM},{number.FORM}(?:/{number.FORM},{number.FORM})*")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 BEHIND = re.compile(r"(?P<way>.*?)(?::(?P<options>\w+=[^:/\\]*))?", re.DOTALL)
 WALKERS = ("random", "social")

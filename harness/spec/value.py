@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from harness.base.errors import UsageError, unknown
+from harness.base.number import number
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -247,7 +248,7 @@ def numbers(form: str, count: int, *, rest: float | None = None) -> BeforeValida
         if rest is not None and len(words) == count - 1:
             words.append(str(rest))
         try:
-            values = tuple(map(float, words))
+            values = tuple(map(number, words))
         except ValueError:
             values = ()
         if len(values) != count:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
-from harness.spec.actor import ActorText
+from harness.spec.actor import ActorOptions, ActorText
 from harness.spec.value import Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
@@ -16,6 +16,8 @@ Altitude = Annotated[float, Field(ge=-500.0, le=9000.0)]  # [m]: of what rovers 
 
 SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
 LARGEST_RELIEF = 10_000.0  # [m]
+MESH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}  # length [m]
+MESH_AXES = ("z", "y", "x")
 
 MapLength = Annotated[float, Field(ge=SMALLEST_MAP, le=LARGEST_MAP)]  # [m]
 Relief = Annotated[float, Field(ge=0.0, le=LARGEST_RELIEF)]  # [m]
@@ -61,10 +63,11 @@ class WorldSpec(Value):
         default=(), description="folder of an SDF world's models; repeatable; default: none"
     )
     mesh_unit: Annotated[str, Option("NAME")] = Field(
-        default="", description="unit of meshes: m, cm, mm, ft, in; default: as their files say"
+        default="", description=f"unit of meshes: {', '.join(MESH_UNITS)}; default: as their files say"
     )
     mesh_up: Annotated[str, Option("AXIS")] = Field(
-        default="", description="axis of meshes that is up: z, y, x; default: as their files say"
+        default="",
+        description=f"axis of meshes that is up: {', '.join(MESH_AXES)}; default: as their files say",
     )
     rock_height: Annotated[Relief | None, Option("M")] = Field(
         default=None,
@@ -80,7 +83,7 @@ class WorldSpec(Value):
         default=(),
         description="a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a "
         "trajectory, or actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
-        "speed, route, delay, radius, height, within, push (docs/worlds.md); default: nobody",
+        f"{', '.join(ActorOptions.model_fields)} (docs/worlds.md); default: nobody",
     )
     datum: Annotated[
         tuple[Latitude, Longitude, Altitude],
@@ -89,7 +92,7 @@ class WorldSpec(Value):
     ] = Field(
         default=DEFAULT_DATUM,
         description="where the world's origin is, for GNSS and its like: degrees and metres; "
-        "default: 38.4064,-110.7919,1382",
+        "default: " + ",".join(f"{value:.7g}" for value in DEFAULT_DATUM),
     )
 
 

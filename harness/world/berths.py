@@ -18,13 +18,7 @@ Disc = tuple[float, float, float]  # x, y, radius [m]
 
 @dataclass(frozen=True)
 class Member:
-    """One of the rovers in a world.
-
-    Attributes:
-        name: What it is called; empty of a single one.
-        rover: Which rover.
-        start: Where it starts.
-    """
+    """One of the rovers in a world; the name of a single one is empty."""
 
     name: str
     rover: RoverSpec
@@ -50,9 +44,9 @@ def berth(near: Start, rover: RoverSpec, taken: Sequence[Disc], world: World) ->
     right, then the one behind before the one ahead. No obstacle stands there, and it is not too steep.
 
     Args:
-        near: The other place, itself not a candidate.
+        near: The other place, itself not a candidate: x, y [m], yaw [rad].
         rover: Which is to stand there.
-        taken: Where others stand or will.
+        taken: Where others stand or will: x, y, radius [m].
         world: Ground and obstacles.
     """
     (x, y, yaw), reach = near, rover.reach

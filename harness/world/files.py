@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 from harness.base.errors import UsageError, find_named
-from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, SOLIDS, WorldSpec
+from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, MESH_UNITS, SOLIDS, WorldSpec
 from harness.world.solids.mesh_file import SUFFIXES as MESHES
-from harness.world.solids.mesh_file import UNITS, UP
+from harness.world.solids.mesh_file import UP
 from harness.world.terrains import TERRAINS
 from harness.world.world import RoverNeeds, World
 
@@ -27,11 +27,7 @@ def is_heightmap(file: str) -> bool:
 
 
 def check_terrain(spec: WorldSpec) -> None:
-    """Checks that a terrain exists or is a file, and that all options are for its kind.
-
-    Raises:
-        UsageError: There is no such terrain, or an option is for another kind of terrain.
-    """
+    """Checks that a terrain exists or is a file, and all options are for its kind; else UsageError."""
     if is_terrain_file(spec.terrain):
         kind = HEIGHTMAPS if is_heightmap(spec.terrain) else SOLIDS
         if spec.difficulty != DEFAULT_DIFFICULTY:
@@ -43,21 +39,18 @@ def check_terrain(spec: WorldSpec) -> None:
             flag, terrain = name.replace("_", "-"), Path(spec.terrain).name
             raise UsageError(f"--{flag} applies to {valid} only; leave it out with {terrain}")
     if spec.mesh_unit:
-        find_named("mesh unit", spec.mesh_unit, UNITS)
+        find_named("mesh unit", spec.mesh_unit, MESH_UNITS)
     if spec.mesh_up:
         find_named("mesh axis", spec.mesh_up, UP)
 
 
 def file_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
-    """Makes the world of a file of any kind.
+    """Makes the world of a file; UsageError if it is unreadable, incomplete or nowhere fit to stand on.
 
     Args:
         spec: Names the file and says what it leaves open.
         rover: What the rover needs of it.
         seed: Of the world, which has no randomness of its own.
-
-    Raises:
-        UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
     """
     # Imported here, since named terrains save the libraries of either.
     if is_heightmap(spec.terrain):

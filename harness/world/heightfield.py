@@ -20,15 +20,11 @@ FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 @dataclass(frozen=True, eq=False)
 class Heightfield:
-    """Heights in metres, shape (rows, columns), `cell` metres apart.
-
-    Attributes:
-        middle: Of the map, in the world: x, y [m].
-    """
+    """Heights in metres, shape (rows, columns), `cell` metres apart."""
 
     heights: Field
     cell: float
-    middle: tuple[float, float] = (0.0, 0.0)
+    middle: tuple[float, float] = (0.0, 0.0)  # of the map, in the world: x, y [m]
 
     @property
     def half_size(self) -> tuple[float, float]:

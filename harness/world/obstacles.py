@@ -33,27 +33,21 @@ class ObstacleKind(Enum):
 
 @dataclass(frozen=True)
 class Obstacle:
-    """One geom in the world frame.
-
-    Attributes:
-        half_size: Box: half lengths [m]; ellipsoid: semi-axes [m]; cylinder: radius, half height [m];
-            convex, surface: half lengths of the box around it.
-        position: Centre x, y, z [m], of the box around it if it is convex or a surface.
-        quaternion: Orientation w, x, y, z.
-        corners: From the centre, x, y, z [m], of a convex one, which is their hull, and of a surface,
-            which is only seen.
-        faces: The triangles of a surface, by the numbers of its corners.
-        color: How a file says that it looks.
-    """
+    """One geom in the world frame."""
 
     kind: ObstacleKind
     shape: Shape
+    # box: half lengths [m]; ellipsoid: semi-axes [m]; cylinder: radius, half height [m]; convex,
+    # surface: half lengths of the box around it
     half_size: tuple[float, ...]
+    # centre x, y, z [m], of the box around it if it is convex or a surface
     position: tuple[float, float, float]
-    quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)  # orientation w, x, y, z
+    # from the centre, x, y, z [m], of a convex one, which is their hull, and of a surface, which is only
+    # seen
     corners: tuple[tuple[float, float, float], ...] = ()
-    faces: tuple[tuple[int, ...], ...] = ()
-    color: Color | None = None
+    faces: tuple[tuple[int, ...], ...] = ()  # the triangles of a surface, by the numbers of its corners
+    color: Color | None = None  # how a file says that it looks
 
 
 def surface(kind: ObstacleKind, points: NDArray[np.float64], faces: NDArray[np.int64]) -> Obstacle:
@@ -78,21 +72,14 @@ def convex(kind: ObstacleKind, points: NDArray[np.float64]) -> Obstacle:
 
 @dataclass(frozen=True)
 class Form:
-    """An obstacle before it has a place.
-
-    Attributes:
-        half_size: As in `Obstacle`.
-        sink: How deep the lowest point of the upright form goes into the ground [m].
-        yaw: Heading about the vertical [rad].
-        tilt: Lean about the form's own x axis [rad].
-    """
+    """An obstacle before it has a place."""
 
     kind: ObstacleKind
     shape: Shape
-    half_size: tuple[float, ...]
-    sink: float = 0.0
-    yaw: float = 0.0
-    tilt: float = 0.0
+    half_size: tuple[float, ...]  # as in `Obstacle`
+    sink: float = 0.0  # how deep the lowest point of the upright form goes into the ground [m]
+    yaw: float = 0.0  # heading about the vertical [rad]
+    tilt: float = 0.0  # lean about the form's own x axis [rad]
 
 
 def place(form: Form, ground: Heightfield, x: float, y: float) -> Obstacle:

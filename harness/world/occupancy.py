@@ -27,19 +27,12 @@ Places = NDArray[np.float64]  # the middles of rows or of columns of cells [m]
 
 @dataclass(frozen=True, eq=False)
 class OccupancyMap:
-    """Cells in rows with +y and columns with +x, as nav_msgs/OccupancyGrid orders them.
+    """Cells in rows with +y and columns with +x, as nav_msgs/OccupancyGrid orders them."""
 
-    Attributes:
-        cells: FREE or OCCUPIED, int8, shape (rows, columns).
-        resolution: Side length of a cell [m].
-        half_size: Half the lengths of the map along x and y [m].
-        middle: Of the map, in the world [m].
-    """
-
-    cells: NDArray[np.int8]
-    resolution: float
-    half_size: tuple[float, float]
-    middle: tuple[float, float] = (0.0, 0.0)
+    cells: NDArray[np.int8]  # FREE or OCCUPIED, int8, shape (rows, columns)
+    resolution: float  # side length of a cell [m]
+    half_size: tuple[float, float]  # half the lengths of the map along x and y [m]
+    middle: tuple[float, float] = (0.0, 0.0)  # of the map, in the world [m]
 
     def is_free(self, x: float, y: float, radius: float = 0.0) -> bool:
         """Returns whether no cell is occupied whose middle lies in a disc, nor the one at its middle.

@@ -20,45 +20,30 @@ class Primitive:
 
 @dataclass(frozen=True)
 class Plane:
-    """A plane through its origin, solid below; a horizontal one has no end.
+    """A plane through its origin, solid below; a horizontal one has no end."""
 
-    Attributes:
-        normal: Of any length.
-        size: Along x and y [m]: how much of it is mapped.
-    """
-
-    normal: tuple[float, float, float]
-    size: tuple[float, float]
+    normal: tuple[float, float, float]  # of any length
+    size: tuple[float, float]  # along x and y [m]: how much of it is mapped
 
 
 @dataclass(frozen=True)
 class MeshFile:
-    """Triangles of a file.
-
-    Attributes:
-        scale: Along x, y and z.
-        submesh: The name of the only part of it that is meant; "" for all.
-        centred: Whether that part is moved to the origin.
-    """
+    """Triangles of a file."""
 
     path: Path
-    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    submesh: str = ""
-    centred: bool = False
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)  # along x, y and z
+    submesh: str = ""  # the name of the only part of it that is meant; "" for all
+    centred: bool = False  # whether that part is moved to the origin
 
 
 @dataclass(frozen=True)
 class Relief:
-    """A grey picture of heights.
-
-    Attributes:
-        size: Along x and y, and from the value 0 to the largest that there can be [m].
-        position: Of its middle at the value 0 [m].
-    """
+    """A grey picture of heights."""
 
     path: Path
+    # along x and y, and from the value 0 to the largest that there can be [m]
     size: tuple[float, float, float]
-    position: tuple[float, float, float]
+    position: tuple[float, float, float]  # of its middle at the value 0 [m]
 
 
 Shape = Primitive | Plane | MeshFile | Relief
@@ -66,17 +51,10 @@ Shape = Primitive | Plane | MeshFile | Relief
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A shape in the world.
+    """A shape in the world."""
 
-    Attributes:
-        name: Unique or not: model::link::collision.
-        pose: T_world_solid, shape (4, 4) [m].
-        friction: Coulomb's coefficient; None if the file has none.
-        color: Of the visual beside it; None if the file has none.
-    """
-
-    name: str
+    name: str  # unique or not: model::link::collision
     shape: Shape
-    pose: NDArray[np.float64]
-    friction: float | None = None
-    color: Color | None = None
+    pose: NDArray[np.float64]  # T_world_solid, shape (4, 4) [m]
+    friction: float | None = None  # Coulomb's coefficient; None if the file has none
+    color: Color | None = None  # of the visual beside it; None if the file has none

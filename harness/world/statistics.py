@@ -21,19 +21,13 @@ NONE: Range = (0.0, 0.0)
 
 @dataclass(frozen=True, kw_only=True)
 class Promise:
-    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed; 0 by default.
+    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed; 0 by default."""
 
-    Attributes:
-        slope_p50: Median slope [deg]; `slope_p95` is the 95th percentile.
-        rms_1m: RMS residual over windows of 1 m [m]; `rms_03m` over 0.3 m.
-        obstacle_density: Rocks and hazards per ground area [1/m2].
-    """
-
-    slope_p50: Range = NONE
+    slope_p50: Range = NONE  # median slope [deg]; `slope_p95` is the 95th percentile
     slope_p95: Range = NONE
-    rms_1m: Range = NONE
+    rms_1m: Range = NONE  # RMS residual over windows of 1 m [m]; `rms_03m` over 0.3 m
     rms_03m: Range = NONE
-    obstacle_density: Range = NONE
+    obstacle_density: Range = NONE  # rocks and hazards per ground area [1/m2]
 
     def describe(self) -> str:
         """One line with units."""

@@ -43,12 +43,7 @@ def constant(value: Number, unit: str) -> Number:
 
 @dataclass(frozen=True, kw_only=True)
 class Terrain(ABC):
-    """Base of all terrains.
-
-    Attributes:
-        size: Side length of the map [m].
-        cell: Distance of two vertices [m].
-    """
+    """Base of all terrains."""
 
     name: ClassVar[str]
     summary: ClassVar[str]
@@ -56,18 +51,12 @@ class Terrain(ABC):
     has_level_spawn: ClassVar[bool] = True
     has_hazards: ClassVar[bool] = False  # whatever seed and difficulty
 
-    size: float = constant(40.0, "m")
-    cell: float = constant(0.1, "m")
+    size: float = constant(40.0, "m")  # side length of the map [m]
+    cell: float = constant(0.1, "m")  # distance of two vertices [m]
 
     @abstractmethod
     def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
-        """Returns the heights at the vertices, shape (n, n) [m].
-
-        Args:
-            x: Of the vertices in the world, shape (n, n) [m].
-            y: Of the vertices in the world, shape (n, n) [m].
-            rng: Source of all randomness of the ground.
-        """
+        """Returns the heights at the vertices x, y, all of shape (n, n) [m]."""
 
     def obstacles(self, _ground: Heightfield, _rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Returns what stands on that ground; nothing unless a terrain says otherwise."""

@@ -24,46 +24,30 @@ STEEPEST_START = 15.0  # [deg] around the start of a world from a file
 
 @dataclass(frozen=True)
 class RoverNeeds:
-    """What a world from a file has to know of the rover that drives in it.
+    """What a world from a file has to know of the rover that drives in it."""
 
-    Attributes:
-        clearance: Height of obstacles that the rover drives over [m].
-        step_limit: Highest step that the rover climbs [m].
-        needs_start: Whether a place to start from is to be looked for.
-    """
-
-    clearance: float = 0.1
-    step_limit: float = 0.07
-    needs_start: bool = True
+    clearance: float = 0.1  # height of obstacles that the rover drives over [m]
+    step_limit: float = 0.07  # highest step that the rover climbs [m]
+    needs_start: bool = True  # whether a place to start from is to be looked for
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A ground with its obstacles.
-
-    Attributes:
-        difficulty: From 0 to 1; None if the world comes from a file.
-        notes: What a file holds, and what was done to make a world of it.
-        start: Where the rover starts.
-        room: Where a driver may wander: x from, x to, y from, y to [m]; None is the whole map.
-        gravity: Downwards [m/s^2]; None is that of the rover's model.
-        friction: Of the ground where it is less than the wheels' own; None is theirs.
-        files: Those that the world was read from, each with its SHA-256.
-        people: Who walks about.
-    """
+    """A ground with its obstacles."""
 
     name: str
     ground: Heightfield
     obstacles: tuple[Obstacle, ...]
     seed: int
-    difficulty: float | None
-    notes: tuple[str, ...] = ()
-    start: Start = ORIGIN
-    people: tuple[Actor, ...] = ()
+    difficulty: float | None  # from 0 to 1; None if the world comes from a file
+    notes: tuple[str, ...] = ()  # what a file holds, and what was done to make a world of it
+    start: Start = ORIGIN  # where the rover starts
+    people: tuple[Actor, ...] = ()  # who walks about
+    # where a driver may wander: x from, x to, y from, y to [m]; None is the whole map
     room: tuple[float, float, float, float] | None = None
-    gravity: float | None = None
-    friction: float | None = None
-    files: tuple[tuple[str, str], ...] = ()
+    gravity: float | None = None  # downwards [m/s^2]; None is that of the rover's model
+    friction: float | None = None  # of the ground where it is less than the wheels' own; None is theirs
+    files: tuple[tuple[str, str], ...] = ()  # those that the world was read from, each with its SHA-256
 
     @property
     def roaming(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -79,7 +63,7 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
 
     Args:
         name: One of harness.world.terrains.TERRAINS.
-        seed: Whole number from 0 up.
+        seed: 0 or more.
         difficulty: 0 (easiest) to 1 (hardest).
     """
     terrain = TERRAINS[name].at_difficulty(difficulty)
@@ -92,11 +76,7 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
 
 
 def starting_at(world: World, start: Start) -> World:
-    """Returns the same world with another start.
-
-    Raises:
-        UsageError: It is not on the map; the message tells where that is.
-    """
+    """Returns the same world with another start; UsageError, which tells the map, if it is off it."""
     if not world.ground.contains(*start[:2], EDGE_MARGIN):
         x, x_to, y, y_to = world.ground.bounds(EDGE_MARGIN)
         raise UsageError(
@@ -107,12 +87,7 @@ def starting_at(world: World, start: Start) -> World:
 
 
 def with_actors(world: World, people: Sequence[Pedestrian]) -> World:
-    """Returns the same world with people in it.
-
-    Raises:
-        UsageError: A route leads off the map or through a hazard, or there is no place for a walker to
-            begin at; the message tells where.
-    """
+    """Returns the same world with people in it; UsageError where one of them cannot walk."""
     space = FreeSpace(world.ground, world.obstacles)
     return replace(
         world, people=tuple(actor_of(one, space, world.start[:2], world.seed) for one in people)

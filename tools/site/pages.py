@@ -31,6 +31,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
     "Reference": (
         *("reference/commands.md", "topics.md", "frames.md", "log.md", "metrics.md", "parameters.md"),
         *("terrains.md", "reference/scenario_file.md", "models.md", "api.md", "reference/python.md"),
+        "limits.md",
     ),
     "Explanation": ("design.md", "physics.md", "guarantees.md", "benchmarks.md"),
     "Project": ("contributing.md", "changelog.md", "security.md", "conduct.md"),

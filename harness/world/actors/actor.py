@@ -1,6 +1,9 @@
 """The people of a world: bodies whose walks are checked against ground and hazards."""
 
+import math
 from dataclasses import dataclass
+
+import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.streams import PEOPLE, generator
@@ -9,27 +12,23 @@ from harness.world.actors.people import Pedestrian
 from harness.world.actors.random_walk import RandomWalk, RandomWalker
 from harness.world.actors.route import Route, timed
 from harness.world.actors.social_force import SocialForceWalker
+from harness.world.obstacles import Points
 
 Walk = Route | RandomWalker | SocialForceWalker
+
+LONGEST = 200_000.0  # [m] of a route one way, which is looked at every 10 cm
+CHECKED_AT_ONCE = 100_000  # points
 
 
 @dataclass(frozen=True, eq=False)
 class Actor:
-    """One person: an upright capsule that stands on the ground.
+    """One person: an upright capsule that stands on the ground."""
 
-    Attributes:
-        spec: Name, size and trajectory.
-        space: That the world leaves to people.
-        centre: Around which walkers walk, the start of the rover [m].
-        seed: Of the world.
-        begin: Where the walk begins [m].
-    """
-
-    spec: Pedestrian
-    space: FreeSpace
-    centre: tuple[float, float]
-    seed: int
-    begin: tuple[float, float] = (0.0, 0.0)
+    spec: Pedestrian  # name, size and trajectory
+    space: FreeSpace  # that the world leaves to people
+    centre: tuple[float, float]  # around which walkers walk, the start of the rover [m]
+    seed: int  # of the world
+    begin: tuple[float, float] = (0.0, 0.0)  # where the walk begins [m]
 
     @property
     def name(self) -> str:
@@ -37,14 +36,12 @@ class Actor:
         return self.spec.full_name
 
     def walk(self) -> Walk:
-        """Returns the walk from its begin on, the same each time.
-
-        Raises:
-            UsageError: Its times do not ascend, or there is no place for a walker to begin at.
-        """
+        """Returns the walk from its begin on, the same each time; UsageError if there is none."""
         options, trajectory = self.spec.options, self.spec.trajectory
         if trajectory is None:
-            way_points = self._random_walk()
+            # By the name, so that nobody's walk depends on who else walks.
+            rng = generator(self.seed, PEOPLE, self.spec.name)
+            way_points = RandomWalk(self.spec.name, self.space, self.centre, options, rng)
             if self.spec.walker == "social":
                 return SocialForceWalker(way_points, self.space, options)
             return RandomWalker(way_points, options.speed, options.delay)
@@ -59,27 +56,18 @@ class Actor:
         closed = options.route == "closed"
         return Route.at_speed(trajectory.points, options.speed, closed=closed, delay=options.delay)
 
-    def _random_walk(self) -> RandomWalk:
-        # By the name, so that nobody's walk depends on who else walks.
-        rng = generator(self.seed, PEOPLE, self.spec.name)
-        return RandomWalk(self.spec.name, self.space, self.centre, self.spec.options, rng)
-
 
 def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], seed: int) -> Actor:
-    """Returns a person in a world.
+    """Returns a person in a world; UsageError, which says where, if there is no way or no begin.
 
     Args:
         spec: Who it is.
         space: That the world leaves to people.
         centre: Around which walkers walk [m].
         seed: Of the world.
-
-    Raises:
-        UsageError: A route leads off the map or through a hazard, or there is no place for a walker to
-            begin at; the message tells where.
     """
     walk = Actor(spec, space, centre, seed).walk()
-    if isinstance(walk, Route) and (hit := space.blocked(along(walk.points), spec.options.radius)):
+    if isinstance(walk, Route) and (hit := _blocked(walk, spec, space)):
         where, (x, y) = hit
         (x_min, y_min), (x_max, y_max) = space.low.tolist(), space.high.tolist()
         raise UsageError(
@@ -89,3 +77,16 @@ def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], se
         )
     begin = walk.walk(0.0, 0.0, ()) if isinstance(walk, SocialForceWalker) else walk.place(0.0)
     return Actor(spec, space, centre, seed, (begin.x, begin.y))
+
+
+def _blocked(walk: Route, spec: Pedestrian, space: FreeSpace) -> tuple[str, Points] | None:
+    """What blocks a route, and where; of one that is too long to be followed way points are tried."""
+    way = spec.trajectory.points if spec.trajectory else ()
+    if (length := sum(map(math.dist, way, way[1:]))) > LONGEST:
+        if off := space.blocked(np.array(walk.points), -math.inf):
+            return off
+        said = f"actor '{spec.name}' walks {length / 1e3:.4g} km, and {LONGEST / 1e3:g} km are the most"
+        raise UsageError(f"{said}; give nearer way points")
+    points = along(walk.points)
+    parts = np.array_split(points, len(points) // CHECKED_AT_ONCE + 1)
+    return next(filter(None, (space.blocked(part, spec.options.radius) for part in parts)), None)

@@ -11,53 +11,35 @@ CHECKED_EVERY = 0.1  # [m] along a leg
 
 
 class FreeSpace:
-    """The space that a world leaves to people.
-
-    Args:
-        ground: Whose map they stay on, EDGE_MARGIN from its edge.
-        obstacles: The hazards among them are walls.
-
-    Attributes:
-        low: Least x and y that the map leaves them, shape (2,) [m].
-        high: Largest x and y that the map leaves them, shape (2,) [m].
-    """
+    """The space between hazards that a map leaves to people: x and y from `low` to `high` [m]."""
 
     def __init__(self, ground: Heightfield, obstacles: Sequence[Obstacle]) -> None:
         x, x_to, y, y_to = ground.bounds(EDGE_MARGIN)
         self.low, self.high = np.array([x, y]), np.array([x_to, y_to])
-        self._walls = {
-            f"hazard_{index}": outline(obstacle)
-            for index, obstacle in enumerate(obstacles)
-            if obstacle.kind is ObstacleKind.HAZARD
-        }
-        corners = [(*wall.min(axis=0), *wall.max(axis=0)) for wall in self._walls.values()]
+        hazards = [(n, o) for n, o in enumerate(obstacles) if o.kind is ObstacleKind.HAZARD]
+        self._numbers, self._walls = [n for n, _ in hazards], [outline(o) for _, o in hazards]
+        corners = [(*wall.min(axis=0), *wall.max(axis=0)) for wall in self._walls]
         self._boxes = np.array(corners).reshape(-1, 4)
 
     def blocked(self, points: Points, radius: float) -> tuple[str, Points] | None:
-        """Returns what blocks a body at one of some points, and that point; None if all are free.
-
-        Args:
-            points: In the world [m], shape (n, 2).
-            radius: Of the body [m].
-        """
+        """Returns what blocks a body at one of some points, shape (n, 2), and that point; or None."""
         outside = ~((points >= self.low) & (points <= self.high)).all(axis=1)  # so that NaN is
         if outside.any():
             return "off the map", points[int(outside.argmax())]
         low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
         near = (self._boxes[:, :2] <= high).all(axis=1) & (self._boxes[:, 2:] >= low).all(axis=1)
-        names = list(self._walls)
         for index in np.flatnonzero(near).tolist():
-            distance, _ = from_wall(points, self._walls[names[index]])
+            distance, _ = from_wall(points, self._walls[index])
             if (hit := distance < radius).any():
-                return f"through {names[index]}", points[int(hit.argmax())]
+                return f"through hazard_{self._numbers[index]}", points[int(hit.argmax())]
         return None
 
     def is_clear(self, start: tuple[float, float], end: tuple[float, float], radius: float) -> bool:
         """Returns whether a body can walk straight from one point to another.
 
         Args:
-            start: x and y in the world [m].
-            end: x and y in the world [m].
+            start: In the world [m].
+            end: In the world [m].
             radius: Of the body [m].
         """
         return self.blocked(along((start, end)), radius) is None
@@ -66,8 +48,7 @@ class FreeSpace:
         """Returns the outlines of the hazards around a point, closer than some distance [m]."""
         low, high = self._boxes[:, :2] - within, self._boxes[:, 2:] + within
         near = ((low <= point) & (high >= point)).all(axis=1)
-        walls = list(self._walls.values())
-        return [walls[index] for index in np.flatnonzero(near).tolist()]
+        return [self._walls[index] for index in np.flatnonzero(near).tolist()]
 
 
 def along(points: tuple[tuple[float, float], ...]) -> Points:
@@ -82,11 +63,9 @@ def along(points: tuple[tuple[float, float], ...]) -> Points:
 
 
 def from_wall(points: Points, wall: Points) -> tuple[Points, Points]:
-    """Returns distances of points from a convex outline, negative inside, and its nearest points.
+    """Returns distances of points (n, 2) from a convex outline (k, 2), and its points nearest to them.
 
-    Args:
-        points: Shape (n, 2) [m].
-        wall: Its corners, counter-clockwise, shape (k, 2) [m].
+    Distances are negative inside [m]; the corners of the outline go round counter-clockwise.
     """
     edges = np.roll(wall, -1, axis=0) - wall
     squares = np.maximum((edges**2).sum(axis=1), 1e-18)

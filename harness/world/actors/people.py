@@ -15,21 +15,13 @@ MOST_ACTORS = 100
 
 @dataclass(frozen=True)
 class Pedestrian:
-    """One person, before there is a world.
+    """One person, before there is a world."""
 
-    Attributes:
-        text: What asks for the person, for messages.
-        name: Of the topic: /NAME_actor/pose.
-        options: Speed, size and the like.
-        trajectory: The way points of the walk; None if a walker chooses its own.
-        walker: "random" or "social"; "" if there is a trajectory.
-    """
-
-    text: str
-    name: str
-    options: ActorOptions
-    trajectory: Trajectory | None = None
-    walker: str = ""
+    text: str  # what asks for the person, for messages
+    name: str  # of the topic: /NAME_actor/pose
+    options: ActorOptions  # speed, size and the like
+    trajectory: Trajectory | None = None  # the way points of the walk; None if a walker chooses its own
+    walker: str = ""  # "random" or "social"; "" if there is a trajectory
 
     @property
     def full_name(self) -> str:
@@ -38,14 +30,9 @@ class Pedestrian:
 
 
 def pedestrians(specs: Sequence[ActorSpec], folders: Sequence[str] = ()) -> tuple[Pedestrian, ...]:
-    """Returns the people that are asked for; files are read.
+    """Returns the people that are asked for; UsageError if a file is not valid or a name is there twice.
 
-    Args:
-        specs: One or more people each.
-        folders: In which what files include is looked for first.
-
-    Raises:
-        UsageError: A file is not valid, or two people have one name.
+    What files include is looked for in the folders first.
     """
     people = [person for spec in specs for person in _people_of(spec, tuple(folders))]
     names = [person.name for person in people]
@@ -60,21 +47,13 @@ def pedestrians(specs: Sequence[ActorSpec], folders: Sequence[str] = ()) -> tupl
 
 
 def of_terrain(terrain: str, folders: Sequence[str] = ()) -> tuple[ActorSpec, ...]:
-    """Returns what asks for the people of a terrain: of an SDF world with actors, else nothing.
-
-    Args:
-        terrain: Its name, or its file.
-        folders: In which what it includes is looked for first.
-    """
+    """Returns what asks for the people of a terrain: of an SDF world with actors, else nothing."""
     path = Path(terrain)
     if not terrain.lower().endswith(SUFFIXES) or not path.is_file():
         return ()
     with suppress(UsageError):  # the world reports it, whose mistake it is
-        return (
-            (ActorSpec(terrain, "", ActorOptions(), file=terrain),)
-            if actors_of(path, tuple(folders))
-            else ()
-        )
+        if actors_of(path, tuple(folders)):
+            return (ActorSpec(terrain, "", ActorOptions(), file=terrain),)
     return ()
 
 

@@ -21,24 +21,18 @@ Point = tuple[float, float]
 class RandomWalk:
     """The way points of one walker, made as they are needed; the same for the same generator.
 
+    Without a free point to begin at there is a UsageError.
+
     Args:
         name: Whose they are, for the message.
         space: Where one can walk.
         centre: Around which [m].
         options: How far from there, and the radius of the body.
         rng: Source of randomness.
-
-    Raises:
-        UsageError: There is no free point to begin at.
     """
 
     def __init__(
-        self,
-        name: str,
-        space: FreeSpace,
-        centre: Point,
-        options: ActorOptions,
-        rng: np.random.Generator,
+        self, name: str, space: FreeSpace, centre: Point, options: ActorOptions, rng: np.random.Generator
     ) -> None:
         self._space, self._centre, self._within = space, centre, options.within
         self._radius, self._rng = options.radius, rng

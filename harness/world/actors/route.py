@@ -23,19 +23,12 @@ Point = tuple[float, ...]  # x, y and, where it counts for the length, z [m]
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """Points with the times at which they are passed.
+    """Points with the times at which they are passed."""
 
-    Attributes:
-        times: From 0 on, ascending [s].
-        points: x and y of each in the world [m].
-        loops: Whether it begins anew at its end; else its end is where one stays.
-        delay: Before it begins [s].
-    """
-
-    times: tuple[float, ...]
-    points: tuple[tuple[float, float], ...]
-    loops: bool = True
-    delay: float = 0.0
+    times: tuple[float, ...]  # from 0 on, ascending [s]
+    points: tuple[tuple[float, float], ...]  # x and y of each in the world [m]
+    loops: bool = True  # whether it begins anew at its end; else its end is where one stays
+    delay: float = 0.0  # before it begins [s]
 
     @classmethod
     def at_speed(
@@ -97,7 +90,7 @@ class Route:
 def timed(
     times: Sequence[float], points: Sequence[Point], *, loops: bool, delay: float, who: str
 ) -> Route:
-    """Returns the route through points at times, as an SDF script has it; the first one is the begin.
+    """Returns the route through points at times, as an SDF script has it; UsageError if they descend.
 
     Args:
         times: Of the points [s].
@@ -105,9 +98,6 @@ def timed(
         loops: Whether it begins anew at its end.
         delay: Before it begins [s].
         who: The actor, for the message.
-
-    Raises:
-        UsageError: The times do not ascend.
     """
     if any(after < before for before, after in pairwise(times)) or times[0] < 0.0:
         raise UsageError(f"{who}: the times of its way points do not ascend from 0 on; mend <time>")

@@ -22,45 +22,26 @@ AROUND = re.compile(r"^(?:inspect|construct|island|moon|flat)_|_traject(?:ory)?(
 
 @dataclass(frozen=True)
 class Trajectory:
-    """The way points of one person, as a file has them.
-
-    Attributes:
-        points: x, y, z of the way points in the world [m].
-        times: Of an SDF actor's way points [s]; empty in a trajectory alone, where times do not count.
-        loops: Whether the script begins anew at its end.
-        delay: Before it begins [s].
-    """
+    """The way points of one person, as a file has them."""
 
     name: str
-    points: tuple[Point, ...]
+    points: tuple[Point, ...]  # x, y, z of the way points in the world [m]
+    # of an SDF actor's way points [s]; empty in a trajectory alone, where times do not count
     times: tuple[float, ...] = ()
-    loops: bool = True
-    delay: float = 0.0
+    loops: bool = True  # whether the script begins anew at its end
+    delay: float = 0.0  # before it begins [s]
 
 
 def read_trajectories(path: Path, folders: tuple[str, ...] = ()) -> tuple[Trajectory, ...]:
-    """Returns the people of a file: the one whose trajectory it is, or its actors.
+    """Returns the people of a file: the one whose trajectory it is, or its actors; else UsageError.
 
-    Args:
-        path: The file.
-        folders: In which what it includes is looked for first.
-
-    Raises:
-        UsageError: It cannot be read, or nobody walks in it.
+    What it includes is looked for in the folders first.
     """
     return _read(path, folders, modified_ns(path))
 
 
 def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
-    """Returns the actors of an SDF file and of those that it includes; they may be none.
-
-    Args:
-        path: The file.
-        folders: In which what it includes is looked for first.
-
-    Raises:
-        UsageError: It or what it includes is not valid.
-    """
+    """Returns the actors of an SDF file and of those that it includes; UsageError for invalid ones."""
     return _actors(path, folders, modified_ns(path))
 
 

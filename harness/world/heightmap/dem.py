@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import maximum_filter
 
 from harness.base.errors import UsageError
 from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, SMALLEST_MAP, WorldSpec
@@ -26,16 +27,7 @@ START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
 def heightmap_world(spec: WorldSpec, seed: int, *, needs_start: bool) -> World:
-    """Makes a world without obstacles from a heightmap.
-
-    Args:
-        spec: Names the file and gives size and relief where the file does not.
-        seed: Of the world, which has no randomness of its own.
-        needs_start: Whether a place to start from is to be looked for.
-
-    Raises:
-        UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
-    """
+    """Makes a world without obstacles from a heightmap, with a start where one is needed."""
     path = Path(spec.terrain)
     raster = read_raster(path)
     try:
@@ -127,13 +119,7 @@ def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> t
 
 
 def _start(ground: Heightfield, notes: list[str]) -> Start:
-    """The vertex next to the middle around which the ground is gentle.
-
-    Raises:
-        UsageError: There is none within reach; the message tells how steep it is.
-    """
-    from scipy.ndimage import maximum_filter  # noqa: PLC0415 - 0.1 s that named terrains save
-
+    """The vertex next to the middle around which the ground is gentle; UsageError if none is near."""
     (half_x, half_y), cell = ground.half_size, ground.cell
     rows, columns = ground.heights.shape
     steepest = maximum_filter(slopes(ground), 2 * math.ceil(START_REACH / cell) + 1, mode="nearest")

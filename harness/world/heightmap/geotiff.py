@@ -33,23 +33,19 @@ Affine = NDArray[np.float64]  # (2, 3): columns, rows, 1 -> coordinates
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """The pixels of a file in the world.
+    """The pixels of a file in the world."""
 
-    Attributes:
-        pixel: Distance of two columns and of two rows, once north is up [m]; or why it is unknown, as
-            a sentence starts.
-        height_unit: Of the values [m]; None if the file does not place its pixels or does not say.
-        transposed: Whether what it stores as rows are columns; then `mirrored`, whether these run
-            west, and `upside_down`, whether rows run north.
-        notes: What of this a reader should know.
-    """
-
+    # distance of two columns and of two rows, once north is up [m]; or why it is unknown, as a sentence
+    # starts
     pixel: tuple[float, float] | str = SIZE_UNKNOWN
+    # of the values [m]; None if the file does not place its pixels or does not say
     height_unit: float | None = None
+    # whether what it stores as rows are columns; then `mirrored`, whether these run west, and
+    # `upside_down`, whether rows run north
     transposed: bool = False
     mirrored: bool = False
     upside_down: bool = False
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # what of this a reader should know
 
     def north_up(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns the pixels with the first row in the north and the first column in the west."""
@@ -58,11 +54,7 @@ class Grid:
 
 
 def read_grid(page: tifffile.TiffPage) -> Grid:
-    """Returns what the tags of a page say.
-
-    Raises:
-        UsageError: Rows and columns are not at right angles.
-    """
+    """Returns what the tags of a page say; UsageError if rows and columns are not at right angles."""
     keys: Mapping[str, Any] = page.geotiff_tags or {}
     affine = _affine(page)
     if keys.get("GTModelTypeGeoKey") == GEOGRAPHIC:

@@ -15,11 +15,14 @@ import tifffile
 from PIL import Image
 
 from harness.base.errors import UsageError
+from harness.base.number import number
 from harness.world.heightfield import Field
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
+MOST_BYTES = 2**28  # of a file: twice what the most pixels of 64 bits take
+MOST_HEADER = 10_000  # bytes of an array's header: numpy's own bound, which it asks too late
 FEWEST_PIXELS = 8  # along either side
 LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
 METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
@@ -30,27 +33,17 @@ REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """What a file holds.
+    """What a file holds."""
 
-    Attributes:
-        values: Shape (rows, columns), NaN where there are none.
-        pixel: Distance of two columns and of two rows [m]; or why it is unknown, as a sentence starts.
-        in_metres: Whether the values are heights in metres; else they only are proportional to them.
-        notes: What its file says of it that a reader should know.
-    """
-
-    values: Field
+    values: Field  # shape (rows, columns), NaN where there are none
+    # distance of two columns and of two rows [m]; or why it is unknown, as a sentence starts
     pixel: tuple[float, float] | str
-    in_metres: bool
-    notes: tuple[str, ...] = ()
+    in_metres: bool  # whether the values are heights in metres; else they only are proportional to them
+    notes: tuple[str, ...] = ()  # what its file says of it that a reader should know
 
 
 def read_raster(path: Path) -> Raster:
-    """Reads a file of any supported format.
-
-    Raises:
-        UsageError: It is missing, too large, damaged or not a heightmap; the message says which.
-    """
+    """Reads a file of any format; UsageError if it is missing, too large, damaged or no heightmap."""
     kind = _kind(path)
     try:
         with warnings.catch_warnings():
@@ -71,13 +64,25 @@ def read_raster(path: Path) -> Raster:
 
 def _kind(path: Path) -> str:
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise UsageError(f"terrain {path} is not a file")
         with path.open("rb") as file:
-            start = file.read(8)
+            start, size = file.read(12), path.stat().st_size
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UsageError(f"terrain {path} cannot be read: {reason}") from error
     if not start:
         raise UsageError(f"terrain {path} is empty")
+    if size > MOST_BYTES:
+        raise UsageError(
+            f"terrain {path} is larger than {MOST_BYTES >> 20} MiB; crop it (gdal_translate -srcwin)"
+        )
+    if (
+        start.startswith(b"\x93NUMPY")
+        and start[6] > 1
+        and int.from_bytes(start[8:], "little") > MOST_HEADER
+    ):
+        raise UsageError(f"terrain {path} is damaged: the header of an array is not that long")
     for magic, kind in FORMATS.items():
         if start.startswith(magic):
             return kind
@@ -134,7 +139,7 @@ def _read_tiff(path: Path) -> Raster:
         scale, offset = (_gdal_number(page, role) for role in ("scale", "offset"))
         is_float = page.dtype is not None and page.dtype.kind == "f"
     if nodata is not None:
-        values[np.isclose(values, float(nodata), rtol=1e-6, atol=0.0)] = np.nan
+        values[np.isclose(values, number(str(nodata)), rtol=1e-6, atol=0.0)] = np.nan
     if is_scaled := (scale, offset) != (None, None):
         scale, offset = 1.0 if scale is None else scale, offset or 0.0
         values = values * scale + offset
@@ -148,7 +153,7 @@ def _read_tiff(path: Path) -> Raster:
 def _gdal_number(page: tifffile.TiffPage, role: str) -> float | None:
     """The number in an item of GDAL's metadata; None if there is no such item."""
     match = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
-    return None if match is None else float(match[1])
+    return None if match is None else number(match[1])
 
 
 def _tiff_values(page: tifffile.TiffPage) -> Field:

@@ -19,61 +19,47 @@ from harness.world.solid import Color, Solid
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000
 EARTH = "0 0 -9.8"  # SDF's default
+LARGEST_GRAVITY = 100.0  # [m/s^2]
 
 
 @dataclass(frozen=True, eq=False)
 class Person:
-    """An <actor>, whose script harness.world.actors reads.
-
-    Attributes:
-        pose: T_world_actor: the way points are in its frame.
-        file: That it stands in.
-    """
+    """An <actor>, whose script harness.world.actors reads."""
 
     name: str
     element: Element
-    pose: Transform
-    file: Path
+    pose: Transform  # T_world_actor: the way points are in its frame
+    file: Path  # that it stands in
 
 
 @dataclass
 class Document:
-    """What was read.
+    """What was read."""
 
-    Attributes:
-        gravity: Downwards [m/s^2].
-        actors: The people of the file and of those that it includes.
-        files: Every SDF file that was read.
-        plugins: Names of those that were left out; `missing` says what else was, and why.
-        movable: Names of the models that Gazebo would let fall.
-        includes: How many there were.
-    """
-
-    gravity: float = 9.8
+    gravity: float = 9.8  # downwards [m/s^2]
     solids: list[Solid] = field(default_factory=list)
+    # the people of the file and of those that it includes
     actors: list[Person] = field(default_factory=list)
-    files: list[Path] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)  # every SDF file that was read
+    # names of those that were left out; `missing` says what else was, and why
     plugins: dict[str, None] = field(default_factory=dict)
     missing: dict[str, None] = field(default_factory=dict)
-    movable: list[str] = field(default_factory=list)
-    includes: int = 0
+    movable: list[str] = field(default_factory=list)  # names of the models that Gazebo would let fall
+    includes: int = 0  # how many there were
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What was left out, a line each."""
-        plugins = [f"plugins are not run: {', '.join(self.plugins)}"] if self.plugins else []
-        still = (
-            [f"not static, but nothing moves here: {', '.join(self.movable)}"] if self.movable else []
+        left = (
+            ("plugins are not run", self.plugins),
+            ("not static, but nothing moves here", self.movable),
         )
-        return (*(f"left out: {name}" for name in self.missing), *plugins, *still)
+        lists = (f"{what}: {', '.join(names)}" for what, names in left if names)
+        return (*(f"left out: {name}" for name in self.missing), *lists)
 
 
 def read_document(path: Path, resources: Resources) -> Document:
-    """Reads a world, or a model alone.
-
-    Raises:
-        UsageError: The file or one that it includes is not valid; the message says what.
-    """
+    """Reads a world, or a model alone; UsageError if it or a file that it includes is not valid."""
     document = Document()
     _Reading(document, resources).file(path)
     return document
@@ -135,9 +121,10 @@ class _Reading:
         if root.findall("world")[1:]:
             self._left_out("all worlds of the file but the first")
         gravity = numbers(text_of(world, "gravity", EARTH), 3, "gravity")
-        if gravity[0] or gravity[1] or gravity[2] >= 0.0:
+        if gravity[0] or gravity[1] or not -LARGEST_GRAVITY <= gravity[2] < 0.0:
             raise UsageError(
-                f"{path}: gravity {gravity} is not straight down; rovers drive on nothing else"
+                f"{path}: gravity {gravity} is not straight down, or more than {LARGEST_GRAVITY:g} "
+                "m/s^2; rovers drive on nothing else"
             )
         self._document.gravity = -gravity[2]
         self._scope(world, Frames("world"), place)
@@ -237,6 +224,8 @@ class _Reading:
             own = link.pose @ pose
         mu = text_of(collision.find("surface/friction/ode"), "mu")
         friction = numbers(mu, 1, f"<mu> of {name}")[0] if mu else None
+        if friction is not None and friction < 0.0:
+            raise UsageError(f"<mu> of {name} '{mu}' is not valid; give 0 or more")
         return [Solid(name, shape, own @ at, friction, color) for shape, at in shapes]
 
 

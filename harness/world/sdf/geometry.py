@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
@@ -17,78 +18,71 @@ LARGEST_SIZE = 1e5  # [m]
 
 
 def read_shapes(geometry: Element, owner: str, file: Path, resources: Resources) -> list[Placed]:
-    """Returns owner a <geometry> consists of.
+    """Returns the shapes of a <geometry>; Missing if they cannot be had, UsageError for a wrong number.
 
     Args:
         geometry: The element.
         owner: The collision that has it, for messages.
         file: The file that it stands in.
         resources: Where its own files are.
-
-    Raises:
-        Missing: It is of a kind that cannot be had, or its file is not there.
-        UsageError: A number is not valid.
     """
     kind = next((child for child in geometry), None)
     if kind is None or kind.tag == "empty":
         return []
     if kind.tag not in READERS:
         raise Missing(f"shapes of the kind <{kind.tag}>")
-    shapes = READERS[kind.tag](kind, owner, file, resources)
-    return [(shape, IDENTITY) for shape in shapes] if kind.tag != "capsule" else _capsule(kind, owner)
+    shape = READERS[kind.tag](kind, owner, file, resources)
+    if kind.tag != "capsule":
+        return [(shape, IDENTITY)]
+    radius, half = shape.half_size
+    ends = (transform((0.0, 0.0, end), IDENTITY[:3, :3]) for end in (half, -half))
+    return [(shape, IDENTITY), *((Primitive("ellipsoid", (radius,) * 3), end) for end in ends)]
 
 
-def _box(kind: Element, owner: str, *_: object) -> list[Shape]:
-    size = _lengths(kind, "size", 3, owner)
-    return [Primitive("box", tuple(0.5 * length for length in size))]
+def _box(kind: Element, owner: str, *_: object) -> Shape:
+    return Primitive("box", tuple(0.5 * length for length in _lengths(kind, "size", 3, owner)))
 
 
-def _sphere(kind: Element, owner: str, *_: object) -> list[Shape]:
-    return [Primitive("ellipsoid", _lengths(kind, "radius", 1, owner) * 3)]
+def _sphere(kind: Element, owner: str, *_: object) -> Shape:
+    return Primitive("ellipsoid", _lengths(kind, "radius", 1, owner) * 3)
 
 
-def _ellipsoid(kind: Element, owner: str, *_: object) -> list[Shape]:
-    return [Primitive("ellipsoid", _lengths(kind, "radii", 3, owner))]
+def _ellipsoid(kind: Element, owner: str, *_: object) -> Shape:
+    return Primitive("ellipsoid", _lengths(kind, "radii", 3, owner))
 
 
-def _cylinder(kind: Element, owner: str, *_: object) -> list[Shape]:
+def _cylinder(kind: Element, owner: str, *_: object) -> Shape:
     (radius,), (length,) = (_lengths(kind, tag, 1, owner) for tag in ("radius", "length"))
-    return [Primitive("cylinder", (radius, 0.5 * length))]
+    return Primitive("cylinder", (radius, 0.5 * length))
 
 
-def _capsule(kind: Element, owner: str) -> list[Placed]:
-    """A cylinder with a ball at either end."""
-    (radius,), (length,) = (_lengths(kind, tag, 1, owner) for tag in ("radius", "length"))
-    ends = (transform((0.0, 0.0, end), IDENTITY[:3, :3]) for end in (0.5 * length, -0.5 * length))
-    ball = Primitive("ellipsoid", (radius,) * 3)
-    return [(Primitive("cylinder", (radius, 0.5 * length)), IDENTITY), *((ball, end) for end in ends)]
-
-
-def _plane(kind: Element, owner: str, *_: object) -> list[Shape]:
+def _plane(kind: Element, owner: str, *_: object) -> Shape:
     x, y, z = numbers(text_of(kind, "normal", "0 0 1"), 3, f"normal of {owner}")
     if not math.hypot(x, y, z):
         raise UsageError(f"normal of {owner} is 0; give a direction, as 0 0 1")
     width, depth = _lengths(kind, "size", 2, owner, "1 1")
-    return [Plane((x, y, z), (width, depth))]
+    return Plane((x, y, z), (width, depth))
 
 
-def _heightmap(kind: Element, owner: str, file: Path, resources: Resources) -> list[Shape]:
+def _heightmap(kind: Element, owner: str, file: Path, resources: Resources) -> Shape:
     path = resources.find(text_of(kind, "uri"), file)
     width, depth, height = _lengths(kind, "size", 3, owner, "1 1 1")
     x, y, z = numbers(text_of(kind, "pos", "0 0 0"), 3, f"pos of {owner}")
-    return [Relief(path, (width, depth, height), (x, y, z))]
+    return Relief(path, (width, depth, height), (x, y, z))
 
 
-def _mesh(kind: Element, owner: str, file: Path, resources: Resources) -> list[Shape]:
+def _mesh(kind: Element, owner: str, file: Path, resources: Resources) -> Shape:
     x, y, z = numbers(text_of(kind, "scale", "1 1 1"), 3, f"<scale> of {owner}")
-    if not all((x, y, z)):
-        raise UsageError(f"<scale> of {owner} is not valid; a factor is 0")
+    if not all(1e-6 <= abs(factor) <= 1e6 for factor in (x, y, z)):
+        raise UsageError(
+            f"<scale> of {owner} is not valid; a factor is 0, or not a millionth to a million"
+        )
     submesh = kind.find("submesh")
     name, centred = text_of(submesh, "name"), is_true(text_of(submesh, "center"))
-    return [MeshFile(resources.find(text_of(kind, "uri"), file), (x, y, z), name, centred)]
+    return MeshFile(resources.find(text_of(kind, "uri"), file), (x, y, z), name, centred)
 
 
-READERS: dict[str, Callable[..., list[Shape]]] = {
+READERS: dict[str, Callable[..., Any]] = {
     "box": _box,
     "sphere": _sphere,
     "ellipsoid": _ellipsoid,

@@ -16,26 +16,30 @@ from harness.world.sdf.reader import is_true, numbers
 Transform = NDArray[np.float64]  # shape (4, 4): T_parent_child
 
 IDENTITY: Transform = np.eye(4)
+FARTHEST = 1e7  # [m] from the origin: coordinates of a map's projection are less
 
 
 def read_pose(element: Element, owner: str) -> tuple[Transform, str]:
-    """Returns the pose of an element as (T_reference_element, the reference's name or "").
-
-    Raises:
-        UsageError: It is not x y z roll pitch yaw, nor x y z with a quaternion x y z w.
-    """
+    """Returns T_reference_element and the reference's name, or ""; UsageError if the pose is none."""
     pose = element.find("pose")
     if pose is None:
         return IDENTITY, ""
     reference = pose.get("relative_to", "")  # `frame`, before 1.7, meant nothing
     text = (pose.text or "").strip() or "0 0 0 0 0 0"
     if pose.get("rotation_format") == "quat_xyzw":
-        x, y, z, *quaternion = numbers(text, 7, f"pose of {owner}")
+        x, y, z, *quaternion = _placed(text, 7, owner)
         return transform((x, y, z), _of_quaternion(np.array(quaternion), owner)), reference
-    x, y, z, *angles = numbers(text, 6, f"pose of {owner}")
+    x, y, z, *angles = _placed(text, 6, owner)
     if is_true(pose.get("degrees", "")):
         angles = [math.radians(angle) for angle in angles]
     return transform((x, y, z), _of_angles(*angles)), reference
+
+
+def _placed(text: str, count: int, owner: str) -> tuple[float, ...]:
+    values = numbers(text, count, f"pose of {owner}")
+    if max(map(abs, values[:3])) > FARTHEST:
+        raise UsageError(f"pose of {owner} '{text[:60]}' is not valid; give at most {FARTHEST:g} m")
+    return values
 
 
 def transform(position: tuple[float, float, float], rotation: NDArray[np.float64]) -> Transform:
@@ -96,11 +100,7 @@ class Frames:
         self._nested.setdefault(name, frames)
 
     def find(self, name: str) -> Transform:
-        """Returns T_root_frame.
-
-        Raises:
-            UsageError: There is no such frame, or frames are given in a circle.
-        """
+        """Returns T_root_frame; UsageError if there is no such frame, or frames are in a circle."""
         return self._find(name, ())
 
     def _find(self, name: str, asked: tuple[str, ...]) -> Transform:

@@ -1,4 +1,4 @@
-"""XML of strangers: opened without entities, of bounded size and depth; numbers and flags out of it."""
+"""XML of strangers: opened without entities, of bounded size and depth; plain texts and numbers."""
 
 import math
 from pathlib import Path
@@ -6,45 +6,56 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from harness.base.errors import UsageError
+from harness.base.number import number
 
 MOST_BYTES = 64 * 2**20
 DEEPEST = 100  # elements within elements
+MOST_ELEMENTS = 4_000_000  # a million way points have three each
 
 
 def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
-    """Returns the root of an XML file; no entity is expanded and no other file is looked at.
-
-    Raises:
-        UsageError: It cannot be read, is too large or too deep, declares a document type, or is no XML.
-    """
-    try:
-        with path.open("rb") as file:
-            data = file.read(most_bytes + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"{path} cannot be read: {reason}") from error
-    if len(data) > most_bytes:
-        raise UsageError(f"{path} is too large; at most {most_bytes / 2**20:g} MiB are read")
+    """Returns the root of an XML file, of which no entity is expanded; UsageError if it is unusable."""
+    data = read_bytes(path, most_bytes, f"{path} ", "take something out")
     try:
         return parse_xml(data)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
 
 
-def parse_xml(data: bytes) -> Element:
-    """Returns the root of a document.
+def read_bytes(path: Path, most_bytes: int, who: str, mend: str) -> bytes:
+    """Returns what a file holds; UsageError if it cannot be read, is too large, or a device or pipe.
 
-    Raises:
-        UsageError: It is too deep, declares a document type, or is no XML.
+    Args:
+        path: The file.
+        most_bytes: That are read.
+        who: The file, for the message, with what stands behind it.
+        mend: What to do about one that is too large.
     """
-    parser, builder, depth = expat.ParserCreate(), TreeBuilder(), 0
+    try:
+        if path.exists() and not path.is_file():
+            raise UsageError(f"{who}is not a file")
+        with path.open("rb") as file:
+            data = file.read(most_bytes + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"{who}cannot be read: {reason}") from error
+    if len(data) > most_bytes:
+        raise UsageError(f"{who}is too large, above {most_bytes / 2**20:g} MiB; {mend}")
+    return data
+
+
+def parse_xml(data: bytes) -> Element:
+    """Returns the root of a document; UsageError if it is too deep, has a DOCTYPE, or is no XML."""
+    parser, builder, depth, count = expat.ParserCreate(), TreeBuilder(), 0, 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
+        nonlocal depth, count
+        depth, count = depth + 1, count + 1
         if depth > DEEPEST:
             raise UsageError(f"its elements are nested more than {DEEPEST} deep; that is no world")
-        builder.start(tag, attributes)
+        if count > MOST_ELEMENTS:
+            raise UsageError(f"it has more than {MOST_ELEMENTS:,} elements; take some out")
+        builder.start(tag, {name: _plain(value) for name, value in attributes.items()})
 
     def end(tag: str) -> None:
         nonlocal depth
@@ -67,7 +78,12 @@ def parse_xml(data: bytes) -> Element:
 def text_of(element: Element | None, tag: str, default: str = "") -> str:
     """Returns the text of a child, stripped; the default without such a child or without text."""
     child = None if element is None else element.find(tag)
-    return default if child is None else (child.text or "").strip() or default
+    return default if child is None else _plain(child.text or "").strip() or default
+
+
+def _plain(text: str) -> str:
+    """A text in which a space stands for whatever moves a terminal's cursor or begins a line."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)
 
 
 def is_true(text: str) -> bool:
@@ -76,19 +92,16 @@ def is_true(text: str) -> bool:
 
 
 def numbers(text: str, count: int, name: str) -> tuple[float, ...]:
-    """Returns the finite numbers of a text.
+    """Returns the finite numbers of a text; UsageError for others, for more or fewer.
 
     Args:
         text: Separated by white space.
         count: How many there must be.
         name: What they are called in the message.
-
-    Raises:
-        UsageError: There are more or fewer, or one is none or not finite.
     """
     words = text.split()
     try:
-        values = tuple(map(float, words))
+        values = tuple(map(number, words))
     except ValueError:
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):

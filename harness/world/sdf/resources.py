@@ -24,14 +24,7 @@ class Missing(Exception):
 
 
 class Resources:
-    """The folders in which names are looked for.
-
-    Args:
-        folders: Of `--resource-path`, first of all.
-
-    Raises:
-        UsageError: One of them is no folder.
-    """
+    """The folders in which names are looked for, those of `--resource-path` first of all."""
 
     def __init__(self, folders: Sequence[Path] = ()) -> None:
         for folder in folders:
@@ -41,15 +34,7 @@ class Resources:
         self._folders = [*folders, *(Path(word) for folder in words for word in folder if word)]
 
     def find(self, uri: str, named_in: Path) -> Path:
-        """Returns the file or folder that a URI means.
-
-        Args:
-            uri: As a world has it.
-            named_in: The file that names it.
-
-        Raises:
-            Missing: It is elsewhere, nowhere, or outside of the folders.
-        """
+        """Returns the file or folder that a URI in a file means; Missing if it cannot be had."""
         scheme, name = _split(uri)
         if scheme not in ("", *LOCAL_SCHEMES):
             raise Missing(
@@ -89,12 +74,7 @@ def _split(uri: str) -> tuple[str, str]:
 
 
 def model_file(path: Path) -> Path:
-    """Returns the SDF file of a model: itself, or what the model.config of its folder names.
-
-    Raises:
-        Missing: The folder has none.
-        UsageError: Its model.config is not valid.
-    """
+    """Returns the SDF file of a model: itself, or what its folder's model.config names; else Missing."""
     if not path.is_dir():
         return path
     config = path / "model.config"

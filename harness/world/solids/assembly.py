@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 from harness.base.errors import UsageError
 from harness.spec.world import WorldSpec
@@ -20,10 +21,8 @@ from harness.world.solid import MeshFile, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
-from harness.world.solids.pieces import obstacles_of
-from harness.world.solids.primitives import obstacle_of
-from harness.world.solids.room import room_without_pits
-from harness.world.solids.surface import Surface, chosen_grid, surface_of
+from harness.world.solids.pieces import obstacle_of, obstacles_of
+from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 START_ROOM = 0.7  # [m] around the start that is free
@@ -36,16 +35,7 @@ BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the ro
 
 
 def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
-    """Makes a world from an SDF file or a mesh.
-
-    Args:
-        spec: Names the file and says what it leaves open.
-        rover: What the rover needs of the world.
-        seed: Of the world, which has no randomness of its own.
-
-    Raises:
-        UsageError: It or a file that it names is not readable, or nothing of it can be driven.
-    """
+    """Makes a world from an SDF file or a mesh; UsageError if it is not readable or cannot be driven."""
     path, resources = Path(spec.terrain), Resources([*map(Path, spec.resource_path)])
     try:
         if path.suffix.lower() in SUFFIXES:
@@ -67,7 +57,7 @@ def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
 def assembled(
     solids: Sequence[Solid], spec: WorldSpec, rover: RoverNeeds, seed: int, notes: list[str]
 ) -> World:
-    """Returns the world of some solids.
+    """Returns the world of some solids; UsageError if nothing of it can be driven.
 
     Args:
         solids: What can be collided with.
@@ -75,9 +65,6 @@ def assembled(
         rover: What the rover needs of the world.
         seed: Of the world, which has no randomness of its own.
         notes: What is known of it; takes what was done.
-
-    Raises:
-        UsageError: Nothing of it can be driven.
     """
     kinds = Kinds(spec, rover.clearance, [solid.name for solid in solids])
     parts = partition(solids, notes, spec.mesh_unit, spec.mesh_up)
@@ -129,19 +116,14 @@ def _obstacles(
 
 
 def free_start(world: World, surface: Surface, step_limit: float, notes: list[str]) -> Start:
-    """Returns the free and gentle place that is nearest to the origin, or to the middle of the map.
+    """Returns the free and gentle place nearest to the origin or the map's middle; else UsageError.
 
     Args:
         world: Ground and obstacles.
         surface: Where the ground has a floor.
         step_limit: Highest step that the rover climbs [m].
         notes: Takes the start, if it is neither.
-
-    Raises:
-        UsageError: There is none.
     """
-    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415 - 0.1 s that named terrains save
-
     ground = world.ground
     resolution = max(START_RESOLUTION, ground.cell)  # finer than its heights, kilometres take gigabytes
     cells = occupancy(world, math.radians(STEEPEST_START), step_limit, resolution)

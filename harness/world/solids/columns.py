@@ -38,19 +38,12 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """One crossing an entry, sorted by vertex, from below; at equal height what faces down comes first.
+    """One crossing an entry, by vertex, from below; at equal height what faces down comes first."""
 
-    Attributes:
-        vertex: Index into the flat grid.
-        triangle: Which is crossed there.
-        height: [m].
-        faces_up: Whether it is crossed from within to the outside.
-    """
-
-    vertex: NDArray[np.int64]
-    triangle: NDArray[np.int64]
-    height: Field
-    faces_up: NDArray[np.bool_]
+    vertex: NDArray[np.int64]  # index into the flat grid
+    triangle: NDArray[np.int64]  # which is crossed there
+    height: Field  # [m]
+    faces_up: NDArray[np.bool_]  # whether it is crossed from within to the outside
 
 
 def crossings(corners: NDArray[np.float64], grid: Grid) -> Crossings:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.spec.world import SMALLEST_MAP
@@ -37,35 +38,27 @@ BOX_FACES = np.array(
 
 @dataclass
 class Partition:
-    """A world's solids, divided into its ground and what stands on it.
+    """A world's solids, divided into its ground and what stands on it."""
 
-    Attributes:
-        ground: Meshes, in the world.
-        plane: Height of the highest level plane [m], if there is one; `mapped` are their bounds.
-        standing: What stands on it, as a mesh in the world, with the solid that it comes from.
-        primitives: Solids that are one shape each, of which none is ground.
-        hashes: SHA-256 of the files that were read.
-    """
-
-    ground: list[Mesh] = field(default_factory=list)
+    ground: list[Mesh] = field(default_factory=list)  # meshes, in the world
+    # height of the highest level plane [m], if there is one; `mapped` are their bounds
     plane: float | None = None
     mapped: list[Bounds] = field(default_factory=list)
+    # what stands on it, as a mesh in the world, with the solid that it comes from
     standing: list[tuple[Solid, Mesh]] = field(default_factory=list)
+    # solids that are one shape each, of which none is ground
     primitives: list[Solid] = field(default_factory=list)
-    hashes: dict[Path, str] = field(default_factory=dict)
+    hashes: dict[Path, str] = field(default_factory=dict)  # SHA-256 of the files that were read
 
 
 def partition(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "") -> Partition:
-    """Returns what is ground and what stands on it.
+    """Returns what is ground and what stands on it; UsageError if a file is unusable or none is ground.
 
     Args:
         solids: Of a world.
         notes: Takes what was done.
         unit: Of meshes; "" is as their files say.
         up: The axis of meshes that is up; "" is as their files say.
-
-    Raises:
-        UsageError: A file is not usable, or nothing is ground.
     """
     parts, candidates = Partition(), list[tuple[Solid, Mesh]]()
     for solid in solids:
@@ -162,8 +155,6 @@ def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
 
 
 def _add_plane(parts: Partition, solid: Solid, plane: Plane) -> None:
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - 0.1 s that named terrains save
-
     normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
     height = float(solid.pose[2, 3])
     if (solid.pose[:3, :3] @ normal)[2] >= LEVEL:
@@ -205,9 +196,6 @@ def _of_relief(parts: Partition, solid: Solid, relief: Relief) -> Mesh:
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     below = corner + columns
     faces = np.concatenate(
-        [
-            np.column_stack([corner, below, below + 1]),
-            np.column_stack([corner, below + 1, corner + 1]),
-        ]
+        [np.column_stack([corner, below, below + 1]), np.column_stack([corner, below + 1, corner + 1])]
     )
     return Mesh(vertices, faces).moved(solid.pose)

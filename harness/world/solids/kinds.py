@@ -11,7 +11,7 @@ Kind = Callable[[float], ObstacleKind]  # of what is that high above the ground 
 
 
 class Kinds:
-    """The rule of one world.
+    """The rule of one world; a pattern that fits no solid is a UsageError.
 
     Args:
         spec: With the height and the names that override the rover's clearance.
@@ -20,10 +20,6 @@ class Kinds:
 
     Attributes:
         limit: Height above the ground up to which an obstacle is a rock [m].
-        clearance: As given.
-
-    Raises:
-        UsageError: A pattern fits no solid.
     """
 
     def __init__(self, spec: WorldSpec, clearance: float, names: Sequence[str]) -> None:

@@ -10,18 +10,21 @@ import warnings
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
-from harness.world.sdf.reader import parse_xml
+from harness.base.number import number
+from harness.spec.world import MESH_UNITS
+from harness.world.sdf.reader import DEEPEST, parse_xml, read_bytes
 
 SUFFIXES = (".dae", ".obj", ".stl")
 MOST_BYTES = 128 * 2**20
 MOST_TRIANGLES = 500_000
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}  # length [m]
+MOST_SHAPES = 5_000  # of a scene, each as often as it stands there
 # What axis is up in a file -> R_world_file, as COLLADA defines its three.
 UP = {
     "z": np.eye(3),
@@ -33,15 +36,10 @@ SIMPLER = "simplify it first (Blender: Decimate; MeshLab: Quadric Edge Collapse)
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles that share vertices; seen from outside, their corners go round counter-clockwise.
+    """Triangles that share vertices; seen from outside, their corners go round counter-clockwise."""
 
-    Attributes:
-        vertices: Shape (v, 3) [m].
-        faces: Indices of vertices, shape (f, 3).
-    """
-
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: NDArray[np.float64]  # shape (v, 3) [m]
+    faces: NDArray[np.int64]  # indices of vertices, shape (f, 3)
 
     @property
     def corners(self) -> NDArray[np.float64]:
@@ -63,11 +61,7 @@ class Mesh:
 
 
 def areas_and_normals(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns areas [m2], shape (f,), and unit normals, shape (f, 3), of triangles.
-
-    Args:
-        corners: Shape (f, 3, 3), counter-clockwise. The normal of a triangle without area is 0.
-    """
+    """Returns areas [m2] and unit normals, or 0 without an area, of triangles, shape (f, 3, 3)."""
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(doubled, axis=1)
     return 0.5 * lengths, doubled / np.maximum(lengths, 1e-300)[:, None]
@@ -88,16 +82,13 @@ def joined(meshes: "list[Mesh]") -> Mesh:
 
 
 def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tuple[Mesh, str]:
-    """Returns the triangles of a file, and the SHA-256 of what was read.
+    """Returns the triangles of a file and the SHA-256 of what was read; UsageError if it is unusable.
 
     Args:
         path: The file, whose name tells what it is.
         submesh: The name of the only part that is meant; "" for all.
-        unit: One of UNITS; "" is as the file says, else metres.
+        unit: One of MESH_UNITS; "" is as the file says, else metres.
         up: One of UP; "" is as the file says, else z.
-
-    Raises:
-        UsageError: It is missing, too large, damaged or holds no triangles.
     """
     return _read(path, modified_ns(path), submesh, unit, up)
 
@@ -114,19 +105,15 @@ def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tu
         raise UsageError(f"mesh {path}: {error}") from error
     turned = np.eye(4)
     turned[:3, :3] = UP[up or axis]
-    return mesh.moved(turned, (UNITS[unit] if unit else scale,) * 3), hashlib.sha256(data).hexdigest()
+    return mesh.moved(turned, (MESH_UNITS[unit] if unit else scale,) * 3), hashlib.sha256(
+        data
+    ).hexdigest()
 
 
 def _bytes(path: Path) -> bytes:
     if path.suffix.lower() not in SUFFIXES:
         raise UsageError(f"meshes of that kind are not read; readable are {', '.join(SUFFIXES)}")
-    try:
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise UsageError(f"it cannot be read: {error.strerror}") from error
-    if len(data) > MOST_BYTES:
-        raise UsageError(f"it is larger than {MOST_BYTES >> 20} MiB; {SIMPLER}")
+    data = read_bytes(path, MOST_BYTES, "it ", SIMPLER)
     binary_stl = len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
     counts = {".obj": data.count(b"\nf "), ".stl": (len(data) - 84) // 50 if binary_stl else 0}
     _check_count(counts.get(path.suffix.lower(), 0))  # before anything is decoded
@@ -142,14 +129,13 @@ def _check_count(triangles: int) -> None:
 
 def _unit_and_axis(data: bytes) -> tuple[float, str]:
     """What the asset of a COLLADA file says: length of its unit [m], axis that is up."""
-    asset = {
-        element.tag.rpartition(":")[2]: element
-        for element in next((e for e in parse_xml(data) if e.tag.rpartition(":")[2] == "asset"), ())
-    }
+    root = parse_xml(data)
+    _check_shapes(root)
+    asset = {_tag(element): element for element in next((e for e in root if _tag(e) == "asset"), ())}
     up = (asset["up_axis"].text or "") if "up_axis" in asset else "Y_UP"  # COLLADA's default
     text = asset["unit"].get("meter", "1") if "unit" in asset else "1"
     try:
-        unit = float(text)
+        unit = number(text)
     except ValueError:
         unit = 0.0
     if not 0.0 < unit < 1e6:
@@ -158,6 +144,34 @@ def _unit_and_axis(data: bytes) -> tuple[float, str]:
     if axis not in UP:
         raise UsageError(f"its up_axis '{up.strip()}' is not valid; COLLADA has X_UP, Y_UP and Z_UP")
     return unit, axis
+
+
+def _tag(element: Element) -> str:
+    return element.tag.rpartition(":")[2]  # expat leaves prefixes as they are
+
+
+def _check_shapes(root: Element) -> None:
+    """Counts the shapes of COLLADA scenes, in which nodes stand in other nodes as often as they like."""
+    nodes = {element.get("id", ""): element for element in root.iter() if _tag(element) == "node"}
+    known: dict[str, int] = {}
+
+    def count(element: Element, depth: int) -> int:
+        if depth > DEEPEST:
+            raise UsageError(f"its nodes stand in themselves, or more than {DEEPEST} in each other")
+        total = 0
+        for child in element:
+            if _tag(child) == "node":
+                total += count(child, depth + 1)
+            elif _tag(child) == "instance_node" and (url := child.get("url", "")[1:]) in nodes:
+                if url not in known:
+                    known[url] = count(nodes[url], depth + 1)
+                total += known[url]
+            total += _tag(child) in ("instance_geometry", "instance_controller")
+        return total
+
+    shapes = sum(count(element, 0) for element in root.iter() if _tag(element) == "visual_scene")
+    if shapes > MOST_SHAPES:
+        raise UsageError(f"its scene has {shapes:,} shapes; at most {MOST_SHAPES:,} are read: join them")
 
 
 def _loaded(data: bytes, kind: str) -> dict[str, Mesh]:
@@ -170,13 +184,16 @@ def _loaded(data: bytes, kind: str) -> dict[str, Mesh]:
             scene = trimesh.load_scene(
                 io.BytesIO(data), file_type=kind, process=False, skip_materials=True
             )
-            parts = {}
+            parts, triangles = {}, 0
             for node in scene.graph.nodes_geometry:
                 pose, name = scene.graph[node]
                 geometry = scene.geometry[name]
                 if isinstance(geometry, trimesh.Trimesh):
+                    _check_count(triangles := triangles + len(geometry.faces))
                     mesh = Mesh(np.asarray(geometry.vertices), np.asarray(geometry.faces))
                     parts[str(node)] = mesh.moved(np.asarray(pose))
+    except UsageError:
+        raise
     except Exception as error:  # decoders raise anything at all over a damaged file
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise UsageError(f"it is damaged or cut short: {reason}") from error

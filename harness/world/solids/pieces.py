@@ -1,4 +1,4 @@
-"""Triangles that no heightfield shows -> convex obstacles: MuJoCo collides a mesh as its convex hull.
+"""Solids that no heightfield shows -> convex obstacles: MuJoCo collides a mesh as its convex hull.
 
 What hangs together is one body. A body is halved, and its halves again, until each part is as its convex
 hull, to within FIT: either nearly all of the hull's surface is its own (a box, a piece of a pipe), or it
@@ -13,15 +13,21 @@ clears, else hazards. Of other bodies the height of their top above the ground d
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field, Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, convex, surface
+from harness.world.obstacles import Obstacle, ObstacleKind, convex, outline, surface, top
 from harness.world.occupancy import HEADROOM
+from harness.world.solid import Primitive, Solid
 from harness.world.solids.kinds import Kind
 from harness.world.solids.mesh_file import SIMPLER, Mesh, areas_and_normals
 from harness.world.solids.surface import SAMPLES, on_map
@@ -48,9 +54,6 @@ Halves = Callable[[Mesh, Points], NDArray[np.bool_]]  # a part and its normals -
 
 def bodies(mesh: Mesh) -> Iterator[Mesh]:
     """Yields the parts of a mesh that hang together."""
-    from scipy.sparse import coo_matrix  # noqa: PLC0415 - 0.1 s that named terrains save
-    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
-
     if not len(mesh.faces):
         return
     starts, ends = mesh.faces[:, :2].ravel(), mesh.faces[:, 1:].ravel()
@@ -63,16 +66,13 @@ def bodies(mesh: Mesh) -> Iterator[Mesh]:
 
 
 def obstacles_of(mesh: Mesh, ground: Heightfield, kind: Kind, clearance: float) -> list[Obstacle]:
-    """Returns a mesh as convex obstacles; nothing of bodies that lie in the ground or off the map.
+    """Returns a mesh as convex obstacles, without bodies in the ground or off the map, unless too many.
 
     Args:
         mesh: What the ground does not show, in the world.
         ground: On which it stands.
         kind: What an obstacle is, by the height of its top above the ground.
         clearance: What the rover clears [m].
-
-    Raises:
-        UsageError: They are too many.
     """
     pieces: list[Obstacle] = []
     for body in bodies(mesh):
@@ -133,15 +133,7 @@ def _is_ceiling(body: Mesh, normals: Points, ground: Heightfield) -> NDArray[np.
 def _split(
     body: Mesh, chosen: NDArray[np.int64], areas: Field, normals: Points, halves: Halves
 ) -> Iterator[Points]:
-    """Corners of convex pieces that together are some triangles of a body.
-
-    Args:
-        body: What is split.
-        chosen: Which triangles.
-        areas: Of all triangles of the body [m2], shape (f,).
-        normals: Unit normals of all triangles of the body, shape (f, 3).
-        halves: How a part is halved.
-    """
+    """Corners of convex pieces that are chosen triangles of a body; areas and normals are of all."""
     part = body.part(chosen)
     corners = _own_hull(part, areas[chosen])
     if corners is None:
@@ -187,8 +179,6 @@ def _longest(points: Points) -> Points:
 
 def _own_hull(part: Mesh, areas: Field) -> Points | None:
     """Corners of its hull, if nearly all of the hull's surface is its own and it has no hollow."""
-    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - 0.1 s that named terrains save
-
     if len(part.faces) < FEWEST:
         return None
     try:
@@ -203,8 +193,6 @@ def _own_hull(part: Mesh, areas: Field) -> Points | None:
 
 def _slab(part: Mesh, areas: Field, normals: Points) -> Points | None:
     """Corners of a slab, if it is nearly flat and fills its outline; a triangle always is and does."""
-    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - as above
-
     mean = (areas[:, None] * normals).sum(axis=0)
     length = float(np.linalg.norm(mean))
     if length < FLAT_SHARE * areas.sum():
@@ -223,3 +211,30 @@ def _slab(part: Mesh, areas: Field, normals: Points) -> Points | None:
             return None
         corners = corners[outline.vertices]
     return np.concatenate([corners, corners - THICKNESS * normal])
+
+
+def obstacle_of(solid: Solid, ground: Heightfield, kind: Kind) -> Obstacle | None:
+    """Returns a primitive as an obstacle; None if it lies in the ground or off the map.
+
+    Args:
+        solid: Whose shape is a Primitive.
+        ground: On which it stands.
+        kind: What an obstacle is whose top is that high above the lowest ground below it [m].
+    """
+    assert isinstance(solid.shape, Primitive)  # noqa: S101 - the caller has looked
+    x, y, z, w = Rotation.from_matrix(solid.pose[:3, :3]).as_quat(canonical=True).tolist()
+    position = tuple(solid.pose[:3, 3].tolist())
+    obstacle = Obstacle(
+        ObstacleKind.HAZARD,
+        solid.shape.shape,
+        solid.shape.half_size,
+        position,
+        (w, x, y, z),
+        color=solid.color,
+    )
+    below = np.vstack([outline(obstacle), position[:2]])
+    below = below[on_map(below, ground)]
+    if not len(below):
+        return None
+    height = top(obstacle) - float(ground.heights_at(*below.T).min())
+    return replace(obstacle, kind=kind(height)) if height > FLUSH else None

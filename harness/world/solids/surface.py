@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import label, maximum_filter
 
 from harness.base.errors import UsageError
 from harness.spec.world import LARGEST_MAP, SMALLEST_MAP
@@ -24,6 +25,7 @@ PIT = 2.0  # [m] below the lowest floor
 LARGEST_GAP = 0.25  # [m2] that is filled
 TOLERANCE = 0.05  # [m] above the heightfield up to which it shows a triangle
 STEEPEST_MEASURED = math.radians(45.0)  # heights of what is steeper say little: they are all along it
+BLOCK = 1.0  # [m]: how finely the room between pits is measured
 EDGE = 3.0  # rise within a cell, in cells, from which on it holds an edge
 # Corners, middles of the edges and the middle, in barycentric coordinates.
 SAMPLES = (
@@ -36,27 +38,17 @@ Bounds = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A heightfield made of triangles.
-
-    Attributes:
-        left_over: Which triangles it does not show, shape (f,).
-        has_floor: Where there is one, shape (rows, columns).
-    """
+    """A heightfield made of triangles."""
 
     ground: Heightfield
-    left_over: NDArray[np.bool_]
-    has_floor: NDArray[np.bool_]
+    left_over: NDArray[np.bool_]  # which triangles it does not show, shape (f,)
+    has_floor: NDArray[np.bool_]  # where there is one, shape (rows, columns)
 
 
 def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
-    """Returns vertices that lie within bounds, around their middle.
+    """Returns vertices within bounds, around their middle; UsageError if that cannot be driven.
 
-    Args:
-        bounds: Of what is to be driven.
-        cell: Distance of two vertices [m]; None is CELL, or as much more as MOST_VERTICES need.
-
-    Raises:
-        UsageError: The bounds cannot be driven, or such cells are too many.
+    They are `cell` metres apart; by default CELL, or as much more as MOST_VERTICES need.
     """
     width, depth = bounds[1] - bounds[0], bounds[3] - bounds[2]
     smallest, largest = SMALLEST_MAP - ROUNDING, LARGEST_MAP + ROUNDING
@@ -81,16 +73,13 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
 
 
 def surface_of(mesh: Mesh, grid: Grid, plane: float | None, notes: list[str]) -> Surface:
-    """Returns the heightfield of the ground.
+    """Returns the heightfield of the ground; UsageError if nothing of it faces up.
 
     Args:
         mesh: The ground's triangles; none where there is only a plane.
         grid: The vertices.
         plane: Height of a plane without end [m], if there is one.
         notes: Takes what was done, and how well it fits.
-
-    Raises:
-        UsageError: Nothing of it faces up.
     """
     crossed = crossings(mesh.corners, grid)
     heights = floors(crossed, grid, plane)
@@ -109,8 +98,6 @@ def surface_of(mesh: Mesh, grid: Grid, plane: float | None, notes: list[str]) ->
 
 def _closed(heights: Field, grid: Grid, notes: list[str]) -> Field:
     """Heights everywhere: small gaps filled, pits elsewhere."""
-    from scipy.ndimage import label  # noqa: PLC0415 - 0.1 s that named terrains save
-
     missing = np.isnan(heights)
     if not missing.any():
         return heights
@@ -141,8 +128,6 @@ def _closed(heights: Field, grid: Grid, notes: list[str]) -> Field:
 
 def _left_over(mesh: Mesh, crossed: Crossings, heights: Field, grid: Grid) -> NDArray[np.bool_]:
     """Triangles that reach above the heightfield: at vertices, or at samples above all that is near."""
-    from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
-
     left_over = np.zeros(len(mesh.faces), np.bool_)
     left_over[crossed.triangle[crossed.height > heights.ravel()[crossed.vertex] + TOLERANCE]] = True
     points = SAMPLES @ mesh.corners  # (f, 7, 3)
@@ -159,8 +144,6 @@ def _note_error(
     corners: NDArray[np.float64], ground: Heightfield, has_floor: NDArray[np.bool_], notes: list[str]
 ) -> None:
     """Compares heights at the triangles' samples, but for cells next to an edge, which none can show."""
-    from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
-
     _, normals = areas_and_normals(corners)
     gentle = corners[normals[:, 2] > math.cos(STEEPEST_MEASURED)]
     points = (SAMPLES @ gentle).reshape(-1, 3)
@@ -184,3 +167,34 @@ def _note_error(
 def on_map(points: NDArray[np.float64], ground: Heightfield) -> NDArray[np.bool_]:
     """Returns which points, shape (n, 3), are above or below the map."""
     return np.asarray((np.abs(points[:, :2] - ground.middle) <= ground.half_size).all(axis=1))
+
+
+def room_without_pits(surface: Surface) -> Bounds | None:
+    """Returns the largest rectangle without pits; None if there are none at all."""
+    if surface.has_floor.all():
+        return None
+    ground = surface.ground
+    step = max(1, round(BLOCK / ground.cell))
+    rows, columns = (count // step for count in surface.has_floor.shape)
+    blocks = surface.has_floor[: rows * step, : columns * step].reshape(rows, step, columns, step)
+    top, bottom, left, right = largest_rectangle(np.asarray(blocks.all(axis=(1, 3))))
+    x, _, y, _ = ground.bounds()
+    width = step * ground.cell
+    return x + left * width, x + right * width, y + top * width, y + bottom * width
+
+
+def largest_rectangle(free: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+    """Returns the largest rectangle that is true everywhere: first and end row, first and end column."""
+    best, area = (0, 1, 0, 1), 0
+    heights = np.zeros(free.shape[1] + 1, int)
+    for row, line in enumerate(free):
+        heights[:-1] = np.where(line, heights[:-1] + 1, 0)
+        open_from: list[tuple[int, int]] = []  # column from which on it is at least that high
+        for column, height in enumerate(heights.tolist()):
+            begin = column
+            while open_from and open_from[-1][1] >= height:
+                begin, tall = open_from.pop()
+                if tall * (column - begin) > area:
+                    best, area = (row + 1 - tall, row + 1, begin, column), tall * (column - begin)
+            open_from.append((begin, height))
+    return best

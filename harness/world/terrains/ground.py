@@ -25,25 +25,17 @@ class Flat(Terrain):
 
 @dataclass(frozen=True, kw_only=True)
 class Slope(Terrain):
-    """An inclined plane, the spawn included, roughened by a few millimetres.
-
-    Attributes:
-        incline: Angle of the plane about the y axis [deg].
-        roughness: RMS of the roughness [m].
-    """
+    """An inclined plane, the spawn included, roughened by a few millimetres."""
 
     name = "slope"
     summary = "constant incline, uphill along +x, nearly smooth"
     promise = Promise(
-        slope_p50=(9.9, 10.1),
-        slope_p95=(10.4, 10.9),
-        rms_1m=(0.001, 0.002),
-        rms_03m=(0.0, 0.001),
+        slope_p50=(9.9, 10.1), slope_p95=(10.4, 10.9), rms_1m=(0.001, 0.002), rms_03m=(0.0, 0.001)
     )
     has_level_spawn = False
 
-    incline: float = parameter(2.0, 10.0, 22.0, "deg")
-    roughness: float = constant(0.002, "m")
+    incline: float = parameter(2.0, 10.0, 22.0, "deg")  # angle of the plane about the y axis [deg]
+    roughness: float = constant(0.002, "m")  # RMS of the roughness [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """The incline with its roughness [m]."""
@@ -53,24 +45,16 @@ class Slope(Terrain):
 
 @dataclass(frozen=True, kw_only=True)
 class Rolling(Terrain):
-    """Hills and hollows without anything small: slow pitch and roll.
-
-    Attributes:
-        relief: RMS height [m].
-        wavelength: Distance from hill to hill [m].
-    """
+    """Hills and hollows without anything small: slow pitch and roll."""
 
     name = "rolling"
     summary = "smooth hills and hollows of several metres"
     promise = Promise(
-        slope_p50=(5.0, 8.0),
-        slope_p95=(11.0, 17.0),
-        rms_1m=(0.005, 0.011),
-        rms_03m=(0.0, 0.001),
+        slope_p50=(5.0, 8.0), slope_p95=(11.0, 17.0), rms_1m=(0.005, 0.011), rms_03m=(0.0, 0.001)
     )
 
-    relief: float = parameter(0.08, 0.2, 0.4, "m")
-    wavelength: float = constant(8.0, "m")
+    relief: float = parameter(0.08, 0.2, 0.4, "m")  # RMS height [m]
+    wavelength: float = constant(8.0, "m")  # distance from hill to hill [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Hills of the given relief [m]."""
@@ -85,24 +69,18 @@ class Gravel(Terrain):
 
     Independent steps of 30 mm from one 5 cm cell to the next stop a small rover (measured), so the
     hardest gravel stays at 20 mm.
-
-    Attributes:
-        roughness: Standard deviation of the gravel from cell to cell [m].
-        relief: RMS height of the ground below it [m].
     """
 
     name = "gravel"
     summary = "fine gravel on nearly level ground: shakes the IMU"
     promise = Promise(
-        slope_p50=(9.0, 10.0),
-        slope_p95=(18.5, 20.5),
-        rms_1m=(0.0095, 0.011),
-        rms_03m=(0.0095, 0.0105),
+        slope_p50=(9.0, 10.0), slope_p95=(18.5, 20.5), rms_1m=(0.0095, 0.011), rms_03m=(0.0095, 0.0105)
     )
 
     cell: float = constant(0.05, "m")
+    # standard deviation of the gravel from cell to cell [m]
     roughness: float = parameter(0.003, 0.010, 0.020, "m")
-    relief: float = constant(0.05, "m")
+    relief: float = constant(0.05, "m")  # RMS height of the ground below it [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Ground plus gravel [m]."""
@@ -112,27 +90,18 @@ class Gravel(Terrain):
 
 @dataclass(frozen=True, kw_only=True)
 class Washboard(Terrain):
-    """The ripples of an unpaved road: crests along y that meander and swell a little.
-
-    Attributes:
-        amplitude: Half the height from trough to crest [m].
-        wavelength: Distance from crest to crest [m].
-        meander: RMS shift of the crests along x [m].
-    """
+    """The ripples of an unpaved road: crests along y that meander and swell a little."""
 
     name = "washboard"
     summary = "regular ripples across the way: excites pitch"
     promise = Promise(
-        slope_p50=(10.0, 12.0),
-        slope_p95=(17.0, 20.0),
-        rms_1m=(0.016, 0.019),
-        rms_03m=(0.010, 0.013),
+        slope_p50=(10.0, 12.0), slope_p95=(17.0, 20.0), rms_1m=(0.016, 0.019), rms_03m=(0.010, 0.013)
     )
 
     cell: float = constant(0.05, "m")
-    amplitude: float = parameter(0.010, 0.025, 0.040, "m")
-    wavelength: float = constant(0.5, "m")
-    meander: float = constant(0.25, "m")
+    amplitude: float = parameter(0.010, 0.025, 0.040, "m")  # half the height from trough to crest [m]
+    wavelength: float = constant(0.5, "m")  # distance from crest to crest [m]
+    meander: float = constant(0.25, "m")  # RMS shift of the crests along x [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Ripples around zero [m]."""
@@ -145,28 +114,19 @@ class Washboard(Terrain):
 
 @dataclass(frozen=True, kw_only=True)
 class Dunes(Terrain):
-    """Rows of transverse dunes that bend, swell and fade; the wind blows along +x.
-
-    Attributes:
-        height: Typical height from trough to crest [m].
-        wavelength: Distance from crest to crest [m].
-        lee: Fraction of the wavelength that the lee side takes; it stays below the angle of repose.
-        meander: RMS shift of the crests along x [m].
-    """
+    """Rows of transverse dunes that bend, swell and fade; the wind blows along +x."""
 
     name = "dunes"
     summary = "transverse dunes, gentle to windward and steep to leeward"
     promise = Promise(
-        slope_p50=(6.0, 8.0),
-        slope_p95=(14.0, 19.0),
-        rms_1m=(0.007, 0.012),
-        rms_03m=(0.0, 0.001),
+        slope_p50=(6.0, 8.0), slope_p95=(14.0, 19.0), rms_1m=(0.007, 0.012), rms_03m=(0.0, 0.001)
     )
 
-    height: float = parameter(0.2, 0.45, 0.56, "m")
-    wavelength: float = constant(7.0, "m")
+    height: float = parameter(0.2, 0.45, 0.56, "m")  # typical height from trough to crest [m]
+    wavelength: float = constant(7.0, "m")  # distance from crest to crest [m]
+    # fraction of the wavelength that the lee side takes; it stays below the angle of repose
     lee: float = constant(0.36, "")
-    meander: float = constant(1.0, "m")
+    meander: float = constant(1.0, "m")  # RMS shift of the crests along x [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Dunes above the level of their troughs [m]."""

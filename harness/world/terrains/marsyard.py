@@ -29,32 +29,23 @@ Profile = Callable[[Field], Field]  # unit height over the distance from a centr
 
 @dataclass(frozen=True, kw_only=True)
 class Marsyard(Terrain):
-    """A plain with hills, craters and pits, none of them at the spawn.
-
-    Attributes:
-        hill: Height of the dominant hill [m]; hillocks have half of it.
-        crater: Depth of the largest crater [m]; the smaller ones are shallower in proportion.
-        pits: Number of small pits, `pit` deep [m].
-        relief: RMS height of the plain [m].
-        roughness: RMS of the fine roughness [m].
-    """
+    """A plain with hills, craters and pits, none of them at the spawn."""
 
     name = "marsyard"
     summary = "like the European Rover Challenge: plain, steep hills, craters, pits"
     promise = Promise(
-        slope_p50=(8.0, 13.0),
-        slope_p95=(30.0, 40.0),
-        rms_1m=(0.029, 0.039),
-        rms_03m=(0.005, 0.007),
+        slope_p50=(8.0, 13.0), slope_p95=(30.0, 40.0), rms_1m=(0.029, 0.039), rms_03m=(0.005, 0.007)
     )
 
     size: float = constant(48.0, "m")
+    # height of the dominant hill [m]; hillocks have half of it
     hill: float = parameter(1.5, 3.6, 4.5, "m")
+    # depth of the largest crater [m]; the smaller ones are shallower in proportion
     crater: float = parameter(0.5, 1.2, 1.6, "m")
-    pits: int = constant(16, "")
+    pits: int = constant(16, "")  # number of small pits, `pit` deep [m]
     pit: float = parameter(0.15, 0.3, 0.4, "m")
-    relief: float = parameter(0.08, 0.16, 0.24, "m")
-    roughness: float = parameter(0.018, 0.036, 0.050, "m")
+    relief: float = parameter(0.08, 0.16, 0.24, "m")  # RMS height of the plain [m]
+    roughness: float = parameter(0.018, 0.036, 0.050, "m")  # RMS of the fine roughness [m]
 
     def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
         """Plain plus features [m]."""

@@ -29,11 +29,7 @@ Walls = NDArray[np.bool_]  # (line, chamber along the line): a wall stands on th
 
 @dataclass(frozen=True, kw_only=True)
 class Maze(Flat):
-    """Level ground with walls; every chamber can be reached through passages of 2 m.
-
-    Attributes:
-        walls: Share of the possible walls that stand; at 1 there is only one way to each chamber.
-    """
+    """Level ground with walls; every chamber can be reached through passages of 2 m."""
 
     name = "maze"
     summary = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
@@ -41,6 +37,7 @@ class Maze(Flat):
     promise = Promise(obstacle_density=(0.04, 0.065))
 
     size: float = constant(24.0, "m")
+    # share of the possible walls that stand; at 1 there is only one way to each chamber
     walls: float = parameter(0.25, 0.6, 1.0, "")
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:

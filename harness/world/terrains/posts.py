@@ -20,13 +20,7 @@ SINK = 0.05  # [m], so that no gap shows on uneven ground
 
 @dataclass(frozen=True, kw_only=True)
 class Posts(Terrain):
-    """A slightly uneven field of hazards.
-
-    Attributes:
-        relief: RMS height of the ground [m].
-        posts: Number of posts 3 m high.
-        cubes: Number of cubes of 0.5 m.
-    """
+    """A slightly uneven field of hazards."""
 
     name = "posts"
     summary = "nearly level, with posts 3 m high and cubes of 0.5 m to be avoided"
@@ -39,9 +33,9 @@ class Posts(Terrain):
         obstacle_density=(0.025, 0.03),
     )
 
-    relief: float = constant(0.05, "m")
-    posts: int = parameter(12, 32, 80, "")
-    cubes: int = parameter(4, 12, 30, "")
+    relief: float = constant(0.05, "m")  # RMS height of the ground [m]
+    posts: int = parameter(12, 32, 80, "")  # number of posts 3 m high
+    cubes: int = parameter(4, 12, 30, "")  # number of cubes of 0.5 m
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Slightly uneven ground [m]."""

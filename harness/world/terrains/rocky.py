@@ -16,14 +16,7 @@ BOULDER_TO_ROCK = 1.0  # [m] between centres
 
 @dataclass(frozen=True, kw_only=True)
 class Rocky(Terrain):
-    """Gently rolling ground with partly buried rocks and some boulders.
-
-    Attributes:
-        relief: RMS height of the ground [m].
-        roughness: RMS of its fine roughness [m].
-        rocks: Number of drivable rocks, with semi-axes of 4-15 cm.
-        boulders: Number of hazards; every other one stands tall enough for a lidar 0.8 m up.
-    """
+    """Gently rolling ground with partly buried rocks and some boulders."""
 
     name = "rocky"
     summary = "rolling ground, drivable rocks of 4-15 cm and a few boulders (default)"
@@ -36,9 +29,10 @@ class Rocky(Terrain):
         obstacle_density=(0.09, 0.10),
     )
 
-    relief: float = parameter(0.06, 0.12, 0.25, "m")
-    roughness: float = parameter(0.003, 0.006, 0.010, "m")
-    rocks: int = parameter(80, 150, 300, "")
+    relief: float = parameter(0.06, 0.12, 0.25, "m")  # RMS height of the ground [m]
+    roughness: float = parameter(0.003, 0.006, 0.010, "m")  # RMS of its fine roughness [m]
+    rocks: int = parameter(80, 150, 300, "")  # number of drivable rocks, with semi-axes of 4-15 cm
+    # number of hazards; every other one stands tall enough for a lidar 0.8 m up
     boulders: int = parameter(4, 10, 24, "")
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:

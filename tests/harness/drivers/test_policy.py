@@ -13,12 +13,13 @@ from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 
 BEAMS = 16
 GENERATOR = np.random.default_rng(0)
+SIZES = ((BEAMS + BESIDE_LIDAR, 8), (8, 2))
 LAYERS = tuple(
     (
-        GENERATOR.normal(0.0, 0.3, (m, n)).astype(np.float32),
-        GENERATOR.normal(0.0, 0.1, n).astype(np.float32),
+        GENERATOR.normal(0.0, 0.3, s).astype(np.float32),
+        GENERATOR.normal(0.0, 0.1, s[1]).astype(np.float32),
     )
-    for m, n in ((BEAMS + BESIDE_LIDAR, 8), (8, 2))
+    for s in SIZES
 )
 
 

@@ -9,7 +9,7 @@ import pytest
 from harness.drivers import DRIVERS, CmdVel, DriverContext, Observation
 from harness.robots import RoverSpec
 from harness.samples import Twist
-from tests.support.rovers import LEO, ROVER_ZERO4WD
+from tests.support.rovers import LEO
 
 
 def context(rover: RoverSpec = LEO) -> DriverContext:
@@ -18,18 +18,6 @@ def context(rover: RoverSpec = LEO) -> DriverContext:
 
 def at(yaw: float) -> Observation:
     return Observation(0, 0.0, 0.0, yaw, None)
-
-
-@pytest.mark.parametrize(
-    ("rover", "speed", "yaw_rate"),
-    [(LEO, 0.3, 1.0), (ROVER_ZERO4WD, 0.3, 2.0), (LEO.but(cruise_speed=0.2), 0.2, 1.0)],
-)
-def test_straight_and_spin_command_one_axis_each(
-    rover: RoverSpec, speed: float, yaw_rate: float
-) -> None:
-    for name, twist in (("straight", Twist(speed, 0.0)), ("spin", Twist(0.0, yaw_rate))):
-        driver = DRIVERS[name](context(rover))
-        assert [driver.command(at(yaw)) for yaw in (0.0, 1.0)] == [twist] * 2
 
 
 def test_a_figure8_is_a_left_and_a_right_circle_in_turn_each_until_the_heading_has_come_round() -> None:
@@ -44,13 +32,6 @@ def test_a_figure8_is_a_left_and_a_right_circle_in_turn_each_until_the_heading_h
         signs.append(side)
         yaw += step * side
     assert signs == [1.0] * 100 + [-1.0] * 100 + [1.0] * 100 + [-1.0] * 3
-
-
-def test_cmd_vel_stands_still_and_then_repeats_the_last_command() -> None:
-    driver = CmdVel(context())
-    assert driver.command(at(0.0)) == Twist()
-    driver.obey(Twist(0.2, 0.1))
-    assert [driver.command(at(0.0)) for _ in range(2)] == [Twist(0.2, 0.1)] * 2
 
 
 def test_a_command_ends_after_the_timeout_and_the_next_one_has_its_own() -> None:

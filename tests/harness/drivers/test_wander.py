@@ -116,14 +116,6 @@ def test_a_goal_lies_4_to_10_m_away_on_the_map_and_holds_until_60_cm_before_it(
     assert rng.draws == 4  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize(("share", "goal"), [(0.25, (0.0, -12.0)), (0.75, (0.0, 12.0))])
-def test_goals_are_kept_off_every_edge(share: float, goal: tuple[float, float], dice: MakeDice) -> None:
-    driver = wander(dice(1.0, share))
-    driver.command(seen(0.0, 0.0, math.copysign(7.0, goal[1])))
-    beside = seen(1.0, 2.0, goal[1], math.pi)
-    assert driver.command(beside).angular == pytest.approx(0.0)
-
-
 def test_a_goal_that_is_not_reached_in_45_seconds_is_given_up(dice: MakeDice) -> None:
     rng = dice(0.0, AHEAD)
     driver = wander(rng)
@@ -165,22 +157,6 @@ def test_after_3_s_without_25_cm_of_progress_it_backs_out_for_2_s_to_either_side
     assert rng.draws == 6, "a new goal after backing out"  # type: ignore[attr-defined]
     creeps = wander(dice(1.0, AHEAD))
     assert all(creeps.command(seen(0.05 * n, 0.26 * (n // 59))).linear >= 0.0 for n in range(300))
-
-
-@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])
-def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
-    rover: RoverSpec, dice: MakeDice
-) -> None:
-    """The first draw and those after the goal's two are shares of 0.2 to 0.9 of the top speed."""
-    top = rover.wheel_speed_limit * rover.wheel_radius
-    free = np.full(8, np.inf, dtype=np.float32)
-    shares = (0.0, 1.0, 0.5, 1.0, 0.5)
-    roam = Roam(DriverContext(rover, (20.0, 20.0), np.linspace(-3.0, 3.0, 8), dice(*shares)))
-    for second, share in ((0.0, 0.2), (7.95, 0.2), (8.0, 0.9), (15.95, 0.9), (16.0, 0.55)):
-        here = 0.3 * second  # it gets on, towards a goal 10 m straight ahead of where it began
-        twist = roam.command(Observation(round(second * 1e9), min(here, 9.0), 0.0, 0.3, free))
-        assert twist.linear == pytest.approx(share * top * math.cos(math.radians(15.0)))
-        assert twist.angular == pytest.approx(-1.5 * math.radians(15.0) * rover.cruise_yaw_rate)
 
 
 @pytest.mark.parametrize("driver", [Wander, Roam])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.world.berths import GAP, berth, overlaps
+from harness.world.berths import GAP, berth
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
@@ -25,12 +25,6 @@ def place(*obstacles: Obstacle, ground: Heightfield = FLAT) -> tuple[float, floa
 
 def thing(x: float, y: float, kind: ObstacleKind = ObstacleKind.HAZARD, half: float = 0.05) -> Obstacle:
     return Obstacle(kind, "cylinder", (half, 0.5), (x, y, 0.0))
-
-
-def test_discs_overlap_when_they_are_nearer_than_their_radii_and_the_gap() -> None:
-    assert not overlaps((0.0, 0.0, 1.0), [(3.0, 0.0, 2.0)])
-    assert overlaps((0.0, 0.0, 1.0), [(9.0, 9.0, 1.0), (2.99, 0.0, 2.0)])
-    assert overlaps((0.0, 0.0, 1.0), [(3.4, 0.0, 2.0)], gap=0.5)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 2.0])

@@ -1,4 +1,4 @@
-"""Heights between vertices, noise, filled gaps and coarser grids, against MuJoCo, scipy and spectra."""
+"""Heights between vertices, filled gaps and coarser grids, against MuJoCo and scipy."""
 
 import mujoco
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates, uniform_filter1d
 
-from harness.world.heightfield import Heightfield, filled, fractal, resampled, smoothstep
+from harness.world.heightfield import Heightfield, filled, resampled
 
 Array = NDArray[np.float64]
 
@@ -88,26 +88,3 @@ def test_coarser_cells_are_means_around_their_places_in_the_middle(
     places = np.meshgrid(31.5 + step[0] * down, 30.0 + step[1] * across, indexing="ij")
     expected = map_coordinates(expected, places, order=1, mode="nearest")
     np.testing.assert_allclose(resampled(values, step, shape), expected, atol=1e-12)
-
-
-def test_fractal_noise_has_the_power_law_of_its_wavelengths_and_exponent() -> None:
-    """Seamless, its spectrum is that of white noise times a law; its RMS is 1 in any case."""
-    given = {"cell": 0.2, "longest": 4.0, "shortest": 0.5, "hurst": 0.7}
-    noise = fractal(np.random.default_rng(5), (96, 96), **given, seamless=True)
-    white = np.random.default_rng(5).standard_normal((96, 96))
-    per_metre = np.hypot(np.fft.fftfreq(96, 0.2)[:, None], np.fft.fftfreq(96, 0.2))
-    law = (per_metre**2 + 4.0**-2) ** -1.7 * np.exp(-((per_metre * 0.5) ** 2))  # of its power
-    power = np.abs(np.fft.fft2(noise) / np.fft.fft2(white)) ** 2
-    found, expected = (values.ravel()[1:] / values[0, 1] for values in (power, law))
-    np.testing.assert_allclose(found, expected, rtol=1e-6)
-    part = fractal(np.random.default_rng(5), (77, 77), **given)  # type: ignore[arg-type]
-    for field in (noise, part):
-        assert (field.mean(), field.std()) == pytest.approx((0.0, 1.0))
-    assert abs(np.corrcoef(part[0], part[-1])[0, 1]) < 0.6  # it does not repeat at its edges
-
-
-def test_smoothstep_rises_from_zero_to_one_without_kinks() -> None:
-    steps = smoothstep(np.linspace(0.0, 4.0, 401), 1.0, 3.0)
-    assert ((steps[:101] == 0.0).all(), (steps[300:] == 1.0).all()) == (True, True)
-    assert steps[200] == pytest.approx(0.5)
-    assert np.diff(steps, 2).max() < 2e-4

@@ -31,12 +31,8 @@ def test_difficulty_moves_parameters_from_easiest_through_default_to_hardest() -
     assert height == pytest.approx((0.1, 0.3, 0.5, 0.74, 1.25, 2.0))
     assert (stones, rocks) == ((1, 2, 4, 5, 6, 9), (0, 0, 0, 0, 2, 3))  # whole, the nearest
     assert {type(count) for count in (*stones, *rocks)} == {int}
-
-
-def test_the_grid_has_its_size_and_cell_with_a_vertex_at_the_origin() -> None:
-    ground = Noise(size=6.0, cell=0.05).ground(np.random.default_rng(0))
-    assert ground.heights.shape == (121, 121)
-    assert ground.half_size == pytest.approx((3.0, 3.0))
+    spread = "size 12 m, cell 0.1 m, height 0.5 (0.1..2) m, stones 4 (1..9), rocks 0 (0..3)"
+    assert Noise.describe() == spread
 
 
 def test_the_spawn_is_levelled_and_the_rest_is_left_alone() -> None:

@@ -70,27 +70,6 @@ def test_a_random_walk_is_straight_free_and_steady_and_depends_on_nobody_else() 
         assert FreeSpace(BARE.ground, BARE.obstacles).blocked(way, radius - 1e-6) is None
 
 
-def polar(rng: np.random.Generator, start: tuple[float, float], within: float) -> np.ndarray:
-    """200 points of a disc, as many a square metre everywhere, to the millimetre, shape (200, 2)."""
-    share, turn = rng.uniform(size=(200, 2)).T
-    spots = complex(*start) + within * share**0.5 * np.exp(2j * np.pi * turn)
-    return np.round(np.column_stack([spots.real, spots.imag]), 3)
-
-
-@pytest.mark.parametrize("walker", ["random", "social"])
-def test_a_walk_depends_on_the_worlds_seed_the_name_and_the_start(walker: str) -> None:
-    """The draws are part of what a seed means: numpy's for the key (20, bytes of the name)."""
-    world = replace(BARE, start=(4.0, -3.0, 1.0), seed=7, obstacles=())
-    for name in ("b", "bob", "eve", "zoe_2"):
-        (actor,) = with_actors(world, parse_actors([f"{name}={walker}:within=5"])).people
-        rng = np.random.default_rng(np.random.SeedSequence(7, spawn_key=(20, *name.encode())))
-        spots = polar(rng, (4.0, -3.0), 5.0)
-        inside = (np.abs(spots) <= 9.5).all(axis=1)
-        far = np.hypot(*(spots - (4.0, -3.0)).T) > 2.0
-        assert actor.begin == pytest.approx(spots[inside & far][0], abs=1e-9)
-        assert isinstance(actor.walk(), RandomWalker if walker == "random" else SocialForceWalker)
-
-
 class Space(FreeSpace):
     """Free everywhere, but for ways if a test says so."""
 
@@ -103,18 +82,6 @@ class Space(FreeSpace):
     def is_clear(self, *_: object) -> bool:
         """Tells what has been said of all ways."""
         return self.has_ways
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_legs_are_a_metre_long_at_least_and_lead_to_the_first_point_that_is_drawn(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    walk = RandomWalk("a", Space(), (0, 0), OPTIONS, np.random.default_rng(seed))
-    here, least = np.zeros(2), 2.0
-    for index in range(6):
-        spots = polar(rng, (0.0, 0.0), 3.0)
-        here = spots[np.hypot(*(spots - here).T) >= least][0]
-        np.testing.assert_allclose(walk.point(index), here, atol=1e-9)
-        least = 1.0
 
 
 def test_who_has_nowhere_to_go_stays_or_goes_back() -> None:
@@ -152,12 +119,11 @@ def test_a_script_waits_for_the_delay_of_the_file_and_for_the_one_that_is_given(
 def test_way_points_are_walked_at_the_speed_and_after_the_delay_that_are_given(tmp_path: Path) -> None:
     points = "".join(f"<waypoint><pose>{x} 2 {z} 0 0 0</pose></waypoint>" for x, z in ((0, 0), (3, 4)))
     (file := tmp_path / "a.sdf").write_text(f"<trajectory>{points}</trajectory>")
-    (climbs,) = places(f"{file}:speed=2", 1.25)
-    assert climbs.x == pytest.approx(1.5)  # of 5 m
+    assert places(f"{file}:speed=2", 1.25)[0].x == pytest.approx(1.5)  # of 5 m
     waits = places("g=0,2/4,2:delay=3,speed=2", 2.9, 4.0)
     assert [place.x for place in waits] == pytest.approx([0.0, 2.0])
-    closed = places("g=0,2/4,2/4,5:route=closed", 7.0 + math.hypot(4.0, 3.0) - 1.0)
-    assert (closed[0].x, closed[0].y) == pytest.approx((0.8, 2.6))
+    (closed,) = places("g=0,2/4,2/4,5:route=closed", 7.0 + math.hypot(4.0, 3.0) - 1.0)
+    assert (closed.x, closed.y) == pytest.approx((0.8, 2.6))
 
 
 def test_the_worlds_hash_depends_on_who_walks_and_where() -> None:

@@ -1,7 +1,6 @@
 """Who walks: texts of --actor, trajectories and SDF files, and what strangers put into them."""
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,6 @@ from harness.world.actors.people import of_terrain
 from harness.world.actors.trajectory import Trajectory, read_trajectories
 from tests.support.words import parse_actors
 
-DATA = Path(__file__).parents[5] / "shared/data/roboterrain/trajectories"
 POINT = "<waypoint><time>{}</time><pose>{} 0 0 0</pose></waypoint>"
 LINE = POINT.format(1.5, "1 2 3") + POINT.format(4.0, "4 5 6")
 WAY = ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
@@ -28,26 +26,15 @@ def written(folder: Path, text: str, name: str = "inspect_diag.sdf") -> Path:
     return path
 
 
-def names(texts: Sequence[str]) -> list[str]:
-    return [person.full_name for person in parse_actors(texts)]
-
-
 @pytest.mark.parametrize(
     ("text", "name", "walker", "points", "options"),
     [
         ("g=1,-2/.5,3e0", "g", "", ((1.0, -2.0), (0.5, 3.0)), {}),
         ("factor=+1.,-2e-1", "factor", "", ((1.0, -0.2),), {}),
-        ("my_actor_2=1,2", "my_actor_2", "", ((1.0, 2.0),), {}),
         ("g_actor=1,2:route=closed,push=1", "g", "", ((1.0, 2.0),), {"route": "closed", "push": 1}),
         ("random", "random", "random", None, {}),
         ("Bo=random:speed=2,speed=3", "Bo", "random", None, {"speed": 3.0}),
-        (
-            "me=social:within=4,radius=.2,height=1",
-            "me",
-            "social",
-            None,
-            {"within": 4, "radius": 0.2, "height": 1},
-        ),
+        ("me_2=social:within=4,radius=.2", "me_2", "social", None, {"within": 4, "radius": 0.2}),
     ],
 )
 def test_a_text_says_who_walks_and_how(
@@ -59,23 +46,8 @@ def test_a_text_says_who_walks_and_how(
     assert person.options == ActorOptions.model_validate(options)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="needs the RoboTerrain trajectories in ../shared/data")
-@pytest.mark.parametrize(
-    ("file", "name", "first"),
-    [
-        ("flat_triangle_traject.sdf", "triangle", (-2.0, 2.0, 0.5)),
-        ("inspect_diag.sdf", "diag", (-13.531637612227838, -23.40254360254535, 4.874879211069552)),
-    ],
-)
-def test_roboterrains_files_are_read(file: str, name: str, first: tuple[float, ...]) -> None:
-    (walk,) = read_trajectories(DATA / file)
-    assert (walk.name, walk.points[0], walk.times) == (name, first, ())
-    assert len(walk.points) == (DATA / file).read_text().count("<waypoint>")
-
-
-@pytest.mark.parametrize(
-    ("stem", "name"),
-    [
+def test_a_trajectory_is_called_as_its_topic(tmp_path: Path) -> None:
+    for stem, name in (
         *(
             ("inspect_linear", "linear"),
             ("island_triangle2_traject", "triangle2"),
@@ -83,11 +55,9 @@ def test_roboterrains_files_are_read(file: str, name: str, first: tuple[float, .
         ),
         *(("moon_a_trajectory", "a"), ("construct_flat_b_traject_2", "flat_b_2")),
         ("my_trajectories", "my_trajectories"),
-    ],
-)
-def test_a_trajectory_is_called_as_its_topic(stem: str, name: str, tmp_path: Path) -> None:
-    path = written(tmp_path, f"<trajectory>{LINE}</trajectory>", f"{stem}.sdf")
-    assert read_trajectories(path) == (Trajectory(name, WAY),)
+    ):
+        path = written(tmp_path, f"<trajectory>{LINE}</trajectory>", f"{stem}.sdf")
+        assert read_trajectories(path) == (Trajectory(name, WAY),)
 
 
 def test_the_actors_of_a_world_have_their_names_poses_and_times(tmp_path: Path) -> None:
@@ -111,10 +81,10 @@ def test_the_actors_of_a_world_have_their_names_poses_and_times(tmp_path: Path) 
 def test_a_file_names_its_people_unless_the_text_does(tmp_path: Path) -> None:
     one = written(tmp_path, f"<trajectory>{LINE}</trajectory>")
     two = written(tmp_path, "<sdf><actor name='a_actor'/><actor name='b'/></sdf>", "Two.WORLD")
-    found = names([str(one), f"g={one}:speed=2", str(two)])
-    assert found == ["diag_actor", "g_actor", "a_actor", "b_actor"]
+    found = parse_actors([str(one), f"g={one}:speed=2", str(two)])
+    assert [p.full_name for p in found] == ["diag_actor", "g_actor", "a_actor", "b_actor"]
     written(tmp_path, "<actor name='c d'/>")  # read anew, as it has changed
-    assert names([str(one)]) == ["c_d_actor"]
+    assert [person.full_name for person in parse_actors([str(one)])] == ["c_d_actor"]
 
 
 def test_the_people_of_a_terrain_are_the_actors_of_its_file_and_of_what_it_includes(
@@ -139,14 +109,11 @@ def test_the_people_of_a_terrain_are_the_actors_of_its_file_and_of_what_it_inclu
     assert [of_terrain(name) for name in nobodys] == [()] * 4
 
 
-LAUGHS = '<!DOCTYPE t [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><trajectory>&b;</trajectory>'
 BAD_FILES = [
-    (LAUGHS, "declares a document type or entities"),
     ("<trajectory>", "it is not XML"),
     ("<sdf><world/></sdf>", "neither a <trajectory> nor an <actor>"),
     ("<trajectory/>", "0 way points; give 1 to"),
     ("<trajectory><waypoint/></trajectory>", "way point '' is not valid; give 6"),
-    (f"<trajectory>{POINT.format(0, '1 nan 3')}</trajectory>", "'1 nan 3 0 0 0' is not valid; give 6"),
     (f"<trajectory>{POINT.format('x', '1 2 3')}</trajectory>", "'x' is not valid; give 1 finite"),
     (f"<trajectory>{POINT.format(0, '1 2')}</trajectory>", "give 6 finite"),
     ("<actor name='9'/>", "'9' cannot be part of a topic's name"),
@@ -160,15 +127,10 @@ BAD_TEXTS = [
         ("1,2/3,4", "has no name; give"),
     ),
     *(("9=random", "is not valid; give"), ("g=none.sdf", "none.sdf cannot be read")),
-    *(
-        ("g=random:speed=1=2", "speed '1=2'"),
-        ("g=random:delay=", "delay ''"),
-        ("g=random:speed=nan", "'nan'"),
-    ),
-    ("g=random:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
+    *(("g=random:speed=1=2", "speed '1=2'"), ("g=random:delay=", "delay ''")),
+    ("g=1,2:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
     *(("g=1,2:route=round", "'mirror' or 'closed'"), ("g=random:push=0.5", "push '0.5'")),
     ("g=random:radius=0.5,height=0.8", "at least as high as wide"),
-    ("g=random,g=social", "is not valid"),
 ]
 
 
@@ -179,20 +141,6 @@ def test_mistakes_are_one_line_that_names_what_is_valid(text: str, said: str, tm
     with pytest.raises(UsageError, match=re.escape(said)) as raised:
         parse_actors([f"g={path}" if "leave out" in said else str(path)] if is_file else [text])
     assert "\n" not in str(raised.value)
-
-
-@pytest.mark.parametrize(
-    ("form", "low", "high"),
-    [
-        *(("speed={}", 0.05, 10), ("delay={}", 0, 1e6), ("height=3,radius={}", 0.05, 1)),
-        *(("radius=0.05,height={}", 0.3, 3), ("within={}", 2, 500), ("push={}", 0, 1)),
-    ],
-)
-def test_limits_belong_to_what_is_valid(form: str, low: float, high: float) -> None:
-    parse_actors([f"a=random:{form.format(low)}", f"b=random:{form.format(high)}"])
-    for value in (low - 0.01, high + 0.01):
-        with pytest.raises(UsageError, match="is not valid"):
-            parse_actors([f"a=random:{form.format(value)}"])
 
 
 def test_names_are_different_and_people_not_too_many() -> None:

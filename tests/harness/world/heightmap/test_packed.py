@@ -46,14 +46,13 @@ def test_every_number_compression_predictor_layout_and_byte_order_is_read_as_wri
     assert seen == set(READABLE) - {32946}  # an old number for deflate
 
 
-def test_a_part_that_holds_too_little_is_damaged(files: dict[str, bytes]) -> None:
+def test_a_part_that_holds_too_little_is_damaged_and_an_unknown_predictor_named(
+    files: dict[str, bytes],
+) -> None:
     page = page_of(files["float32-zlib-strips.tif"])
     page.databytecounts = (9, *page.databytecounts[1:])
     with pytest.raises(ValueError, match=r"reshape|buffer"):
         unpacked(page)
-
-
-def test_an_unknown_predictor_is_named(files: dict[str, bytes]) -> None:
     page = page_of(files["int16-lzw-strips.tif"])
     page.predictor = 7
     with pytest.raises(UsageError, match="predictor 7"):

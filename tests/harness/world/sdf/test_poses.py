@@ -20,7 +20,6 @@ def pose_of(text: str, attributes: str = "") -> NDArray[np.float64]:
     [
         ("0.1 -0.2 0.3", "", Rotation.from_euler("xyz", [0.1, -0.2, 0.3])),  # about fixed axes
         ("10 20 30", "degrees='true'", Rotation.from_euler("xyz", [10, 20, 30], degrees=True)),
-        ("10 20 30", "degrees='1'", Rotation.from_euler("xyz", [10, 20, 30], degrees=True)),
         ("0.1 0.2 0.3", "degrees='false'", Rotation.from_euler("xyz", [0.1, 0.2, 0.3])),
         ("0.2 -0.4 0.6 1.6", "rotation_format='quat_xyzw'", Rotation.from_quat([0.2, -0.4, 0.6, 1.6])),
     ],

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
-from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
+from harness.world.sdf.reader import read_xml
 
 
 def test_a_large_or_missing_file_is_refused_and_a_hundred_elements_in_each_other_are_read(
@@ -22,17 +22,3 @@ def test_a_large_or_missing_file_is_refused_and_a_hundred_elements_in_each_other
         read_xml(tmp_path / "b\0.world")
     path.write_text("<a>" * 99 + "<b/><c/>" + "</a>" * 99)
     assert [element.tag for element in read_xml(path).iter()] == ["a"] * 99 + ["b", "c"]
-
-
-def test_children_have_texts_flags_and_numbers(tmp_path: Path) -> None:
-    path = tmp_path / "a.world"
-    path.write_text("<a><b> 1 2.5\n-3 </b><c>TRUE</c><d/><e> </e></a>")
-    root = read_xml(path)
-    assert numbers(text_of(root, "b"), 3, "b") == (1.0, 2.5, -3.0)
-    assert is_true(text_of(root, "c"))
-    assert not is_true(text_of(root, "d", "0"))
-    assert text_of(None, "b", "none") == "none"
-    assert [text_of(root, tag, "none") for tag in "dex"] == ["none"] * 3
-    for text in ("1 2", "1 2 3 4", "1 2 x", "1 2 nan", "1 2 inf", ""):
-        with pytest.raises(UsageError, match=r"size '.*' is not valid; give 3 finite numbers"):
-            numbers(text, 3, "size")

@@ -11,8 +11,7 @@ from harness.base.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.solids.assembly import free_start
-from harness.world.solids.room import largest_rectangle, room_without_pits
-from harness.world.solids.surface import Surface
+from harness.world.solids.surface import Surface, largest_rectangle, room_without_pits
 from harness.world.world import Start, World
 
 

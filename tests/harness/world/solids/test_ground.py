@@ -131,43 +131,32 @@ def test_a_sheet_that_faces_down_is_turned_over_and_noted(turned: bool, tmp_path
     assert [*found.hashes] == [path]
 
 
-@pytest.mark.parametrize("centred", [False, True])
-def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(
-    centred: bool, tmp_path: Path
-) -> None:
+def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(tmp_path: Path) -> None:
     block = box((10.0, 20.0, 30.0), (8.0, 8.0, 2.0))
     block.vertices[0] += 1.0  # the middle is not the mean of the corners
     path = write_mesh(tmp_path / "m.obj", block)
-    found, notes = sort(Solid("m", MeshFile(path, (2.0, 3.0, 1.0), centred=centred), at(1.0, 2.0, 3.0)))
-    (mesh,) = found.ground
-    middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-    assert middle == pytest.approx((1.0, 2.0, 3.0) if centred else (21.0, 62.0, 33.0))
-    assert np.ptp(mesh.vertices, axis=0) == pytest.approx((16.0, 24.0, 2.0))
-    assert notes == []
+    for centred, middle in ((False, (21.0, 62.0, 33.0)), (True, (1.0, 2.0, 3.0))):
+        file = MeshFile(path, (2.0, 3.0, 1.0), centred=centred)
+        (mesh,) = sort(Solid("m", file, at(1.0, 2.0, 3.0)))[0].ground
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        assert 0.5 * (low + high) == pytest.approx(middle)
+        assert high - low == pytest.approx((16.0, 24.0, 2.0))
 
 
-@pytest.mark.parametrize(
-    ("values", "height", "top"),
-    [
-        (np.full((9, 11), 255.0, np.float32), 2.0, 255.0),  # floats are metres
-        (np.full((9, 11), 255, np.uint8), 2.0, 2.0),
-        (np.full((9, 11), 51, np.uint8), 2.0, 0.4),
-        (np.full((9, 11), 256, np.uint16), 65_535.0, 256.0),
-        (np.full((9, 11), 65_535, np.uint16), 2.0, 2.0),
-    ],
-)
-def test_a_relief_is_as_high_as_its_values_say(
-    values: np.ndarray, height: float, top: float, tmp_path: Path
-) -> None:
-    path = tmp_path / "h.npy"
-    np.save(path, values)
-    relief = Relief(path, (30.0, 24.0, height), (1.0, 2.0, 3.0))
-    found, _ = sort(Solid("h", relief, at(100.0, 0.0, 10.0)))
-    (made,) = map(body_of, found.ground)
-    assert made.vertices[:, 2] == pytest.approx(top + 13.0)
-    assert map_bounds(found) == pytest.approx((86.0, 116.0, -10.0, 14.0))
-    assert made.face_normals.tolist() == [[0.0, 0.0, 1.0]] * (2 * 8 * 10)
-    assert (made.area, made.edges_unique_length.max()) == pytest.approx((30.0 * 24.0, np.hypot(3, 3)))
+def test_a_relief_is_as_high_as_its_values_say(tmp_path: Path) -> None:
+    for value, kind, height, top in (
+        *((255, np.float32, 2.0, 255.0), (255, np.uint8, 2.0, 2.0), (51, np.uint8, 2.0, 0.4)),
+        *((256, np.uint16, 65_535.0, 256.0), (65_535, np.uint16, 2.0, 2.0)),
+    ):
+        np.save(path := tmp_path / "h.npy", np.full((9, 11), value, kind))  # floats are metres
+        relief = Relief(path, (30.0, 24.0, height), (1.0, 2.0, 3.0))
+        found, _ = sort(Solid("h", relief, at(100.0, 0.0, 10.0)))
+        (made,) = map(body_of, found.ground)
+        assert made.vertices[:, 2] == pytest.approx(top + 13.0)
+        assert map_bounds(found) == pytest.approx((86.0, 116.0, -10.0, 14.0))
+        assert made.face_normals.tolist() == [[0.0, 0.0, 1.0]] * (2 * 8 * 10)
+        edge = made.edges_unique_length.max()
+        assert (made.area, edge) == pytest.approx((30.0 * 24.0, np.hypot(3, 3)))
 
 
 def test_a_relief_without_all_of_its_values_is_refused_and_a_fine_one_is_sampled(tmp_path: Path) -> None:

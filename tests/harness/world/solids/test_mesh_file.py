@@ -66,14 +66,6 @@ def test_collada_is_turned_upright_and_scaled_to_metres(
     assert volume(mesh) == pytest.approx(48.0 * unit**3)
 
 
-def test_unit_and_axis_may_be_given_instead(tmp_path: Path) -> None:
-    path = write_dae(tmp_path / "a.dae", BOX, "<unit meter='0.01'/>")
-    for unit, length in {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}.items():
-        assert np.ptp(read_mesh(path, unit=unit)[0].vertices[:, 0]) == pytest.approx(2.0 * length)
-    mesh, _ = read_mesh(path, unit="mm", up="z")
-    np.testing.assert_allclose(mesh.vertices.max(0), [0.002, 0.004, 0.0065], atol=1e-12)
-
-
 def test_a_part_is_found_by_its_name_and_a_shape_that_stands_in_two_places_is_there_twice(
     tmp_path: Path,
 ) -> None:
@@ -115,16 +107,10 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
         ("a.obj", b"", "it holds no triangles|damaged or cut short"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "1 of its vertices are NaN or infinite"),
         ("a.stl", bytes(80) + struct.pack("<I12fH", 1, *[math.inf] * 12, 0), "its vertices are NaN"),
-        ("a.stl", b"solid x\nfacet", "damaged or cut short|no triangles"),
         ("a.dae", b"<COLLADA/>", "damaged or cut short: .+ .+"),  # the reason in words
         ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "declares a document type"),
         ("a.dae", b"<COLLADA><asset><unit meter='-1'/></asset></COLLADA>", "unit of -1 m is not valid"),
-        (
-            "a.dae",
-            b"<COLLADA><asset><unit meter='1e6'/></asset></COLLADA>",
-            "unit of 1e6 m is",
-        ),
-        ("a.dae", b"<COLLADA><asset><unit meter='x'/></asset></COLLADA>", "unit of x m is not valid"),
+        ("a.dae", b"<COLLADA><asset><unit meter='1e6'/></asset></COLLADA>", "unit of 1e6 m is"),
         ("a.dae", b"<COLLADA><asset><up_axis>W_UP</up_axis></asset></COLLADA>", "up_axis 'W_UP' is not"),
     ],
 )
@@ -148,7 +134,7 @@ def test_too_many_triangles_and_missing_files_are_refused(
             read_mesh(path)
         monkeypatch.setattr(mesh_file, "_loaded", None)  # those of the others are counted before
     monkeypatch.setattr(mesh_file, "MOST_BYTES", 100)
-    with pytest.raises(UsageError, match="larger than 0 MiB; simplify"):
+    with pytest.raises(UsageError, match=r"it is too large, above .* MiB; simplify"):
         read_mesh(tmp_path / "a.stl")
     with pytest.raises(UsageError, match=r"cannot be read: No such file"):
         read_mesh(tmp_path / "b.stl")

@@ -12,7 +12,7 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, bottom, top
 from harness.world.solids import pieces
 from harness.world.solids.mesh_file import Mesh
-from harness.world.solids.pieces import bodies, obstacles_of
+from harness.world.solids.pieces import obstacles_of
 from tests.harness.world.solids.shapes import at, both, box
 
 HEIGHTS = np.zeros((41, 41))
@@ -113,22 +113,6 @@ def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None
     assert (len(ceiling.faces), bottom(ceiling)) == pytest.approx((8, -0.5))
 
 
-def test_a_corner_of_two_walls_is_two_pieces_by_where_they_face() -> None:
-    """Across, a part of both walls would be in each half."""
-    walls = np.array([[(x, y, z) for x, y in ((0.5, 0), (0, 0), (0, 0.5))] for z in (0.2, 1.7, 3.2)])
-    found = made(extruded(walls))
-    assert names(found) == {"HAZARD convex": 2}
-    assert sorted(np.round(o.half_size, 9).tolist() for o in found) == [
-        [0.01, 0.25, 1.5],
-        [0.25, 0.01, 1.5],
-    ]
-
-
-def test_a_roof_whose_ridge_is_ten_or_thirty_centimetres_high_is_two_decks_of_a_square_metre() -> None:
-    for ridge in (0.6, 0.8):
-        assert names(made(strip(((0, 0.5), (1, ridge), (2, 0.5)), -1.0, 0.0))) == {"DECK convex": 2}
-
-
 def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:
     """An L of four triangles, 20 cm wide; each piece is a slab 2 cm deep below them."""
     corners = [(0.0, 0.0), (0.6, 0.0), (0.6, 0.2), (0.2, 0.2), (0.2, 0.6), (0.0, 0.6), (0.0, 0.2)]
@@ -142,12 +126,6 @@ def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:
         *(((0.35, 0.35, 0.49), False), ((0.5, 0.1, 0.501), False), ((0.5, 0.1, 0.479), False)),
     ):
         assert any(hull.find_simplex(point) >= 0 for hull in hulls) is is_filled, point
-
-
-def test_bodies_hang_together_by_their_vertices() -> None:
-    apart = both(box((0, 0, 0), (1, 1, 1)), box((3, 0, 0), (1, 1, 1)), box((1, 1, 1), (1, 1, 1)))
-    assert sorted(len(body.faces) for body in bodies(apart)) == [12, 24]
-    assert not [*bodies(Mesh(np.empty((0, 3)), np.empty((0, 3), np.int64)))]
 
 
 def test_too_many_pieces_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind, Shape
 from harness.world.solid import Primitive, Solid
-from harness.world.solids.primitives import obstacle_of
+from harness.world.solids.pieces import obstacle_of
 from tests.harness.world.solids.shapes import at
 
 SLOPE = 0.5  # along x
@@ -36,15 +36,12 @@ def solid(
         (solid((103.0, 3.0, 2.0)), 2.2 + 1.0 - SLOPE * 3.0),
         (solid((100.0, 0.0, 1.0), turned=(0.0, 0.0, math.pi / 4)), 1.2 + SLOPE * math.sqrt(0.5)),
         (solid((100.0, 0.0, 1.0), turned=(0.0, math.pi / 2, 0.0)), 1.5 + SLOPE * 0.2),
-        (solid((100.0, 0.0, 1.0), "cylinder", (0.5, 0.2), (0.0, 0.0, -3.0)), 1.2 + SLOPE * 0.5),
         (solid((100.0, 0.0, 1.0), "cylinder", (0.5, 0.2)), 1.2 + SLOPE * 0.5),
         (solid((100.0, 0.0, 1.0), "ellipsoid", (0.3, 0.5, 0.2)), 1.2 + SLOPE * 0.3),
         (solid((110.3, 0.0, 6.0)), 6.2 - SLOPE * 9.8),  # what is off the map has no ground
         (solid((100.0, 0.0, -0.445)), 0.005 + 1e-9),
         (solid((100.0, 0.0, -0.446)), None),  # flush with the ground
-        (solid((100.0, 5.4, -9.0)), None),
-        (solid((90.0, 5.6, 9.0)), None),
-        (solid((0.0, 0.0, 9.0)), None),
+        *((solid(place), None) for place in ((100.0, 5.4, -9.0), (90.0, 5.6, 9.0))),
     ],
 )
 def test_its_kind_is_that_of_its_top_above_the_lowest_ground_below_it(

@@ -114,21 +114,6 @@ def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
     assert [Path(name).name for name, _ in world.files] == ["a.World", "m.dae"]
 
 
-def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> None:
-    ground = both(sheet(lambda x, _: 0.1 * x, 8.0, 6.0), box((0, 0, 1), (1, 1, 1)))
-    path = write_mesh(tmp_path / "t.obj", ground)
-    world = of_file(path, terrain_cell=0.5)
-    assert (world.name, world.ground.cell, world.friction) == ("t.obj", 0.5, None)
-    assert world.ground.half_size == (8.0, 6.0)
-    assert [obstacle.color for obstacle in world.obstacles] == [BUILT[ObstacleKind.HAZARD]]
-    turned = ground.moved(
-        np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]), (1000.0,) * 3
-    )
-    path = write_mesh(tmp_path / "u.obj", turned)
-    again = of_file(path, terrain_cell=0.5, mesh_unit="mm", mesh_up="y")
-    np.testing.assert_allclose(again.ground.heights, world.ground.heights, atol=1e-6)
-
-
 def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
     path = write_mesh(tmp_path / "t.obj", both(flat(0.0, 15.0, 10.0), flat(0.0, 6.0, 15.0)))
     world = of_file(path)

@@ -1,0 +1,155 @@
+"""What a stranger's file may ask for: numbers, sizes and names beyond the bounds of docs/limits.md."""
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.base.errors import UsageError
+from harness.drivers import find_driver
+from harness.drivers.policy import read_policy
+from harness.spec.run import Run
+from harness.world.actors.trajectory import read_trajectories
+from harness.world.heightfield import Heightfield
+from harness.world.heightmap.raster import read_raster
+from harness.world.sdf import reader
+from harness.world.sdf.document import read_document
+from harness.world.sdf.resources import Resources
+from harness.world.solids.mesh_file import read_mesh
+from harness.world.world import World, with_actors
+from tests.harness.world.solids.shapes import box, write_dae
+from tests.support.words import parse_actors
+
+BARE = World("bare", Heightfield(np.zeros((201, 201)), 0.1), (), seed=3, difficulty=0.0)
+SHAPE = "<instance_geometry url='#g'/>"
+
+
+def one_line(said: str, do: Callable[[], object]) -> None:
+    with pytest.raises(UsageError, match=said) as raised:
+        do()
+    assert str(raised.value).isprintable()
+
+
+def walk(path: Path, *points: str) -> Path:
+    poses = "".join(f"<waypoint><pose>{point} 0 0 0</pose></waypoint>" for point in points)
+    path.write_text(f"<trajectory>{poses}</trajectory>")
+    return path
+
+
+def test_routes_beyond_the_map_and_too_long_ones_are_refused_before_they_are_followed(
+    tmp_path: Path,
+) -> None:
+    file = str(tmp_path / "a.sdf")
+    texts = {
+        "g=0,0/9,0/1e9,0": "off the map at 1000000000.00,0.00",
+        file: "'a' walks 240 km, and 200 km",
+    }
+    walk(tmp_path / "a.sdf", *("0 0 0", "0 8 0") * 15_000, "0 0 0")
+    for text, said in texts.items():
+        one_line(said, lambda text=text: with_actors(BARE, parse_actors([text])))  # type: ignore[misc]
+    walk(tmp_path / "a.sdf", "0 0 0", "0 8 1e300")
+    one_line("walks 1e[+]297 km", lambda: with_actors(BARE, parse_actors([file])))
+
+
+def node(name: str, inner: str) -> str:
+    return f"<node id='{name}'>{inner}</node>"
+
+
+@pytest.mark.parametrize(
+    ("inner", "nodes", "said"),
+    [
+        (SHAPE * 20_000, "", "has 20,000 shapes; at most 5,000"),
+        (
+            "<instance_node url='#k0'/>",
+            "".join(node(f"k{n}", f"<instance_node url='#k{n + 1}'/>" * 2) for n in range(40))
+            + node("k40", SHAPE),
+            f"has {2**40:,} shapes",
+        ),
+        ("<instance_node url='#k'/>", node("k", "<instance_node url='#k'/>" * 2), "stand in themselves"),
+    ],
+    ids=["flat", "nested", "circle"],
+)
+def test_scenes_of_too_many_shapes_are_refused(
+    tmp_path: Path, inner: str, nodes: str, said: str
+) -> None:
+    text = write_dae(path := tmp_path / "a.dae", box((0, 0, 0), (1, 1, 1))).read_text()
+    library = f"<library_nodes>{nodes}</library_nodes><library_visual_scenes>"
+    path.write_text(text.replace(SHAPE, inner).replace("<library_visual_scenes>", library))
+    one_line(said, lambda: read_mesh(path))
+
+
+def test_arrays_of_too_many_bytes_are_refused_before_they_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.npy"
+    for size, length, said in ((3_000_000_000, 118, "256 MiB; crop it"), (99, 2**31, "not that long")):
+        with path.open("wb") as file:
+            file.write(b"\x93NUMPY\x02\x00" + length.to_bytes(4, "little"))
+            file.truncate(size)  # sparse: takes no room
+        one_line(said, lambda: read_raster(path))
+
+
+def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
+    readers = {
+        "a.sdf": read_trajectories,
+        "a.stl": read_mesh,
+        "a.npy": read_raster,
+        "a.npz": read_policy,
+    }
+    for name, read in readers.items():
+        os.mkfifo(pipe := tmp_path / name)
+        one_line("is not a file", lambda read=read, pipe=pipe: read(pipe))  # type: ignore[misc]
+
+
+def test_policies_of_too_many_bytes_or_of_words_are_refused(tmp_path: Path) -> None:
+    def policy(**arrays: np.ndarray) -> None:
+        np.savez_compressed(tmp_path / "p.npz", activation=np.array("tanh"), **arrays)  # type: ignore[arg-type]
+        find_driver(f"policy:{tmp_path / 'p.npz'}")
+
+    one_line("holds more than 64 MiB", lambda: policy(weights_0=np.zeros(2**23 + 1)))
+    words = np.full((20, 2), "0.5")
+    one_line("weights_0 are no numbers", lambda: policy(weights_0=words, bias_0=np.zeros(2)))
+
+
+def world(tmp_path: Path, inner: str, gravity: str = "0 0 -9.8", pose: str = "0 0 0 0 0 0") -> list[str]:
+    geometry = "<geometry><box><size>2 4 6</size></box></geometry>"
+    collision = f"<collision name='c'>{geometry}{inner}</collision>"
+    body = f"<model name='m&#10;&#x9b;31m'><pose>{pose}</pose><link name='l'>{collision}</link></model>"
+    path = tmp_path / "a.world"
+    path.write_text(f"<sdf><world><gravity>{gravity}</gravity>{body}</world></sdf>", encoding="utf-8")
+    document = read_document(path, Resources())
+    return [*document.notes, *(solid.name for solid in document.solids)]
+
+
+def friction(mu: str) -> str:
+    return f"<surface><friction><ode><mu>{mu}</mu></ode></friction></surface>"
+
+
+@pytest.mark.parametrize("mu", ["-5", "-1e30", "1_000", "\uff11", "0x1"])  # a full-width 1
+def test_quantities_of_worlds_have_ranges_and_are_written_in_plain_digits(
+    tmp_path: Path, mu: str
+) -> None:
+    one_line(f"<mu> of m  31m::l::c '{mu}' is not valid; give", lambda: world(tmp_path, friction(mu)))
+    one_line("gravity '0 0 -1_0'", lambda: world(tmp_path, "", gravity="0 0 -1_0"))
+    one_line("more than 100 m/s", lambda: world(tmp_path, "", gravity="0 0 -1e30"))
+    one_line("pose of .* give at most", lambda: world(tmp_path, "", pose="1e300 0 0 0 0 0"))
+
+
+def test_names_of_strangers_neither_begin_lines_nor_move_the_cursor(tmp_path: Path) -> None:
+    texts = world(tmp_path, friction("1e16"))
+    assert texts == ["not static, but nothing moves here: m  31m", "m  31m::l::c"]
+
+
+def test_files_of_too_many_elements_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = walk(tmp_path / "a.sdf", "0 0 0")
+    monkeypatch.setattr(reader, "MOST_ELEMENTS", 3)
+    assert len(read_trajectories(path)) == 1
+    walk(path, "0 0 0", "0 0 0")
+    one_line("has more than 3 elements; take some out", lambda: read_trajectories(path))
+
+
+@pytest.mark.parametrize("word", ["1_0", "\uff11", "\u0663"])
+def test_numbers_of_options_are_written_in_plain_digits(word: str) -> None:
+    for options in ({"start": f"{word},0"}, {"datum": f"{word},0"}, {"actors": (f"g={word},0",)}):
+        one_line(re.escape(f"{word},0"), lambda options=options: Run.of(**options))  # type: ignore[misc]
