@@ -57,15 +57,15 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     info = result.info
     hashes = {"model": info.model_hash, "terrain's hash": info.terrain_hash} if info else {}
     hashes = {name: value[:HASH_DIGITS] for name, value in hashes.items()}
-    bounds = [(name, bound) for name, bound in case.scenario.bounds if bound.has_baseline]
-    log: tuple[str, ...] = ()
-    if case.scenario.same_bytes and result.log_path is not None:
-        log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
-    values = {key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds}
+    has_log = case.scenario.same_bytes and result.log_path is not None
     return Recorded(
         of=json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
-        values=values,
-        log=log,
+        values={
+            key_of(name, bound): value_of(bound, series[bound.label(name)])
+            for name, bound in case.scenario.bounds
+            if bound.has_baseline
+        },
+        log=tuple(result.log_path.read_bytes().decode().split("\r\n")) if has_log else (),
     )
 
 
@@ -75,11 +75,7 @@ def path_of(scenario: Path) -> Path:
 
 
 def read_baseline(case: Case) -> Recorded:
-    """Returns the baseline of a run.
-
-    Raises:
-        UsageError: There is none, or it cannot be read.
-    """
+    """Returns the baseline of a run; UsageError if there is none or it cannot be read."""
     path = path_of(case.path)
     runs = _read(path)
     if case.name not in runs:
@@ -88,11 +84,7 @@ def read_baseline(case: Case) -> Recorded:
 
 
 def check_comparable(now: Recorded, baseline: Recorded) -> None:
-    """Checks that a run and its baseline are of the same arguments, versions, model and terrain.
-
-    Raises:
-        UsageError: They are not; the message names what differs first.
-    """
+    """Raises UsageError if a run and its baseline differ in an argument, a version, model or terrain."""
     for name in {**baseline.of, **now.of}:
         was, is_now = (run.of.get(name, "the default") for run in (baseline, now))
         if was != is_now:
@@ -111,11 +103,7 @@ def first_difference(now: Recorded, baseline: Recorded) -> str | None:
 
 
 def write_baselines(records: Iterable[tuple[Case, Recorded]]) -> list[Path]:
-    """Writes runs into the baselines of their scenarios, beside other runs there; returns the files.
-
-    Raises:
-        UsageError: One cannot be read or written.
-    """
+    """Writes runs into the baselines of their scenarios, beside other runs there; returns the files."""
     files: dict[Path, dict[str, Any]] = {}
     for case, recorded in records:
         path = path_of(case.path)

@@ -27,12 +27,8 @@ Selected = tuple[tuple[str, str], ...]  # names and values of the matrix, as tex
 class Case:
     """One run of a scenario.
 
-    Attributes:
-        path: The scenario's file.
-        scenario: What it says.
-        cell: The values of its matrix that this run has, by name.
-        run: What it drives.
-        params: Parameters of the metrics that are not the defaults, by name.
+    `cell` are the values of the matrix that it has, `params` the parameters of the metrics that are not
+    the defaults.
     """
 
     path: Path
@@ -127,9 +123,7 @@ def _params(path: Path, name: str | None) -> dict[str, Any]:
 
 
 def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run:
-    values = {
-        name: value for name, value in {**scenario.run_values(), **cell}.items() if name != "params"
-    }
+    values = scenario.run_values() | {name: value for name, value in cell.items() if name != "params"}
     for name, place in (("terrain", _beside), ("robot", _robot_beside)):
         if name in values:
             values[name] = str(place(path, values[name]))
@@ -152,11 +146,7 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
 
 
 def find_files(paths: Iterable[Path]) -> list[Path]:
-    """Returns the scenario files that are named, and those below folders that are, in order.
-
-    Raises:
-        UsageError: There is no such file, or a folder without one.
-    """
+    """Returns the files that are named and those below folders, in order; UsageError if one is not."""
     found: dict[Path, None] = {}
     for path in paths:
         if path.is_dir():

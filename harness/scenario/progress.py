@@ -10,9 +10,9 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from harness.base.version import __version__
-from harness.scenario.attempt import Attempt
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
+from harness.scenario.verdict import Attempt
 
 _ATTEMPT = TypeAdapter(Attempt)
 _OWN = [field.name for field in fields(Attempt) if field.name != "case"]

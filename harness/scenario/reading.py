@@ -33,11 +33,7 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
 
 
 def read_scenario(path: Path) -> Scenario:
-    """Returns the scenario of a file; names in it are not looked up yet.
-
-    Raises:
-        UsageError: It cannot be read, is no YAML, or says something that is not valid.
-    """
+    """Returns the scenario of a file, with names as they are; UsageError if it is not valid."""
     content = _load(path)
     if not isinstance(content, Mapping):
         raise UsageError(f"{path}: it must hold keys with values, beginning with 'about:'")

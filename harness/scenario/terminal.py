@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
-from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
 
 _STYLES = {
     Outcome.PASSED: "green",

@@ -1,6 +1,5 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -25,7 +24,7 @@ from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.testing.evidence import Evidence, Recording, kept_lines
+from harness.testing.evidence import Evidence, LeavesEvidence, Recording
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
 from harness.testing.subject import Heard, Message
@@ -64,7 +63,7 @@ class TrialListener:
         """The ticks of a batch have been handled."""
 
 
-class Trial:
+class Trial(LeavesEvidence):
     """Publishes a rover's topics in a ROS domain of its own; a context manager, one at a time.
 
     Args:
@@ -101,13 +100,12 @@ class Trial:
         cmd_vel: str = "twist",
     ) -> None:
         check(run)
+        super().__init__(artifacts)
         self.run, self._frames, self._cmd_vel = run, frames or FrameOptions(), cmd_vel
-        self.artifacts = artifacts
         self._listener, self._recording = listener or TrialListener(), recording
         self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
-        self._at_end = ExitStack()
         self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
         self.now_ns = self.clock_ns = 0
         self.speed = 0.0
@@ -122,25 +120,11 @@ class Trial:
             self._at_end = at_end.pop_all()
         return self
 
-    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        with self._at_end:
-            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
-                print(lines, file=sys.stderr)
-
-    def keep_evidence(self, reason: str) -> str:
-        """Ends the recording and writes recording and page to `artifacts`.
-
-        Args:
-            reason: Why the trial has failed; its first line stands on the page.
-
-        Returns:
-            Where they are, in a line each; nothing if nothing is recorded, or it was kept already.
-        """
-        evidence, self._evidence = self._evidence, None
-        folder, recording = self.artifacts, self._recording
-        if evidence is None or folder is None or recording is None:
-            return ""
-        return kept_lines(lambda why: evidence.keep(folder, why, recording), reason)
+    def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
+        """Ends the recording, puts it and a page about the last episode into a folder."""
+        assert self._evidence is not None  # noqa: S101 - as `keep_evidence` makes sure
+        assert self._recording is not None  # noqa: S101
+        return self._evidence.keep(folder, reason, self._recording)
 
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
@@ -157,7 +141,7 @@ class Trial:
         self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))
         if self.artifacts is not None:
             self._recording = self._recording or Recording()
-            self._evidence = Evidence(self.bridge, self.run, self.info)
+            self._evidence, self._has_evidence = Evidence(self.bridge, self.run, self.info), True
         if self._recording is not None:
             at_end.enter_context(self._recording).tap(self.bridge)
         if self._episode.description is not None:

@@ -21,13 +21,14 @@ from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import Outputs, RunResult
 from harness.samples import LaserScan, Sample
-from harness.scenario.attempt import Attempt, attempt
+from harness.scenario.attempt import attempt
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Case
-from harness.scenario.contact import contact_of
 from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES, TruthSeries
+from harness.scenario.verdict import Attempt
+from harness.scenario.watch import contact_of
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent

@@ -10,13 +10,11 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from harness.scenario.attempt import Attempt
 from harness.scenario.bound import Bound
 from harness.scenario.comparison import Comparisons, comparisons_of, title_of
 from harness.scenario.outputs import print_tables
 from harness.scenario.tables import csv_of, json_of
-from harness.scenario.verdict import Verdict, verdicts_of
-from harness.scenario.watch import Measured
+from harness.scenario.verdict import Attempt, Measured, Verdict, verdicts_of
 from tests.harness.scenario.conftest import MakeCases
 from tests.support.snapshots import check_snapshot
 

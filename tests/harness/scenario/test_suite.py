@@ -15,12 +15,11 @@ from harness import __version__
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted
 from harness.scenario.__main__ import main
-from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
 from harness.scenario.junit import junit_of
 from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
-from harness.scenario.verdict import Outcome, exit_code, verdicts_of
+from harness.scenario.verdict import Attempt, Outcome, exit_code, verdicts_of
 from harness.spec.run import Run
 from harness.workers import WorkerLost, Workers
 from tests.harness.scenario.conftest import MakeCases, cases_with

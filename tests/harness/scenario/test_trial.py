@@ -21,11 +21,11 @@ from harness.base.errors import RunFailed, UsageError
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.samples import Imu
-from harness.scenario.attempt import Attempt, attempt
+from harness.scenario.attempt import attempt
 from harness.scenario.bound import Bound
 from harness.scenario.junit import junit_of
 from harness.scenario.trial import ScenarioTrial
-from harness.scenario.verdict import reasons_of, verdicts_of
+from harness.scenario.verdict import Attempt, reasons_of, verdicts_of
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from tests.harness.scenario.conftest import MakeCases
@@ -71,7 +71,7 @@ def run(case_of: MakeCases, expect: str, more: str = "", seconds: float = 2.0) -
     with ScenarioTrial(replace(case, run=case.run.alone(duration=seconds))) as trial:
         trial.host(Brake)
         found = trial.finish()
-        assert trial.findings.result.commands.taken > 0
+        assert trial.result.commands.taken > 0
         return found
 
 
@@ -120,7 +120,7 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
     with ScenarioTrial(replace(trial.case, scenario=scenario, run=run.alone(duration=2.01))) as trial:
         trial.bridge.channels_of[Imu][0].published += 1  # as if one had been lost
         assert trial.finish() == ("run.lost_messages: 1 > 0, first at 2.01 s",)
-        result = trial.findings.result
+        result = trial.result
         assert result.mode == "ROS 2, lock-step with /metrics_node"
         assert [result.topics[topic].received for topic in ("/scan", "/imu/data")] == [40, 40]
         page, *kept = trial.keep(tmp_path / "out", "to look at")
