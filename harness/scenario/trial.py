@@ -175,12 +175,12 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
 
     def begin_programs(self, programs: Programs) -> None:
         """Starts the commands of the scenario."""
-        for number, launch in enumerate(self.case.scenario.launches, 1):
+        for number, launch in enumerate(self.case.scenario.launch, 1):
             programs.begin(
                 launch.words(str(self._files)),
                 self.case.path.parent,
                 self._folder / f"launch_{number}{OUTPUT}",
-                may_end=launch.nodes == (),
+                may_end=launch.wait_for == (),
             )
 
     def joined(self, node: object) -> None:
@@ -220,7 +220,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
 
     def _await_nodes(self) -> None:
         """Waits for the nodes that are named, and for one of each command that names none."""
-        launches = [launch.nodes for launch in self.case.scenario.launches]
+        launches = [launch.wait_for for launch in self.case.scenario.launch]
         named = [name for nodes in launches for name in nodes or ()]
         others = launches.count(None)
 

@@ -66,7 +66,10 @@ def _bad(verdicts: Sequence[Verdict], page: Path) -> Iterator[dict[str, Any]]:
                     "outcome": outcome.value,
                     "reasons": reasons_of(attempt),
                     "again": attempt.case.command,
-                    "link": next((quote(Path(relpath(path, page.parent)).as_posix()) for path in attempt.kept), None),
+                    "link": next(
+                        (quote(Path(relpath(path, page.parent)).as_posix()) for path in attempt.kept),
+                        None,
+                    ),
                 }
 
 

@@ -8,7 +8,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.scenario.bound import Bound
 from harness.scenario.reading import read_scenario
-from harness.scenario.steps import launch_of
+from harness.scenario.steps import Launch
 
 HEAD = "about: a test\nduration: 10\n"
 EXPECT = "expect: {truth.speed: {min: 0}}\n"
@@ -190,13 +190,13 @@ pass_rate: {min: 0.5}
         },
         pass_rate={"min": 0.5},
     )
-    launches = scenario.launches  # type: ignore[attr-defined]  # of a Scenario
-    assert [launch.words("/w") for launch in launches] == [
+    assert [launch.words("/w") for launch in scenario.launch] == [  # type: ignore[attr-defined]
         ["a", "--b", "c d"],
         ["e", "f g"],
         ["h"],
         ["j"],
     ]
-    assert [launch.nodes for launch in launches] == [None, None, ("/i",), ()]
+    waited = [launch.wait_for for launch in scenario.launch]  # type: ignore[attr-defined]
+    assert waited == [None, None, ("/i",), ()]
     assert scenario.needs_ros  # type: ignore[attr-defined]
-    assert launch_of(("a", "b:={folder}/c")).words("/w") == ["a", "b:=/w/c"]
+    assert Launch(command="a b:={folder}/c").words("/w") == ["a", "b:=/w/c"]

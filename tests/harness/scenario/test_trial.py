@@ -115,7 +115,7 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
     trial = ScenarioTrial.load(path, seed=3, robot="rover_zero4wd")
     run = trial.case.run
     assert (run.seed, run.rover.robot) == (3, "rover_zero4wd")
-    expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=2, max=2)}
+    expect = trial.case.scenario.expect | {"topic./rover/metrics.count": (Bound(min=2, max=2),)}
     scenario = trial.case.scenario.model_copy(update={"expect": expect})
     with ScenarioTrial(replace(trial.case, scenario=scenario, run=run.alone(duration=2.01))) as trial:
         trial.bridge.channels_of[Imu][0].published += 1  # as if one had been lost
