@@ -57,7 +57,7 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     info = result.info
     hashes = {"model": info.model_hash, "terrain's hash": info.terrain_hash} if info else {}
     hashes = {name: value[:HASH_DIGITS] for name, value in hashes.items()}
-    has_log = case.scenario.same_bytes and result.log_path is not None
+    log = result.log_path if case.scenario.same_bytes else None
     return Recorded(
         of=json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
         values={
@@ -65,7 +65,7 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
             for name, bound in case.scenario.bounds
             if bound.has_baseline
         },
-        log=tuple(result.log_path.read_bytes().decode().split("\r\n")) if has_log else (),
+        log=tuple(log.read_bytes().decode().split("\r\n")) if log else (),
     )
 
 

@@ -7,7 +7,6 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
-    WithJsonSchema,
     create_model,
     model_validator,
 )
@@ -20,7 +19,9 @@ from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantit
 from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 
-NAMES: dict[str, Any] = {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
+SCHEMA: dict[str, Any] = {
+    "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
+}
 PAUSE = "without nodes nobody would notice a pause; it needs 'launch:' or an expectation of a topic"
 
 
@@ -38,17 +39,11 @@ def _from_0_on(seeds: object) -> object:
     return tuple(range(seeds)) if isinstance(seeds, int) and seeds >= 0 else as_tuple(seeds)
 
 
-Name = Annotated[str, AfterValidator(_known), WithJsonSchema(NAMES)]
-Bounds = Annotated[
-    tuple[Bound, ...],
-    Field(min_length=1),
-    BeforeValidator(_one_or_several, json_schema_input_type=Bound | tuple[Bound, ...]),
-]
-Seeds = Annotated[
-    tuple[Seed, ...],
-    Field(min_length=1),
-    BeforeValidator(_from_0_on, json_schema_input_type=Annotated[int, Field(ge=1)] | tuple[Seed, ...]),
-]
+_Bounds = Annotated[tuple[Bound, ...], Field(min_length=1)]
+Bounds = Annotated[_Bounds, BeforeValidator(_one_or_several, json_schema_input_type=Bound | _Bounds)]
+_Seeds = Annotated[tuple[Seed, ...], Field(min_length=1)]
+_Count = Annotated[int, Field(ge=1)]
+Seeds = Annotated[_Seeds, BeforeValidator(_from_0_on, json_schema_input_type=_Count | _Seeds)]
 
 
 class Goal(Value):
@@ -135,7 +130,9 @@ class Scenario(RunKeys):
     goal: Goal | None = None
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()
-    expect: dict[Name, Bounds] = Field(min_length=1)
+    expect: dict[Annotated[str, AfterValidator(_known)], Bounds] = Field(
+        min_length=1, json_schema_extra=SCHEMA
+    )
     same_bytes: bool = False
     expected_to_fail: tuple[ExpectedFailure, ...] = ()
     pass_rate: PassRate | None = None

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, StringConstraints, Tag
 
 from harness.scenario.bound import FullName, Point, Text
-from harness.spec.value import Length, Seconds, Value, as_tuple, listed
+from harness.spec.value import Length, Seconds, Value, as_tuple
 
 
 class FaultEvent(Value):
@@ -79,20 +79,18 @@ def _words(command: object) -> object:
     return tuple(shlex.split(command)) if isinstance(command, str) else as_tuple(command)
 
 
+def _several(nodes: object) -> object:
+    return (nodes,) if isinstance(nodes, str) else as_tuple(nodes)
+
+
 def _alone(entry: object) -> object:
     return {"command": entry} if isinstance(entry, str | list | tuple) else entry
 
 
-Words = Annotated[
-    tuple[Text, ...],
-    Field(min_length=1),
-    BeforeValidator(_words, json_schema_input_type=Text | tuple[Text, ...]),
-]
-Nodes = Annotated[
-    tuple[FullName, ...],
-    listed(),
-    BeforeValidator(as_tuple, json_schema_input_type=FullName | tuple[FullName, ...]),
-]
+_Words = Annotated[tuple[Text, ...], Field(min_length=1)]
+Words = Annotated[_Words, BeforeValidator(_words, json_schema_input_type=Text | _Words)]
+_Nodes = tuple[FullName, ...]
+Nodes = Annotated[_Nodes, BeforeValidator(_several, json_schema_input_type=FullName | _Nodes)]
 
 
 class Launch(Value):
@@ -113,6 +111,4 @@ class Launch(Value):
         return [word.replace(FOLDER, folder) for word in self.command]
 
 
-Launched = Annotated[
-    Launch, BeforeValidator(_alone, json_schema_input_type=Text | tuple[Text, ...] | Launch)
-]
+Launched = Annotated[Launch, BeforeValidator(_alone, json_schema_input_type=Text | _Words | Launch)]

@@ -199,4 +199,4 @@ pass_rate: {min: 0.5}
     waited = [launch.wait_for for launch in scenario.launch]  # type: ignore[attr-defined]
     assert waited == [None, None, ("/i",), ()]
     assert scenario.needs_ros  # type: ignore[attr-defined]
-    assert Launch(command="a b:={folder}/c").words("/w") == ["a", "b:=/w/c"]
+    assert Launch.model_validate({"command": "a b:={folder}/c"}).words("/w") == ["a", "b:=/w/c"]
