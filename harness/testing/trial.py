@@ -76,9 +76,8 @@ class Trial(LeavesEvidence):
         cmd_vel: How commands come: "twist", "stamped", "auto" or "auto_twist".
 
     Attributes:
-        run: As it was given, or as `reset` has changed it.
+        run: As it was given, or as `reset` has changed it; `domain` is its ROS domain.
         artifacts: As it was given; may be changed until the trial is entered.
-        domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
         failure: Why the drive itself ended early; None if it did not.
@@ -158,11 +157,7 @@ class Trial(LeavesEvidence):
         return self.now_ns / NANOSECONDS
 
     def host(self, make_node: Callable[[], Node]) -> Node:
-        """Makes a node and spins it in this process, on simulated time.
-
-        Args:
-            make_node: Its class, or a function that returns it. The node must not choose a context.
-        """
+        """Makes a node, which must not choose a context, and spins it here, on simulated time."""
         node: Any = make_node()
         self._at_end.callback(node.destroy_node)
         self.executor.add_node(node)
@@ -178,7 +173,7 @@ class Trial(LeavesEvidence):
 
         Raises:
             RunFailed: The program ended at once.
-            UsageError: There is no such program, the node is not found, or runs on wall time.
+            UsageError: There is no such program or node, or it runs on wall time.
         """
         self._programs.begin(command)
         self.nodes.wait_until(lambda: node in self.nodes.names())
@@ -222,11 +217,7 @@ class Trial(LeavesEvidence):
         return heard
 
     def drive(self, linear: float, angular: float = 0.0) -> None:
-        """Commands a speed [m/s] and a yaw rate [rad/s] until the next command.
-
-        Raises:
-            UsageError: The driver is not "cmd_vel".
-        """
+        """Commands a speed [m/s] and a yaw rate [rad/s] until the next; for driver "cmd_vel" only."""
         if self.run.rover.driver != "cmd_vel":
             raise UsageError(f'driver "{self.run.rover.driver}" drives by itself; choose "cmd_vel"')
         self._command(Twist(linear, angular))
@@ -245,12 +236,12 @@ class Trial(LeavesEvidence):
         Raises:
             UsageError: One of them is not valid; the present episode goes on.
         """
-        given = {"seed": seed, "start": start}
-        changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-        if not changes:
+        if seed is None and start is None:
             self._episode.reset()
             return
-        run = self.run.alone(**changes)
+        run = self.run.alone(
+            seed=self.run.seed if seed is None else seed, start=start or self.run.rover.start
+        )
         self._episode = Episode(run, frame_options=self._frames)
         self.run = run
 
