@@ -21,6 +21,7 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
+from harness.cli.plain import PlainConsole
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
@@ -41,7 +42,7 @@ FILES = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.scenario", lambda: _run(options, Console()))
+    return run_program("harness.scenario", lambda: _run(options, PlainConsole()))
 
 
 def _run(options: argparse.Namespace, console: Console) -> int:
@@ -71,7 +72,7 @@ def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
     print_verdicts(console, verdicts)
     if options.update_baseline:
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
-            console.print(f"written: {path}", soft_wrap=True, highlight=False)
+            console.print(f"written: {path}", soft_wrap=True)
     return verdicts
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 from pydantic import Field
 
+from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.version import __version__
@@ -118,10 +119,7 @@ def write_baselines(records: Iterable[tuple[Case, Recorded]]) -> list[Path]:
 def _read(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
-    try:
-        runs = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"cannot read the baseline {path}: {error}; {MEND}") from error
+    runs = read_json(path)
     if not isinstance(runs, dict):
         raise UsageError(f"the baseline {path} must hold runs by name; {MEND}")
     return runs

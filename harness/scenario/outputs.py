@@ -38,6 +38,6 @@ def print_tables(console: Console, verdicts: Sequence[Verdict]) -> None:
     for compared in several:
         name = scenario_name(compared.verdict.path)
         named = [replace(sheet, title=f"{name}: {sheet.title}") for sheet in sheets(compared)]
-        console.print(Group(*terminal(named, console.width, WIDE)), highlight=False)
+        console.print(Group(*terminal(named, console.width, WIDE)))
     if several:
-        console.print(HOW, style="dim", highlight=False)
+        console.print(HOW, style="dim")

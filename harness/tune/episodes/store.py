@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
 from harness.base.version import __version__
@@ -141,14 +142,14 @@ def _used(configs: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
 def _difference(path: Path, ours: dict[str, Any]) -> str:
     """What tells the sweep of a folder from ours, in a few words; empty if nothing does."""
     try:
-        theirs = json.loads(path.read_text(encoding="utf-8"))
+        theirs = read_json(path)
         if theirs | {"episodes": _used(theirs["episodes"])} == ours:
             return ""
         for name in ("version", "schema"):
             if theirs[name] != ours[name]:
                 return f"{name} {theirs[name]} instead of {ours[name]}"
         episodes = len(theirs["episodes"])
-    except (ValueError, TypeError, LookupError, AttributeError):
+    except (UsageError, TypeError, LookupError, AttributeError):
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
         return f"{episodes} episodes instead of {len(ours['episodes'])}"
