@@ -115,7 +115,8 @@ def _social(options: RunOptions) -> list[SocialRecorder]:
     if file is not None:
         check_target("--social-log", file, ".csv")
     folders = [options.log_dir(rover) for rover in options.run.rovers] if names else []
-    return [SocialRecorder(names, file, folder) for folder in folders]
+    overwrite = options.ros.overwrite
+    return [SocialRecorder(names, file, folder, overwrite=overwrite) for folder in folders]
 
 
 def _loaded(options: RunOptions) -> Drive:

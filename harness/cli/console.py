@@ -10,6 +10,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Column, Table
 from rich.text import Text
 
+from harness.base.errors import how_many
 from harness.drivers import DRIVERS, PolicyDriver
 from harness.drivers.policy import PREFIX
 from harness.episode import result
@@ -87,7 +88,7 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         share = f"{waited_s / run.wall_s:.0%}" if run.wall_s > 0 else "all"
         console.print(f"{node}: {share} of the run waited for it", soft_wrap=True)
     if run.log_path is not None:
-        console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True)
+        console.print(f"{how_many(run.rows, 'row')} in {run.log_path}", soft_wrap=True)
     if run.social_log is not None:
         console.print(f"people: {run.social_log}", soft_wrap=True)
 
@@ -107,7 +108,8 @@ def _messages(run: result.RunResult) -> Sheet:
 
 def _metrics(run: result.RunResult) -> Sheet:
     row, truth = run.last_row or {}, run.truth
-    hits = f"{truth.hazard_contacts} contacts, {truth.hazard_contact_s:.2f} s"
+    hits = f"{how_many(truth.hazard_contacts, 'contact')}, {truth.hazard_contact_s:.2f} s"
+    rocks = f"{how_many(truth.rock_contacts, 'contact')}, {truth.rock_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
     rows = (
         ("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m"),
@@ -115,8 +117,8 @@ def _metrics(run: result.RunResult) -> Sheet:
         ("clearance", _metric(row, "Obstacle Clearance", " m"), ""),
         ("velocity", _metric(row, "Current Velocity", " m/s"), ""),
         ("slip of moving wheels", "", f"{truth.mean_slip:.2f}"),
-        ("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
-        ("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
+        ("on rocks", "", rocks),
+        ("scraping the ground", "", f"{how_many(truth.scrapes, 'time')}, {truth.scrape_s:.2f} s"),
         ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),
     )
     return Sheet(("quantity", "metrics_node", "truth"), rows, "Metrics and truth")

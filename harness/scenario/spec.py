@@ -22,6 +22,7 @@ from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 SCHEMA: dict[str, Any] = {
     "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
 }
+MOST_RUNS = 100_000  # of one command
 PAUSE = "without nodes nobody would notice a pause; it needs 'launch:' or an expectation of a topic"
 
 
@@ -36,13 +37,17 @@ def _known(name: str) -> str:
 
 
 def _from_0_on(seeds: object) -> object:
-    return tuple(range(seeds)) if isinstance(seeds, int) and seeds >= 0 else as_tuple(seeds)
+    if not isinstance(seeds, int) or isinstance(seeds, bool):
+        return as_tuple(seeds)
+    if not 1 <= seeds <= MOST_RUNS:
+        raise ValueError(f"{seeds} seeds are not valid; give 1 to {MOST_RUNS}, or a list of them")
+    return tuple(range(seeds))
 
 
 _Bounds = Annotated[tuple[Bound, ...], Field(min_length=1)]
 Bounds = Annotated[_Bounds, BeforeValidator(_one_or_several, json_schema_input_type=Bound | _Bounds)]
 _Seeds = Annotated[tuple[Seed, ...], Field(min_length=1)]
-_Count = Annotated[int, Field(ge=1)]
+_Count = Annotated[int, Field(ge=1, le=MOST_RUNS)]
 Seeds = Annotated[_Seeds, BeforeValidator(_from_0_on, json_schema_input_type=_Count | _Seeds)]
 
 

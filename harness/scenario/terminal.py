@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
+from harness.base.errors import how_many
 from harness.scenario.case import scenario_name
 from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
 
@@ -27,7 +28,9 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
     simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
     speed = f", {simulated / wall:.0f}x real time a process" if wall else ""
-    text = f"{passed} of {len(verdicts)} scenarios passed: {len(runs)} runs{speed}"
+    text = (
+        f"{passed} of {how_many(len(verdicts), 'scenario')} passed: {how_many(len(runs), 'run')}{speed}"
+    )
     console.print(text, soft_wrap=True)
 
 

@@ -5,8 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.base.errors import HarnessError
 from harness.run import main
 from harness.world.terrains import TERRAINS
+from rover_metrics.errors import LogError
+from rover_metrics.log.csv_log import CsvLog
 from tests.support.complaint import complaint
 
 QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
@@ -89,7 +92,11 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--direct", "--actor", "g=random:speed=0"], "speed '0' is not valid; give 0.05 to 10"),
         (
             ["--direct", "--driver", "goal", "--goal-area", "90,91,0,1"],
-            "no free place in the goal area",
+            "the goal area x 90 to 91, y 0 to 1 m reaches beyond the map, x -20 to 20, y -20 to 20 m",
+        ),
+        (
+            ["--direct", "--driver", "goal", "--goal-area=-1.7e308,1.7e308,0,1"],
+            "m reaches beyond the map, x -20 to 20, y -20 to 20 m; give another --goal-area",
         ),
         (
             ["--direct", "--actor", "g=random", "--social-log", "/nowhere/s.csv"],
@@ -103,6 +110,22 @@ def test_bad_argument_is_one_line_that_names_what_is_valid(
 ) -> None:
     assert expected in complaint(main, [*arguments, "--log-dir", str(tmp_path)], capsys)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_is_full_is_told_of_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def no_row(*_: object) -> None:
+        raise LogError("cannot write a row: No space left on device")
+
+    def no_manifest(*_: object) -> None:
+        raise HarnessError("cannot write the summary: No space left on device")
+
+    monkeypatch.setattr(CsvLog, "write", no_row)
+    monkeypatch.setattr("harness.run.write_manifest", no_manifest)
+    assert main([*QUICK, "--log-dir", str(tmp_path)]) == 1
+    told = "harness.run: cannot write a row: No space left on device\n"
+    assert capsys.readouterr().err == told
 
 
 def test_file_where_the_log_folder_should_be_is_refused(

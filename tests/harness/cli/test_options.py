@@ -117,7 +117,7 @@ TWO = "--terrain flat --rover leo:a"
         ("--duration long", "--duration 'long' is not valid; give a number"),
         ("--seed -1", "--seed '-1' is not valid; give 0 or more"),
         ("--social-log s.csv", "--social-log is of a run with people; add --actor SPEC"),
-        ("--overwrite", "--overwrite is for the file of --record; name one"),
+        ("--overwrite", "--overwrite is for the file of --record or --social-log; name one"),
         ("--extended --no-metrics", "start yours with -p extended_columns:=true"),
         ("--odom-tf wheels --odom-tf-3d", "leave out --odom-tf wheels, or --odom-tf-3d"),
         ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),

@@ -24,8 +24,8 @@ def series(*values: float, unit: str = "m") -> Series:
 @pytest.mark.parametrize(
     ("bound", "values", "told"),
     [
-        (Bound(max=2, window=(2, 9)), (9, NAN, 3, 2.5, 4), "q: 4 m > 2 m, first at 3 s"),
-        (Bound(min=2), (3, 1, 0.5), "q: 0.5 m < 2 m, first at 2 s"),
+        (Bound(max=2, window=(2, 9)), (9, NAN, 3, 2.5, 4), "q: 4 m > 2 m at 5 s, first at 3 s"),
+        (Bound(min=2), (3, 1, 0.5), "q: 0.5 m < 2 m at 3 s, first at 2 s"),
         (Bound(min=2, max=4), (3, 5, 1, 1), "q: 1 m < 2 m, first at 3 s"),
         (Bound(min=2, max=4), (5, 1), "q: 1 m < 2 m, first at 2 s"),
         (Bound(max=2, over="end"), (9, 9, 3.14159), "q: at the end 3.142 m > 2 m"),

@@ -39,6 +39,8 @@ PARTS = [
     ("lidar_beams: 1", ":4:1:", "give 2 to 100000"),
     ("seed: 1\nseeds: 2", ":4:1:", "one of seed and seeds"),
     ("seeds: []", ":4:1:", "give at least 1"),
+    ("seeds: 0", ":4:1: seeds:", "0 seeds are not valid; give 1 to 100000"),
+    ("seeds: 100000000", ":4:1: seeds:", "give 1 to 100000, or a list of them"),
     ("start: [1, 2]", ":4:1:", "too few values"),
     ("robot: leo\nmatrix: {robot: [leo]}", ":4:1:", "one of robot and matrix: robot"),
     ("events:\n- {at: 3}", ":5:3: events.0:", "one of the keys fault, command, reset"),

@@ -36,6 +36,8 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     assert outside.command == f"python -m harness.scenario {words}"
     assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
     assert [case.run.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
+    with pytest.raises(UsageError, match=r"yaml: 100,004 runs are more than 100,000; give fewer seeds"):
+        plan([file], range(25_001))
     with pytest.raises(UsageError, match="no run has robot=mole"):
         plan([file], None, (("robot", "mole"),))
 

@@ -55,7 +55,9 @@ def test_parameters_of_the_metrics_are_those_that_the_log_is_written_with(
         make_cases, tmp_path, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
     )
     near, far = run_all(cases, Backwards(), tmp_path / "out", lambda *_: None)
-    assert near.breaches == ("log.Total Collisions: 40 > 0, first at 1 s",)  # the nearest is at 2 m
+    assert near.breaches == (
+        "log.Total Collisions: 40 > 0 at 2 s, first at 1 s",
+    )  # the nearest is at 2 m
     assert far.passed
     assert len(driven) == 2
 
@@ -210,7 +212,7 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
         assert main([*words, *more]) == code, more
         tags = ["error"] if code else []
         assert [case.tag for case in ET.parse(junit).iter("error")] == tags  # noqa: S314 - our own
-    assert "1 of 1 scenarios passed: 1 runs" in capsys.readouterr().out
+    assert "1 of 1 scenario passed: 1 run" in capsys.readouterr().out
     assert [run.seed for run in driven] == [1, 1, 1, 5]
     assert not (tmp_path / "out").exists()
 
