@@ -181,7 +181,7 @@ def test_runs_become_a_verdict_an_exit_code_and_junit(
     assert tuple(int(suite.get(name, -1)) for name in ("failures", "errors", "skipped")) == junit
 
 
-def test_verdicts_are_shown_and_kept_as_somebody_has_checked(
+def test_a_bad_run_is_shown_with_its_reasons_and_the_command_that_repeats_it(
     make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
 ) -> None:
     attempts = outcomes(make_cases(SPEED, "seeds: 2"), "pf", simulated_s=12.0, wall_s=4.0)

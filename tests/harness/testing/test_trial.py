@@ -73,6 +73,19 @@ def test_every_message_and_timer_is_handled_before_a_step_returns() -> None:
         assert answers.times == pytest.approx([0.05 * n for n in range(1, 21)])
 
 
+def test_same_trial_twice_hears_the_same_at_the_same_time() -> None:
+    def heard() -> list[tuple[float, float]]:
+        with trial("scan:dropout=0.5") as one:
+            one.host(Echo)
+            answers = one.collect(Float64, "answer")
+            one.step(1.0)
+            return [(m.data, t) for m, t in zip(answers.messages, answers.times, strict=True)]
+
+    first = heard()
+    assert 5 < len(first) < 15
+    assert heard() == first
+
+
 def test_topics_of_the_rover_can_be_collected_and_show_the_faults() -> None:
     with trial("imu:dropout@0.5", "pose:duplicate=2", "pose:empty@0.8", "scan:beams=3@0.5") as one:
         imus, poses = one.collect(Imu, "imu/data"), one.collect(PoseArray, "rover/pose_array")
