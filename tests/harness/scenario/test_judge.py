@@ -65,8 +65,6 @@ def test_a_breach_is_told_in_a_line_with_the_worst_value(
         (Bound(min=0, max=10), (5, 8, 4), 8),
         (Bound(min=0, max=10), (-1, 12), 12),
         (Bound(min=0, max=10), (-3, 12), -3),
-        (Bound(max=2, window=(1, 2)), (1, 2, 3), 2),
-        (Bound(max=2, over="share", share=0.9), (1, 2, 3, 4, 5), 0.4),
         (Bound(min=2, max=3, over="share", share=0.9), (1, 2, NAN, 3, 9), 0.5),
         (Bound(max=2), (NAN,), None),
         (Bound(max=2), (1, INF), None),
