@@ -24,6 +24,7 @@ from rich.text import Text
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
+from harness.cli.plain import PlainConsole
 from harness.episode.assembly import check
 from harness.episode.direct import run_direct
 from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
@@ -56,7 +57,7 @@ class Finding:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.check", lambda: _prove(options, Console()))
+    return run_program("harness.check", lambda: _prove(options, PlainConsole()))
 
 
 def _prove(options: argparse.Namespace, console: Console) -> int:
@@ -65,13 +66,13 @@ def _prove(options: argparse.Namespace, console: Console) -> int:
         findings = list(_check(run, stop, console, with_ros=not options.no_ros))
     console.print(_table(run, findings))
     if all(finding.passed for finding in findings):
-        console.print(proven(run, findings), soft_wrap=True, highlight=False)
+        console.print(proven(run, findings), soft_wrap=True)
     return _exit_code(findings, ros_was_asked_for=not options.no_ros)
 
 
 def _check(run: Run, stop: StopRequest, console: Console, *, with_ros: bool) -> Iterator[Finding]:
-    def working(on: str) -> str:
-        return f"{run.rover.robot} on {run.world.terrain}: {on}"
+    def working(on: str) -> Text:
+        return Text(f"{run.rover.robot} on {run.world.terrain}: {on}")
 
     with console.status(working("this process")) as status:
         reference = fingerprint(run_direct, run, stop)

@@ -27,6 +27,7 @@ from rich.console import Console
 
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
+from harness.cli.plain import PlainConsole
 from harness.episode.direct import run_unlogged
 from harness.robots import find_rover
 from harness.robots.spec import schema
@@ -44,7 +45,7 @@ NEXT = "next: python -m harness.robot check {0}; then python -m harness.run --ro
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 0, 1 if something is odd, 2 for bad arguments."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.robot", lambda: int(options.act(options, Console())))
+    return run_program("harness.robot", lambda: int(options.act(options, PlainConsole())))
 
 
 def _new(options: argparse.Namespace, console: Console) -> int:
@@ -68,7 +69,7 @@ def _print(written: Written, console: Console) -> None:
         NEXT.format(written.folder),
     ]
     for line in lines:
-        console.print(line, soft_wrap=True, highlight=False, markup=False)
+        console.print(line, soft_wrap=True)
 
 
 def _check(options: argparse.Namespace, console: Console) -> int:
@@ -84,7 +85,7 @@ def _check(options: argparse.Namespace, console: Console) -> int:
             run_unlogged(run, StopRequest(), {Pose, JointStates}, drawing.observers)
             with counted(console, "drawing") as show:
                 for path in drawing.finish(show):
-                    console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
+                    console.print(f"drawn: {path}", soft_wrap=True)
     odd = [check for check in checks if not check.passed]
     for check in odd:
         print(f"harness.robot: odd: {check.quantity}: {check.expected.source}", file=sys.stderr)

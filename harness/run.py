@@ -23,6 +23,7 @@ from harness.base.files import check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.cli.console import RunProgress, counted, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
+from harness.cli.plain import PlainConsole
 from harness.episode.assembly import actor_names, check_world, world_of
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str]) -> int:
-    console = Console()
+    console = PlainConsole()
     options = parse_run(arguments)
     if options is None:
         print_choices(console)
@@ -101,7 +102,7 @@ def _write_page(
     assert result.report is not None  # noqa: S101 - there is a recorder
     with console.status("drawing the page"):
         write_whole(result.report, render(result, recorder, others), "the report")
-    console.print(f"report: {result.report}", soft_wrap=True, highlight=False)
+    console.print(f"report: {result.report}", soft_wrap=True)
 
 
 def _social(options: RunOptions) -> list[SocialRecorder]:
@@ -114,7 +115,8 @@ def _social(options: RunOptions) -> list[SocialRecorder]:
     if file is not None:
         check_target("--social-log", file, ".csv")
     folders = [options.log_dir(rover) for rover in options.run.rovers] if names else []
-    return [SocialRecorder(names, file, folder) for folder in folders]
+    overwrite = options.ros.overwrite
+    return [SocialRecorder(names, file, folder, overwrite=overwrite) for folder in folders]
 
 
 def _loaded(options: RunOptions) -> Drive:
@@ -149,7 +151,7 @@ def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequen
         if path is not None:
             check_target(flag, path)
     for note in world_of(run).notes if is_terrain_file(run.world.terrain) else ():
-        console.print(f"{run.world.terrain}: {note}", soft_wrap=True, highlight=False)
+        console.print(f"{run.world.terrain}: {note}", soft_wrap=True)
     check_world(run)
     drawing.prepare(run)
     return drawing.observers
@@ -187,7 +189,8 @@ def _report(
             try:
                 write_manifest(result, path)
             except HarnessError as error:  # noqa: PERF203 - two files at most
-                complaints[str(error)] = None
+                if result.failure is None or path == summary:  # a full disk is told of once
+                    complaints[str(error)] = None
     for complaint in complaints:
         print(f"harness.run: {complaint}", file=sys.stderr)
     return 1 if complaints else stop.exit_code
@@ -199,13 +202,13 @@ def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
         print(f"harness.run: nothing was drawn: stopped by {stop.name}", file=sys.stderr)
         return
     if drawing.wanted and stop.signal is not None:
-        console.print("drawing what there is; Ctrl-C again leaves it out", highlight=False)
+        console.print("drawing what there is; Ctrl-C again leaves it out")
     if not drawing.wanted:
         return
     with counted(console, "drawing") as show:
         drawn = drawing.finish(show)
     for path in drawn:
-        console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
+        console.print(f"drawn: {path}", soft_wrap=True)
 
 
 if __name__ == "__main__":

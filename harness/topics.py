@@ -26,6 +26,7 @@ from rich.live import Live
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import Overdue, StopRequest
+from harness.cli.plain import PlainConsole
 from rover_metrics.errors import OneLineParser
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.topics", lambda: _look(options, Console()))
+    return run_program("harness.topics", lambda: _look(options, PlainConsole()))
 
 
 def _look(options: argparse.Namespace, console: Console) -> int:
@@ -72,12 +73,12 @@ def _watch(
     unsure = monitor.too_short() if was_short else []
     enough = f"--seconds {LONG_ENOUGH:g} is enough"
     if not monitor.types and was_short:
-        console.print(f"no topics in so short a look; {enough}", highlight=False)
+        console.print(f"no topics in so short a look; {enough}")
     elif not monitor.types:
         console.print("no topics: does anything run with this ROS_DOMAIN_ID and discovery range?")
     elif unsure:
         message = f"too short a look to tell the rates of {', '.join(unsure)}: {enough}"
-        console.print(message, soft_wrap=True, highlight=False)
+        console.print(message, soft_wrap=True)
 
 
 def _seconds(text: str) -> float:

@@ -48,6 +48,11 @@ def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
     return available[name]
 
 
+def how_many(count: int, of: str) -> str:
+    """Returns e.g. "1 contact", "2 contacts" or "1,000 contacts"."""
+    return f"{count:,} {of}{'' if count == 1 else 's'}"
+
+
 def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
     """Returns what to tell of a name that does not exist: the nearest that does, or all.
 

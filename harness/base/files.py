@@ -1,13 +1,13 @@
-"""Files: read as YAML; whether one can be written, found out before the run; whole or not at all."""
+"""Files that are written: whether one can be, found out before the run; whole or not at all."""
 
+import os
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from harness.base.errors import HarnessError, UsageError
 from rover_metrics.log.files import whole_file
 
-__all__ = ["check_target", "modified_ns", "read_mapping", "whole_file", "write_whole"]
+__all__ = ["check_target", "modified_ns", "whole_file", "write_whole"]
 
 
 def write_whole(
@@ -44,6 +44,10 @@ def check_target(flag: str, target: Path, suffix: str = "") -> None:
     try:
         if target.is_dir():
             raise UsageError(f"{flag} {target} is a folder; name a file")
+        if target.exists() and not target.is_file():  # a device or a pipe, which is written into
+            if not os.access(target, os.W_OK):
+                raise UsageError(f"{flag} {target} cannot be written; choose another place")
+            return
         if not target.parent.is_dir():
             raise UsageError(f"{flag} {target}: there is no folder {target.parent}; create it first")
         with tempfile.TemporaryFile(dir=target.parent):
@@ -51,26 +55,6 @@ def check_target(flag: str, target: Path, suffix: str = "") -> None:
     except OSError as error:
         message = f"{flag} {target} cannot be written: {error.strerror}; choose another place"
         raise UsageError(message) from error
-
-
-def read_mapping(path: Path) -> dict[str, Any]:
-    """Returns the keys and values of a YAML file.
-
-    Raises:
-        UsageError: It cannot be read, is no YAML, or holds something else.
-    """
-    from ruamel.yaml import YAML  # noqa: PLC0415 - takes 25 ms, and most imports of this need no file
-    from ruamel.yaml.error import YAMLError  # noqa: PLC0415
-
-    try:
-        content = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}") from error
-    except (YAMLError, ValueError) as error:
-        raise UsageError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from error
-    if not isinstance(content, dict):
-        raise UsageError(f"{path} must hold keys with values")
-    return content
 
 
 def modified_ns(path: Path) -> int:

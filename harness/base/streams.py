@@ -18,21 +18,11 @@ VALIDATION_AGENT = 30
 
 
 def seeded(seed: int, *key: int | str) -> np.random.SeedSequence:
-    """Returns the source of a stream.
-
-    Args:
-        seed: Of the run, the rover or the world.
-        key: One of the constants above, and the words behind it.
-    """
+    """Returns the source of a stream of a run, a rover or a world: a constant from above, and words."""
     words = (word.encode() if isinstance(word, str) else (word,) for word in key)
     return np.random.SeedSequence(seed, spawn_key=tuple(n for word in words for n in word))
 
 
 def generator(seed: int, *key: int | str) -> np.random.Generator:
-    """Returns the generator of a stream.
-
-    Args:
-        seed: Of the run, the rover or the world.
-        key: One of the constants above, and the words behind it.
-    """
+    """Returns the generator of a stream, whose key is that of `seeded`."""
     return np.random.default_rng(seeded(seed, *key))

@@ -8,7 +8,9 @@ from typing import Self
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
+from rich.text import Text
 
+from harness.base.errors import how_many
 from harness.drivers import DRIVERS, PolicyDriver
 from harness.drivers.policy import PREFIX
 from harness.episode import result
@@ -27,7 +29,7 @@ class RunProgress(Progress):
 
     def __init__(self, console: Console, title: str, total_s: float) -> None:
         super().__init__(
-            TextColumn("[bold]{task.description}"),
+            TextColumn("{task.description}", style="bold", markup=False),
             BarColumn(bar_width=None),
             TextColumn("{task.completed:.1f} / {task.total:.1f} s"),
             TextColumn("{task.fields[factor]:.1f}x real time"),
@@ -57,7 +59,7 @@ class RunProgress(Progress):
 def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
     """Yields what moves a bar, called with what is done of what; silent where there is no terminal."""
     bar = Progress(
-        TextColumn(f"[bold]{title}"),
+        TextColumn(title, style="bold", markup=False),
         BarColumn(bar_width=None),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
@@ -71,23 +73,24 @@ def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]
 
 def print_summary(console: Console, run: result.RunResult) -> None:
     """Prints counts, metrics against truth, and where the CSV is."""
-    console.print(*terminal((_messages(run), _metrics(run)), console.width), sep="\n", highlight=False)
+    console.print(*terminal((_messages(run), _metrics(run)), console.width), sep="\n")
     console.print(
         f"{run.simulated_s:.2f} simulated seconds in {run.wall_s:.2f} s: "
         f"[bold]{run.real_time_factor:.1f}x real time[/], "
-        f"{run.messages:,} messages, [bold]{run.lost} lost[/]"
+        f"{run.messages:,} messages, [bold]{run.lost} lost[/]",
+        markup=True,
     )
     if run.commands != result.CommandCount():
         count = run.commands
         older, refused = f"{count.older:,} of them older than the present", f"{count.refused:,} refused"
-        console.print(f"{count.taken:,} commands, {older}; {refused}", highlight=False)
+        console.print(f"{count.taken:,} commands, {older}; {refused}")
     for node, waited_s in run.waited_s.items():
         share = f"{waited_s / run.wall_s:.0%}" if run.wall_s > 0 else "all"
-        console.print(f"{node}: {share} of the run waited for it", soft_wrap=True, highlight=False)
+        console.print(f"{node}: {share} of the run waited for it", soft_wrap=True)
     if run.log_path is not None:
-        console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
+        console.print(f"{how_many(run.rows, 'row')} in {run.log_path}", soft_wrap=True)
     if run.social_log is not None:
-        console.print(f"people: {run.social_log}", soft_wrap=True, highlight=False)
+        console.print(f"people: {run.social_log}", soft_wrap=True)
 
 
 def _messages(run: result.RunResult) -> Sheet:
@@ -105,7 +108,8 @@ def _messages(run: result.RunResult) -> Sheet:
 
 def _metrics(run: result.RunResult) -> Sheet:
     row, truth = run.last_row or {}, run.truth
-    hits = f"{truth.hazard_contacts} contacts, {truth.hazard_contact_s:.2f} s"
+    hits = f"{how_many(truth.hazard_contacts, 'contact')}, {truth.hazard_contact_s:.2f} s"
+    rocks = f"{how_many(truth.rock_contacts, 'contact')}, {truth.rock_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
     rows = (
         ("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m"),
@@ -113,8 +117,8 @@ def _metrics(run: result.RunResult) -> Sheet:
         ("clearance", _metric(row, "Obstacle Clearance", " m"), ""),
         ("velocity", _metric(row, "Current Velocity", " m/s"), ""),
         ("slip of moving wheels", "", f"{truth.mean_slip:.2f}"),
-        ("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
-        ("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
+        ("on rocks", "", rocks),
+        ("scraping the ground", "", f"{how_many(truth.scrapes, 'time')}, {truth.scrape_s:.2f} s"),
         ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),
     )
     return Sheet(("quantity", "metrics_node", "truth"), rows, "Metrics and truth")
@@ -140,6 +144,6 @@ def print_choices(console: Console) -> None:
         console.print(table)
 
 
-def _about(terrain: type[Terrain]) -> str:
+def _about(terrain: type[Terrain]) -> Text:
     promise = f"at difficulty 0.5: {terrain.promise.describe()}"
-    return f"{terrain.summary}\n[dim]{terrain.describe()}\n{promise}[/]"
+    return Text.assemble(terrain.summary, (f"\n{terrain.describe()}\n{promise}", "dim"))

@@ -130,8 +130,9 @@ def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, fil
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
-    if ros.overwrite and ros.record is None:
-        raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
+    if ros.overwrite and ros.record is None and files.social_log is None:
+        message = "--overwrite is for the file of --record or --social-log; name one, or leave it out"
+        raise UsageError(message)
     if files.social_log is not None and not people(run.world):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     if given.direct:

@@ -9,6 +9,7 @@ from harness.base.errors import UsageError
 from harness.samples import Place, Quaternion
 from harness.spec.rover import Area
 from harness.world.actors.free_space import FreeSpace
+from harness.world.heightfield import EDGE_MARGIN
 from rover_metrics.core.goals import GoalAccount
 
 TRIES = 1000
@@ -23,6 +24,15 @@ class GoalCourse:
     clearance: float  # to hazards and the map's edge [m]
     rng: np.random.Generator  # source of randomness
     _account: GoalAccount = field(default_factory=GoalAccount, init=False)
+
+    def __post_init__(self) -> None:
+        (x, y), (x_to, y_to) = self.space.low - EDGE_MARGIN, self.space.high + EDGE_MARGIN
+        x_min, x_max, y_min, y_max = self.area
+        if not (x <= x_min and x_max <= x_to and y <= y_min and y_max <= y_to):
+            raise UsageError(
+                f"the goal area x {x_min:g} to {x_max:g}, y {y_min:g} to {y_max:g} m reaches beyond the "
+                f"map, x {x:g} to {x_to:g}, y {y:g} to {y_to:g} m; give another --goal-area"
+            )
 
     def next(self, time_s: float, place: tuple[float, float], orientation: Quaternion) -> Place | None:
         """Returns the goal that is due at a pose; None while there is one.

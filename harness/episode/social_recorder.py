@@ -22,6 +22,7 @@ class SocialRecorder:
         actors: Names of the people, in the order of their poses.
         file: The log, which must not exist; None for a new one in `log_dir`/social.
         log_dir: Folder of the metrics log.
+        overwrite: Whether `file` may exist: then it is replaced with the first row.
 
     Attributes:
         path: The log; None before the first row's second has begun.
@@ -30,10 +31,14 @@ class SocialRecorder:
         UsageError: The file exists, or its name does not end in .csv.
     """
 
-    def __init__(self, actors: tuple[str, ...], file: Path | None, log_dir: Path) -> None:
-        if file is not None and (file.suffix != ".csv" or file.exists()):
-            wrong = "exists already" if file.exists() else "does not end in .csv"
-            raise UsageError(f"--social-log {file} {wrong}; name a new file that ends in .csv")
+    def __init__(
+        self, actors: tuple[str, ...], file: Path | None, log_dir: Path, *, overwrite: bool = False
+    ) -> None:
+        if file is not None and file.suffix != ".csv":
+            raise UsageError(f"--social-log {file} does not end in .csv; name a file that does")
+        if file is not None and file.exists() and not (overwrite and file.is_file()):
+            mend = "not overwriting; name another file or --overwrite"
+            raise UsageError(f"--social-log {file} exists already, {mend}")
         self._actors, self._file, self._log_dir = actors, file, log_dir
         self._rows, self.goals = SocialRows(), GoalAccount()
         self._log: CsvLog | None = None
@@ -78,4 +83,6 @@ class SocialRecorder:
         folder = self._log_dir / FOLDER if self._file is None else self._file.parent
         stem = STEM if self._file is None else self._file.stem
         started = datetime.now() if self._file is None else None
+        if self._file is not None:
+            self._file.unlink(missing_ok=True)
         return CsvLog(folder, started, stem=stem, columns=social_columns(self._actors))

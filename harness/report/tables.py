@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from harness.base.errors import how_many
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.result import RunResult
 from harness.page.figure import DASH, MINUS, TIMES, spelled
@@ -37,8 +38,8 @@ def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
         ("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else DASH),
         ("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else DASH),
         ("Wheel slip, mean of moving wheels", DASH, f"{truth.mean_slip:.2f}"),
-        ("On rocks", DASH, f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
-        ("Body scraping the ground", DASH, f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
+        ("On rocks", DASH, f"{how_many(truth.rock_contacts, 'contact')}, {truth.rock_contact_s:.2f} s"),
+        ("Body scraping the ground", DASH, f"{how_many(truth.scrapes, 'time')}, {truth.scrape_s:.2f} s"),
         ("Largest tilt", DASH, f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
         *_people(track),
     )

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from harness.base.documents import read_mapping
 from harness.base.errors import UsageError
-from harness.base.files import read_mapping
 from harness.robots.mjcf import stated_by_mjcf
 from harness.robots.spec import ModelFacts, RoverFile, RoverSpec
 from harness.spec.value import made

@@ -80,6 +80,8 @@ class Recorder:
     def __init__(self, path: Path, *, overwrite: bool = False, last: float | None = None) -> None:
         check_target("--record", path, ".mcap")
         self._path = self._made = path
+        if path.exists() and not path.is_file():
+            raise UsageError(f"--record {path} is a device or a pipe; name a file")
         if overwrite and (path.exists() or path.is_symlink()):
             self._made = path.with_name(f".{path.stem}-{uuid4().hex}.part")
         try:
@@ -112,8 +114,9 @@ class Recorder:
         except OSError as full:
             if not self._failed:
                 raise self._failure(full) from full
-        if not self._messages:  # the run did not come to its first message
-            self._made.unlink(missing_ok=True)
+        finally:
+            if not self._messages:  # the run did not come to its first message, or the disk is full
+                self._made.unlink(missing_ok=True)
 
     def tap(
         self, bridge: Bridge, metrics: MetricsPublisher | None = None, others: Iterable[Channel] = ()

@@ -7,7 +7,6 @@ in that order: a node that answers has therefore matched every topic, best-effor
 `lock_step` says when they are asked.
 """
 
-import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -18,6 +17,7 @@ from rclpy.executors import Executor
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from harness.base.documents import parse_json
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros.bridge import Bridge
@@ -106,9 +106,14 @@ class RemoteNode:
             return {}
         published = {topic for b in (self._bridge, *self._others) for topic in b.published()}
         try:
-            counts = json.loads(answer.message)
+            counts = parse_json(answer.message, self.name)
             return {topic: int(count) for topic, count in counts.items() if topic in published}
-        except (ValueError, TypeError, AttributeError):  # a service of that name, no MetricsNode's
+        except (
+            UsageError,
+            ValueError,
+            TypeError,
+            AttributeError,
+        ):  # a stranger of that name
             return {}
 
     def _call(

@@ -21,6 +21,7 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
+from harness.cli.plain import PlainConsole
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
@@ -30,22 +31,36 @@ from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
 
 OUT = Path("scenario_runs")
+FILES = {
+    "junit": "write the verdicts as JUnit XML",
+    "html": "write a page: what failed, and cells side by side",
+    "csv": "write every cell's numbers",
+    "json": "write the same, and every run",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.scenario", lambda: _interruptible(options))
-
-
-def _interruptible(options: argparse.Namespace) -> int:
-    with StopRequest():
-        return _run(options, Console())
+    return run_program("harness.scenario", lambda: _run(options, PlainConsole()))
 
 
 def _run(options: argparse.Namespace, console: Console) -> int:
-    for flag, target in _targets(options).items():
-        check_target(flag, target)
+    targets = {name: getattr(options, name) for name in FILES if getattr(options, name) is not None}
+    for name, target in targets.items():
+        check_target(f"--{name}", target)
+    with StopRequest():
+        verdicts = _driven(options, console)
+        if targets or options.table:
+            from harness.scenario.outputs import print_tables, write_outputs  # noqa: PLC0415 - a second
+
+            if options.table:
+                print_tables(console, verdicts)
+            write_outputs(verdicts, targets)
+    return exit_code(verdicts)
+
+
+def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,
@@ -55,26 +70,10 @@ def _run(options: argparse.Namespace, console: Console) -> int:
         attempts = run_all(cases, workers, options.out, show, compare=compare, resume=options.resume)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
-    _write(options, console, verdicts)
     if options.update_baseline:
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
-            console.print(f"written: {path}", soft_wrap=True, highlight=False)
-    return exit_code(verdicts)
-
-
-def _targets(options: argparse.Namespace) -> dict[str, Path]:
-    files = {f"--{name}": getattr(options, name) for name in ("junit", "html", "csv", "json")}
-    return {flag: path for flag, path in files.items() if path is not None}
-
-
-def _write(options: argparse.Namespace, console: Console, verdicts: Sequence[Verdict]) -> None:
-    if not _targets(options) and not options.table:
-        return
-    from harness.scenario.outputs import print_tables, write_outputs  # noqa: PLC0415 - a second at start
-
-    if options.table:
-        print_tables(console, verdicts)
-    write_outputs(verdicts, options.junit, options.html, options.csv, options.json)
+            console.print(f"written: {path}", soft_wrap=True)
+    return verdicts
 
 
 def _seeds(options: argparse.Namespace) -> Sequence[int] | None:
@@ -91,7 +90,7 @@ def _selected(pairs: Sequence[str]) -> Selected:
     for pair in pairs:
         if "=" not in pair:
             raise UsageError(f"--only {pair}: give NAME=VALUE of a matrix, e.g. --only robot=leo")
-    return tuple((pair.partition("=")[0], pair.partition("=")[2]) for pair in pairs)
+    return tuple((name, value) for name, _, value in (pair.partition("=") for pair in pairs))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -116,17 +115,8 @@ def _parser() -> argparse.ArgumentParser:
         help="only runs with this value of their matrix; repeatable",
     )
     add_options(parser)
-    _add_files(parser)
-    return parser
-
-
-def _add_files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--junit", type=Path, metavar="FILE", help="write the verdicts as JUnit XML")
-    parser.add_argument(
-        "--html", type=Path, metavar="FILE", help="write a page: what failed, and cells side by side"
-    )
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="write every cell's numbers")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the same, and every run")
+    for name, about in FILES.items():
+        parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=about)
     parser.add_argument("--table", action="store_true", help="print cells side by side")
     parser.add_argument(
         "--out",
@@ -143,6 +133,7 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--update-baseline", action="store_true", help="record the runs as what later ones must match"
     )
+    return parser
 
 
 if __name__ == "__main__":

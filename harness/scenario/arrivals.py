@@ -23,11 +23,8 @@ Integers = NDArray[np.int64]
 class Arrivals:
     """The messages of one topic that were heard.
 
-    Attributes:
-        paths: Into each message, to the numbers that are kept.
-        times: When each was heard since the start [ns]; `clock` is what /clock showed its listeners
-            then [ns], and `stamps` those of their headers, or `clock` where there is none.
-        numbers: By path, those of each message.
+    `times` is when each was heard since the start [ns], `clock` what /clock showed its listeners then,
+    `stamps` those of their headers, or `clock` where there is none; `numbers` are by `paths` into each.
     """
 
     paths: Sequence[str] = ()

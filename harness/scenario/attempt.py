@@ -1,6 +1,6 @@
-"""One run of a scenario: driven, judged, and what came of it."""
+"""One run of a scenario: driven and judged."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -8,48 +8,14 @@ from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs
-from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES
-from harness.scenario.watch import Findings, Measured, Watch
+from harness.scenario.verdict import Attempt
+from harness.scenario.watch import Watch
 from harness.spec.ros import RosOptions
 
 SCRATCH = "rover-scenario-"
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """What a run of a scenario came to.
-
-    Attributes:
-        case: The run.
-        breaches: What was not as expected, in the order of the file.
-        error: Why it could not be run; None if it could.
-        simulated_s: Simulated time [s].
-        wall_s: Wall time that it took [s].
-        model_hash: Hash of the rover's model; "" if it could not run.
-        terrain_hash: Hash of the terrain; "" if it could not run.
-        recorded: What a baseline keeps of it; None if it has none.
-        kept: What is left of a run that did not pass.
-        measured: What each bound of the scenario compares, in their order; nothing if it could not run.
-    """
-
-    case: Case
-    breaches: tuple[str, ...] = ()
-    error: str | None = None
-    simulated_s: float = 0.0
-    wall_s: float = 0.0
-    model_hash: str = ""
-    terrain_hash: str = ""
-    recorded: Recorded | None = None
-    kept: tuple[Path, ...] = ()
-    measured: tuple[Measured, ...] = ()
-
-    @property
-    def passed(self) -> bool:
-        """Whether all was as expected."""
-        return not self.breaches and self.error is None
 
 
 def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | None = None) -> Attempt:
@@ -77,17 +43,15 @@ def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | N
 def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
     if _is_of_truth(case):
         watch = Watch(case)
-        result = run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,))
-        found = watch.judged(result, {})
-        if not found.breaches:
-            return _attempted(case, found, ())
+        found = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
+        if found.passed:
+            return found
         # What is left of a run that fails takes all sensors: the same drive once more.
     watch = Watch(case, compare=compare)
     outputs = Outputs(log_dir=own, observers=(watch,), settings=watch.settings)
     (result,) = run_direct(case.run, (outputs,), RosOptions(log_dir=own), StopRequest())
     found = watch.judged(result, {})
-    kept = watch.keep(result, folder, found.breaches[0]) if found.breaches else ()
-    return _attempted(case, found, kept)
+    return found if found.passed else replace(found, kept=watch.keep(result, folder, found.breaches[0]))
 
 
 def _is_of_truth(case: Case) -> bool:
@@ -110,19 +74,4 @@ def _through_ros(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
         except HarnessError as error:
             return Attempt(case, error=str(error), kept=trial.keep(folder, str(error)))
         found = trial.findings
-        return _attempted(case, found, trial.keep(folder, found.breaches[0]) if found.breaches else ())
-
-
-def _attempted(case: Case, found: Findings, kept: tuple[Path, ...]) -> Attempt:
-    info = found.result.info
-    return Attempt(
-        case,
-        found.breaches,
-        simulated_s=found.result.simulated_s,
-        wall_s=found.result.wall_s,
-        model_hash=info.model_hash if info else "",
-        terrain_hash=info.terrain_hash if info else "",
-        recorded=found.recorded,
-        kept=kept,
-        measured=found.measured,
-    )
+        return found if found.passed else replace(found, kept=trial.keep(folder, found.breaches[0]))

@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 from pydantic import Field
 
+from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.version import __version__
@@ -57,15 +58,15 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     info = result.info
     hashes = {"model": info.model_hash, "terrain's hash": info.terrain_hash} if info else {}
     hashes = {name: value[:HASH_DIGITS] for name, value in hashes.items()}
-    bounds = [(name, bound) for name, bound in case.scenario.bounds if bound.has_baseline]
-    log: tuple[str, ...] = ()
-    if case.scenario.same_bytes and result.log_path is not None:
-        log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
-    values = {key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds}
+    log = result.log_path if case.scenario.same_bytes else None
     return Recorded(
         of=json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
-        values=values,
-        log=log,
+        values={
+            key_of(name, bound): value_of(bound, series[bound.label(name)])
+            for name, bound in case.scenario.bounds
+            if bound.has_baseline
+        },
+        log=tuple(log.read_bytes().decode().split("\r\n")) if log else (),
     )
 
 
@@ -75,11 +76,7 @@ def path_of(scenario: Path) -> Path:
 
 
 def read_baseline(case: Case) -> Recorded:
-    """Returns the baseline of a run.
-
-    Raises:
-        UsageError: There is none, or it cannot be read.
-    """
+    """Returns the baseline of a run; UsageError if there is none or it cannot be read."""
     path = path_of(case.path)
     runs = _read(path)
     if case.name not in runs:
@@ -88,11 +85,7 @@ def read_baseline(case: Case) -> Recorded:
 
 
 def check_comparable(now: Recorded, baseline: Recorded) -> None:
-    """Checks that a run and its baseline are of the same arguments, versions, model and terrain.
-
-    Raises:
-        UsageError: They are not; the message names what differs first.
-    """
+    """Raises UsageError if a run and its baseline differ in an argument, a version, model or terrain."""
     for name in {**baseline.of, **now.of}:
         was, is_now = (run.of.get(name, "the default") for run in (baseline, now))
         if was != is_now:
@@ -111,11 +104,7 @@ def first_difference(now: Recorded, baseline: Recorded) -> str | None:
 
 
 def write_baselines(records: Iterable[tuple[Case, Recorded]]) -> list[Path]:
-    """Writes runs into the baselines of their scenarios, beside other runs there; returns the files.
-
-    Raises:
-        UsageError: One cannot be read or written.
-    """
+    """Writes runs into the baselines of their scenarios, beside other runs there; returns the files."""
     files: dict[Path, dict[str, Any]] = {}
     for case, recorded in records:
         path = path_of(case.path)
@@ -130,10 +119,7 @@ def write_baselines(records: Iterable[tuple[Case, Recorded]]) -> list[Path]:
 def _read(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
-    try:
-        runs = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"cannot read the baseline {path}: {error}; {MEND}") from error
+    runs = read_json(path)
     if not isinstance(runs, dict):
         raise UsageError(f"the baseline {path} must hold runs by name; {MEND}")
     return runs

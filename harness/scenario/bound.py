@@ -3,10 +3,10 @@
 import re
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, StringConstraints, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, StringConstraints, model_validator
 
 from harness.scenario.topic import FULL_NAME
-from harness.spec.value import Finite, Seconds, Value
+from harness.spec.value import Finite, Seconds, Value, as_tuple
 
 Over = Literal["always", "end", "mean", "p95", "share"]
 Tolerance = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -45,7 +45,7 @@ class Bound(Value):
     max: Finite | None = None
     over: Over = "always"
     share: Share | None = None
-    window: tuple[Seconds, Seconds] | None = None
+    window: Annotated[tuple[Seconds, Seconds], BeforeValidator(as_tuple)] | None = None
     relative: Tolerance | None = None
     absolute: Tolerance | None = None
     of: FullName | None = None

@@ -1,5 +1,6 @@
 """Files and folders of scenarios to runs: every combination of a matrix with every seed."""
 
+import math
 import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ from harness.drivers import takes_goals
 from harness.episode.assembly import check
 from harness.robots import ROVERS
 from harness.scenario.reading import SUFFIX, read_scenario
-from harness.scenario.spec import ExpectedFailure, Scenario
+from harness.scenario.spec import MOST_RUNS, ExpectedFailure, Scenario
 from harness.scenario.steps import CommandEvent, FaultEvent, ResetEvent
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
@@ -27,12 +28,8 @@ Selected = tuple[tuple[str, str], ...]  # names and values of the matrix, as tex
 class Case:
     """One run of a scenario.
 
-    Attributes:
-        path: The scenario's file.
-        scenario: What it says.
-        cell: The values of its matrix that this run has, by name.
-        run: What it drives.
-        params: Parameters of the metrics that are not the defaults, by name.
+    `cell` are the values of the matrix that it has, `params` the parameters of the metrics that are not
+    the defaults.
     """
 
     path: Path
@@ -92,6 +89,7 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
         UsageError: A name or a value in it is not valid.
     """
     lists = {name: values for name, values in scenario.matrix if values}
+    _check_number(len(seeds or scenario.all_seeds) * math.prod(map(len, lists.values())), f"{path}: ")
     cells = [tuple(zip(lists, values, strict=True)) for values in product(*lists.values())]
     try:
         cases = [
@@ -105,6 +103,11 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
     return cases
+
+
+def _check_number(runs: int, where: str = "") -> None:
+    if runs > MOST_RUNS:
+        raise UsageError(f"{where}{runs:,} runs are more than {MOST_RUNS:,}; give fewer seeds or values")
 
 
 def _beside(path: Path, name: str) -> Path:
@@ -127,9 +130,7 @@ def _params(path: Path, name: str | None) -> dict[str, Any]:
 
 
 def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run:
-    values = {
-        name: value for name, value in {**scenario.run_values(), **cell}.items() if name != "params"
-    }
+    values = scenario.run_values() | {name: value for name, value in cell.items() if name != "params"}
     for name, place in (("terrain", _beside), ("robot", _robot_beside)):
         if name in values:
             values[name] = str(place(path, values[name]))
@@ -152,11 +153,7 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
 
 
 def find_files(paths: Iterable[Path]) -> list[Path]:
-    """Returns the scenario files that are named, and those below folders that are, in order.
-
-    Raises:
-        UsageError: There is no such file, or a folder without one.
-    """
+    """Returns the files that are named and those below folders, in order; UsageError if one is not."""
     found: dict[Path, None] = {}
     for path in paths:
         if path.is_dir():
@@ -182,7 +179,10 @@ def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Select
     Raises:
         UsageError: A file is not valid, or nothing is left.
     """
-    cases = [case for path in files for case in cases_of(path, read_scenario(path), seeds)]
+    cases: list[Case] = []
+    for path in files:
+        cases += cases_of(path, read_scenario(path), seeds)
+        _check_number(len(cases))
     wanted = set(only)
     left = [case for case in cases if wanted <= {(name, str(value)) for name, value in case.cell}]
     if not left:

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.scenario.attempt import Attempt
 from harness.scenario.bound import Bound
-from harness.scenario.case import Case, cell_name
+from harness.scenario.case import cell_name
 from harness.scenario.topic import COUNT, topic_quantity
-from harness.scenario.verdict import CONFIDENCE, Verdict, outcome_of, wilson
+from harness.scenario.verdict import CONFIDENCE, Attempt, Verdict, outcome_of, wilson
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
@@ -29,9 +28,7 @@ class Cell:
 
     Attributes:
         values: Those, by name; none without a matrix.
-        attempts: The runs, in the order of their seeds.
-        good: How many are as they should be.
-        interval: Of the share of these, by Wilson's method.
+        good: How many runs are as they should be; `interval` is Wilson's of their share.
     """
 
     values: tuple[tuple[str, Any], ...]
@@ -47,13 +44,9 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A quantity in a cell.
+    """A quantity in a cell: values by run, NaN where there was none, and how they differ.
 
-    Attributes:
-        cell: The cell.
-        values: By run; NaN where there was none.
-        summary: Of those that there are.
-        difference: From the first cell; None in that one.
+    `difference` is from the first cell; None in that one.
     """
 
     cell: Cell
@@ -64,14 +57,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Compared:
-    """A quantity in all cells.
-
-    Attributes:
-        title: E.g. "truth.speed, mean of 5 to 10 s".
-        bound: What it must keep.
-        unit: Of its values.
-        rows: One a cell.
-    """
+    """A quantity in all cells, a row each; its title is e.g. "truth.speed, mean, 5 to 10 s"."""
 
     title: str
     bound: Bound
@@ -86,13 +72,7 @@ class Compared:
 
 @dataclass(frozen=True)
 class Comparisons:
-    """A scenario, cell by cell.
-
-    Attributes:
-        verdict: What is said of it.
-        cells: The first is what the others are compared with.
-        quantities: One a bound.
-    """
+    """A scenario, cell by cell; the first is what the others are compared with."""
 
     verdict: Verdict
     cells: tuple[Cell, ...]
@@ -109,19 +89,16 @@ def comparisons_of(verdict: Verdict) -> Comparisons:
     return Comparisons(verdict, cells, tuple(_adjusted(quantities)))
 
 
+_WORDS = {"end": "at the end", "mean": "mean", "p95": "95th percentile", "share": "share within limits"}
+
+
 def title_of(name: str, bound: Bound) -> str:
     """Returns what the values of a bound are called."""
     quantity = topic_quantity(name)
     if quantity is not None and quantity.what == COUNT:
         return f"{name}{_window(bound)}"
-    words = {
-        "end": "at the end",
-        "mean": "mean",
-        "p95": "95th percentile",
-        "share": "share within limits",
-    }
-    if bound.over in words:
-        what = words[bound.over]
+    if bound.over in _WORDS:
+        what = _WORDS[bound.over]
     elif bound.min is not None and bound.max is not None:
         what = "nearest to a limit"
     else:
@@ -163,21 +140,12 @@ def _values(cell: Cell, index: int) -> Floats:
 def _difference(title: str, cells: tuple[Cell, Cell], values: tuple[Floats, Floats]) -> Comparison:
     """Of the second from the first; run by run where both drove in the same worlds."""
     first, second = values
-    if _pairs(*cells):
+    runs = [[attempt.case.run for attempt in cell.attempts] for cell in cells]
+    worlds, others = ([(run.seed, run.world, run.rover.start) for run in some] for some in runs)
+    if worlds == others:
         both = np.isfinite(first) & np.isfinite(second)
         return compare(title, first[both], second[both], CONFIDENCE, paired=True)
     return compare(title, first[np.isfinite(first)], second[np.isfinite(second)], CONFIDENCE)
-
-
-def _pairs(first: Cell, second: Cell) -> bool:
-    def worlds(cell: Cell) -> list[tuple[Any, ...]]:
-        return [_world(attempt.case) for attempt in cell.attempts]
-
-    return worlds(first) == worlds(second)
-
-
-def _world(case: Case) -> tuple[Any, ...]:
-    return case.run.seed, case.run.world, case.run.rover.start
 
 
 def _adjusted(quantities: Sequence[Compared]) -> Iterator[Compared]:
@@ -185,11 +153,8 @@ def _adjusted(quantities: Sequence[Compared]) -> Iterator[Compared]:
     differences = [row.difference for quantity in quantities for row in quantity.rows]
     adjusted = iter(holm([None if one is None else one.p for one in differences]))
     for quantity in quantities:
-        rows = ((row, next(adjusted)) for row in quantity.rows)
-        yield replace(
-            quantity,
-            rows=tuple(
-                replace(row, difference=row.difference and replace(row.difference, p_holm=p))
-                for row, p in rows
-            ),
+        rows = (
+            replace(row, difference=row.difference and replace(row.difference, p_holm=p))
+            for row, p in zip(quantity.rows, adjusted, strict=False)
         )
+        yield replace(quantity, rows=tuple(rows))

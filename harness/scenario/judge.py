@@ -140,13 +140,16 @@ def _limits(bound: Bound, values: NDArray[np.float64]) -> list[_Limit]:
 
 
 def _judge_always(name: str, bound: Bound, series: Series) -> Breach | None:
-    """Shows the worst value and when the bound was first broken; the lower limit comes first."""
+    """Shows the worst value with its time, and the first breach's; the lower limit comes first."""
     for limit in _limits(bound, series.values):
         if limit.broken.any():
             worst = series.values.min() if limit.sign == "<" else series.values.max()
             first = float(series.times[limit.broken.argmax()])
             shown, allowed = _apart(float(worst), limit.value, series)
-            return Breach(f"{name}: {shown} {limit.sign} {allowed}, first at {first:g} s", first)
+            worst_s = float(series.times[(series.values == worst).argmax()])
+            when = "" if worst_s == first else f" at {worst_s:g} s"
+            reason = f"{name}: {shown} {limit.sign} {allowed}{when}, first at {first:g} s"
+            return Breach(reason, first)
     return None
 
 

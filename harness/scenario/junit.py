@@ -1,25 +1,13 @@
 """Verdicts as JUnit XML: a test case a run; `failure` is an expectation, `error` could not be run."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from junitparser import Error, Failure, Skipped
 from junitparser.xunit2 import JUnitXml, TestCase, TestSuite
 
-from harness.base.files import write_whole
 from harness.base.version import __version__
-from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
-from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
-
-
-def write_junit(verdicts: Sequence[Verdict], path: Path) -> None:
-    """Writes verdicts; the file is there whole or not at all.
-
-    Raises:
-        HarnessError: It cannot be written.
-    """
-    write_whole(path, junit_of(verdicts), "the JUnit XML")
+from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
 
 
 def junit_of(verdicts: Sequence[Verdict]) -> str:

@@ -13,8 +13,8 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from harness.scenario.attempt import Attempt
     from harness.scenario.case import Case
+    from harness.scenario.verdict import Attempt
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

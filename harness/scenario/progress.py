@@ -1,7 +1,6 @@
 """What a suite has done so far, so that one that was stopped can go on: a line of JSON a run."""
 
 import hashlib
-import json
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import fields
@@ -9,10 +8,12 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
+from harness.base.documents import parse_json
+from harness.base.errors import UsageError
 from harness.base.version import __version__
-from harness.scenario.attempt import Attempt
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
+from harness.scenario.verdict import Attempt
 
 _ATTEMPT = TypeAdapter(Attempt)
 _OWN = [field.name for field in fields(Attempt) if field.name != "case"]
@@ -73,8 +74,8 @@ class Progress:
         except (OSError, ValueError):
             return
         for line in lines if identity == self._identity else ():
-            with suppress(ValueError):  # the last one, if the process was killed while it wrote
-                index, values = json.loads(line)
+            with suppress(UsageError, ValueError):  # of a process that was killed
+                index, values = parse_json(line, "a line")
                 attempt = _ATTEMPT.validate_python({"case": self._cases[index], **values})
                 # What could not run may be mended since, and what a run has left cleared away.
                 if attempt.error is None and all(path.exists() for path in attempt.kept):

@@ -22,8 +22,7 @@ class Snapshot(NamedTuple):
     """What the simulator knows at the end of a control period of 50 ms.
 
     Attributes:
-        truth: Totals since the start.
-        state: The latest sample of the truth.
+        truth: Totals since the start; `state` is the latest sample.
         tilt: Largest angle between the rover's and the world's vertical in this period [rad].
         goal_distance: From the model frame to the goal, in the plane [m]; NaN without a goal.
         goal_s: When the rover was first as near to its goal as it must be [s]; NaN before.
@@ -38,14 +37,9 @@ class Snapshot(NamedTuple):
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of the truth.
+    """A quantity of the truth, taken out of a snapshot; `contact` are the contacts that it counts.
 
-    Attributes:
-        unit: Of its values; empty for counts and flags.
-        meaning: In a sentence.
-        value: Takes it out of a snapshot.
-        contact: The contacts that it counts.
-        nothing: What is said where it never had a value.
+    `nothing` is said where it never had a value; `unit` is empty for counts and flags.
     """
 
     unit: str

@@ -2,15 +2,13 @@
 
 import json
 from collections.abc import Mapping
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
-from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
+from harness.base.documents import read_yaml
 from harness.base.errors import UsageError
 from harness.scenario import bound, spec, steps
 from harness.scenario.spec import Scenario
@@ -33,12 +31,8 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
 
 
 def read_scenario(path: Path) -> Scenario:
-    """Returns the scenario of a file; names in it are not looked up yet.
-
-    Raises:
-        UsageError: It cannot be read, is no YAML, or says something that is not valid.
-    """
-    content = _load(path)
+    """Returns the scenario of a file, with names as they are; UsageError if it is not valid."""
+    content = read_yaml(path, with_places=True)
     if not isinstance(content, Mapping):
         raise UsageError(f"{path}: it must hold keys with values, beginning with 'about:'")
     try:
@@ -50,19 +44,6 @@ def read_scenario(path: Path) -> Scenario:
         location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
         keys, place = _place_of(content, location)
         raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
-
-
-def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
-    try:
-        return YAML(typ="rt").load(StringIO(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}") from error
-    except MarkedYAMLError as error:
-        mark = error.problem_mark
-        place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise UsageError(f"{path}{place}: not valid YAML: {error.problem}") from error
-    except (YAMLError, ValueError) as error:
-        raise UsageError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from error
 
 
 def _place_of(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel

@@ -24,7 +24,6 @@ class Series:
     Attributes:
         times: Seconds from the start, ascending.
         values: As many; NaN where there was none.
-        unit: Of the values.
         nothing: What is said where there is no value at all.
         is_tally: Whether it is the number of values that is judged, whatever they are.
     """

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
-    Discriminator,
+    BeforeValidator,
     Field,
-    Tag,
     create_model,
     model_validator,
 )
@@ -15,38 +14,41 @@ from pydantic_core import PydanticCustomError
 
 from harness.scenario.bound import Bound, Point, Share, Text
 from harness.scenario.quantities import GOAL, check_name, names
-from harness.scenario.steps import CommandEvent, Event, Launch, Launched, PauseEvent, launch_of
+from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
 from harness.spec.run import OWNERS, keys_of
-from harness.spec.value import Finite, Length, Seed, Value
+from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 
 SCHEMA: dict[str, Any] = {
     "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
 }
+MOST_RUNS = 100_000  # of one command
 PAUSE = "without nodes nobody would notice a pause; it needs 'launch:' or an expectation of a topic"
 
 
-def _plural(value: object) -> str:
-    return "list" if isinstance(value, list | tuple) else "one"
+def _one_or_several(value: object) -> object:
+    return as_tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
-Bounds = Annotated[
-    Annotated[Bound, Tag("one")] | Annotated[tuple[Bound, ...], Tag("list"), Field(min_length=1)],
-    Discriminator(_plural),
-]
-Seeds = Annotated[
-    Annotated[int, Tag("one"), Field(ge=1)]
-    | Annotated[tuple[Seed, ...], Tag("list"), Field(min_length=1)],
-    Discriminator(_plural),
-]
+def _known(name: str) -> str:
+    if problem := check_name(name):
+        raise ValueError(problem)
+    return name
 
 
-def _known(expect: dict[str, Any]) -> dict[str, Any]:
-    for name in expect:
-        problem = check_name(name)
-        if problem is not None:
-            raise _mistake(("expect", name), problem)
-    return expect
+def _from_0_on(seeds: object) -> object:
+    if not isinstance(seeds, int) or isinstance(seeds, bool):
+        return as_tuple(seeds)
+    if not 1 <= seeds <= MOST_RUNS:
+        raise ValueError(f"{seeds} seeds are not valid; give 1 to {MOST_RUNS}, or a list of them")
+    return tuple(range(seeds))
+
+
+_Bounds = Annotated[tuple[Bound, ...], Field(min_length=1)]
+Bounds = Annotated[_Bounds, BeforeValidator(_one_or_several, json_schema_input_type=Bound | _Bounds)]
+_Seeds = Annotated[tuple[Seed, ...], Field(min_length=1)]
+_Count = Annotated[int, Field(ge=1, le=MOST_RUNS)]
+Seeds = Annotated[_Seeds, BeforeValidator(_from_0_on, json_schema_input_type=_Count | _Seeds)]
 
 
 class Goal(Value):
@@ -133,7 +135,7 @@ class Scenario(RunKeys):
     goal: Goal | None = None
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()
-    expect: Annotated[dict[str, Bounds], AfterValidator(_known)] = Field(
+    expect: dict[Annotated[str, AfterValidator(_known)], Bounds] = Field(
         min_length=1, json_schema_extra=SCHEMA
     )
     same_bytes: bool = False
@@ -148,23 +150,12 @@ class Scenario(RunKeys):
     @property
     def all_seeds(self) -> tuple[int, ...]:
         """Returns the seeds of the file."""
-        if self.seeds is None:
-            return (self.seed,)
-        return tuple(range(self.seeds)) if isinstance(self.seeds, int) else self.seeds
+        return self.seeds or (self.seed,)
 
     @property
     def bounds(self) -> tuple[tuple[str, Bound], ...]:
         """Returns every bound with the name of its quantity."""
-        return tuple(
-            (name, bound)
-            for name, some in self.expect.items()
-            for bound in (some if isinstance(some, tuple) else (some,))
-        )
-
-    @property
-    def launches(self) -> tuple[Launch, ...]:
-        """Returns the commands that are started."""
-        return tuple(map(launch_of, self.launch))
+        return tuple((name, bound) for name, some in self.expect.items() for bound in some)
 
     @property
     def needs_ros(self) -> bool:

@@ -3,10 +3,10 @@
 import shlex
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag
+from pydantic import BeforeValidator, Discriminator, Field, StringConstraints, Tag
 
 from harness.scenario.bound import FullName, Point, Text
-from harness.spec.value import Length, Seconds, Value
+from harness.spec.value import Length, Seconds, Value, as_tuple
 
 
 class FaultEvent(Value):
@@ -75,24 +75,22 @@ Event = Annotated[
 FOLDER = "{folder}"  # in a word: a folder of the run's own
 
 
-def _splits(line: str) -> str:
-    shlex.split(line)  # ValueError: No closing quotation
-    return line
+def _words(command: object) -> object:
+    return tuple(shlex.split(command)) if isinstance(command, str) else as_tuple(command)
 
 
-def _form(value: object) -> str:
-    if isinstance(value, list | tuple):
-        return "list"
-    return "one" if isinstance(value, str) else "part"
+def _several(nodes: object) -> object:
+    return (nodes,) if isinstance(nodes, str) else as_tuple(nodes)
 
 
-Line = Annotated[Text, AfterValidator(_splits), Tag("one")]
-Words = Annotated[tuple[Text, ...], Field(min_length=1), Tag("list")]
-Command = Annotated[Line | Words, Discriminator(_form)]
-Nodes = Annotated[
-    Annotated[FullName, Tag("one")] | Annotated[tuple[FullName, ...], Tag("list")],
-    Discriminator(_form),
-]
+def _alone(entry: object) -> object:
+    return {"command": entry} if isinstance(entry, str | list | tuple) else entry
+
+
+_Words = Annotated[tuple[Text, ...], Field(min_length=1)]
+Words = Annotated[_Words, BeforeValidator(_words, json_schema_input_type=Text | _Words)]
+_Nodes = tuple[FullName, ...]
+Nodes = Annotated[_Nodes, BeforeValidator(_several, json_schema_input_type=FullName | _Nodes)]
 
 
 class Launch(Value):
@@ -105,23 +103,12 @@ class Launch(Value):
             if left out, one, whatever its name. An empty list waits for none, and the command may end.
     """
 
-    command: Command
+    command: Words
     wait_for: Nodes | None = None
-
-    @property
-    def nodes(self) -> tuple[str, ...] | None:
-        """Returns the names of `wait_for`; None if it was left out."""
-        return (self.wait_for,) if isinstance(self.wait_for, str) else self.wait_for
 
     def words(self, folder: str) -> list[str]:
         """Returns the words of the command, in the folder of a run."""
-        words = shlex.split(self.command) if isinstance(self.command, str) else self.command
-        return [word.replace(FOLDER, folder) for word in words]
+        return [word.replace(FOLDER, folder) for word in self.command]
 
 
-Launched = Annotated[Line | Words | Annotated[Launch, Tag("part")], Discriminator(_form)]
-
-
-def launch_of(entry: Launch | str | tuple[str, ...]) -> Launch:
-    """Returns an entry of `launch:`, which may be a command alone."""
-    return entry if isinstance(entry, Launch) else Launch(command=entry)
+Launched = Annotated[Launch, BeforeValidator(_alone, json_schema_input_type=Text | _Words | Launch)]

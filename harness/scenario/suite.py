@@ -6,9 +6,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.base.interrupt import Interrupted
-from harness.scenario.attempt import SCRATCH, Attempt, attempt
+from harness.scenario.attempt import SCRATCH, attempt
 from harness.scenario.case import Case
 from harness.scenario.progress import Progress
+from harness.scenario.verdict import Attempt
 from harness.workers import Workers, work_off
 
 KEPT = "the same command with --resume goes on with the rest"

@@ -5,12 +5,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from harness.base.version import __version__
-from harness.scenario.attempt import Attempt
 from harness.scenario.case import Cell as Values
 from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Cell, Compared, Comparisons, Row
 from harness.scenario.spec import Matrix
-from harness.scenario.verdict import outcome_of, reasons_of
+from harness.scenario.verdict import Attempt, outcome_of, reasons_of
 from rover_metrics.log.files import json_safe
 from rover_metrics.sheet.render import csv_text
 from rover_metrics.sheet.sheet import Sheet, interval_text, number, probability

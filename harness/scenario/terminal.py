@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from harness.scenario.attempt import Attempt
+from harness.base.errors import how_many
 from harness.scenario.case import scenario_name
-from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
 
 _STYLES = {
     Outcome.PASSED: "green",
@@ -28,7 +28,10 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
     simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
     speed = f", {simulated / wall:.0f}x real time a process" if wall else ""
-    _plain(console, f"{passed} of {len(verdicts)} scenarios passed: {len(runs)} runs{speed}")
+    text = (
+        f"{passed} of {how_many(len(verdicts), 'scenario')} passed: {how_many(len(runs), 'run')}{speed}"
+    )
+    console.print(text, soft_wrap=True)
 
 
 def _rate(verdict: Verdict) -> str:
@@ -42,18 +45,14 @@ def _rate(verdict: Verdict) -> str:
 def _print_run(console: Console, attempt: Attempt) -> None:
     outcome = outcome_of(attempt)
     _line(console, outcome, attempt.case.name, indent="  ")
-    for reason in reasons_of(attempt):
-        _plain(console, f"    {reason}")
+    lines = [*reasons_of(attempt)]
     if not outcome.is_good:
-        _plain(console, f"    again: {attempt.case.command}")
-    for path in attempt.kept[:1]:
-        _plain(console, f"    see:   {path}")
+        lines.append(f"again: {attempt.case.command}")
+    lines += [f"see:   {path}" for path in attempt.kept[:1]]
+    for line in lines:
+        console.print(f"    {line}", soft_wrap=True)
 
 
 def _line(console: Console, outcome: Outcome, text: str, indent: str = "") -> None:
-    console.print(f"{indent}[{_STYLES[outcome]}]{outcome.value}[/] ", end="", highlight=False)
-    _plain(console, text)
-
-
-def _plain(console: Console, text: str) -> None:
-    console.print(text, markup=False, highlight=False, soft_wrap=True)
+    console.print(f"{indent}{outcome.value}", style=_STYLES[outcome], end=" ")
+    console.print(text, soft_wrap=True)

@@ -7,7 +7,6 @@
 Scenarios that start nodes or expect something of topics are driven in just this way by their command.
 """
 
-import sys
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -34,8 +33,9 @@ from harness.scenario.series import Series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.topic import TopicQuantity, topic_quantity
-from harness.scenario.watch import Findings, Watch
-from harness.testing.evidence import Recording, kept_lines
+from harness.scenario.verdict import Attempt
+from harness.scenario.watch import Watch
+from harness.testing.evidence import LeavesEvidence, Recording
 from harness.testing.nodes import START_PATIENCE
 from harness.testing.process import Programs
 from harness.testing.subject import Subject
@@ -52,7 +52,7 @@ LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics t
 TOOLS = ("_", "launch_ros_")
 
 
-class ScenarioTrial(TrialListener):
+class ScenarioTrial(LeavesEvidence, TrialListener):
     """A run of a scenario: a Trial whose drive is logged, watched and judged.
 
     What a Trial can do, it can: host, collect, drive, step, until, pause, time, truth, ...
@@ -63,6 +63,9 @@ class ScenarioTrial(TrialListener):
             ends the trial; None for none.
         folder: For what it writes until then; a temporary one if None.
         compare: Whether it is compared with its baseline, if it has one.
+
+    Attributes:
+        result: The run itself, after `finish`.
 
     Raises:
         UsageError: There is no baseline of it.
@@ -76,16 +79,15 @@ class ScenarioTrial(TrialListener):
         folder: Path | None = None,
         compare: bool = True,
     ) -> None:
-        self.case, self.artifacts, self._given = case, artifacts, folder
+        super().__init__(artifacts)
+        self.case, self._given = case, folder
         self._recording = Recording(RECORDING, KEPT)
         # Hosted nodes send Twist, as to every trial; others what they like.
         self._trial = Trial(case.run, listener=self, recording=self._recording, cmd_vel="auto_twist")
         self._watch = Watch(case, compare=compare)
         self._pauses = [event for event in case.scenario.events if isinstance(event, PauseEvent)]
         self._pauses.sort(key=lambda event: event.at)
-        self._at_end = ExitStack()
-        self._is_on = False
-        self._findings: Findings | None = None
+        self._findings: Attempt | None = None
 
     @classmethod
     def load(
@@ -125,24 +127,17 @@ class ScenarioTrial(TrialListener):
             hear, wanted = self._recording.hear, self._wanted()
             self._topics = Subscriptions(trial.bridge, wanted, inputs, now=self._now, record=hear)
             self._await_nodes()
-            if (
-                not trial.nodes.subjects
-            ):  # what is published is heard when somebody has answered after it
+            if not trial.nodes.subjects:  # who answers after it has been published has heard it
                 trial.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
             mode = f"ROS 2, lock-step with {', '.join(node.name for node in trial.nodes.subjects)}"
             begun = RunResult(run=self.case.run, mode=mode, info=trial.info)
             log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
-            self._logged, self._is_on = at_end.enter_context(log), True
+            self._logged, self._has_evidence = at_end.enter_context(log), True
             self._at_end = at_end.pop_all()
         return self
 
-    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        with self._at_end:
-            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
-                print(lines, file=sys.stderr)
-
     @property
-    def findings(self) -> Findings:
+    def findings(self) -> Attempt:
         """What the run came to, after `finish`."""
         assert self._findings is not None, "it has not finished"  # noqa: S101 - for who calls it before
         return self._findings
@@ -159,62 +154,33 @@ class ScenarioTrial(TrialListener):
         except RunFailed:
             if self._trial.failure is None:
                 raise  # else the drive itself has ended early, which is judged
-        self._findings = self._watch.judged(self._ended(self._trial.nodes.subjects), self._heard())
+        self.result = self._ended(self._trial.nodes.subjects)
+        self._findings = self._watch.judged(self.result, self._heard())
         return self._findings.breaches
 
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
-        """Puts log, manifest, page, recording and what programs have said into a folder.
-
-        Args:
-            folder: Is made; one of an earlier run is replaced.
-            reason: Why the run did not pass, for manifest and page.
-
-        Returns:
-            What it has put there, the page first.
-        """
-        result = self._ended() if self._findings is None else self._findings.result
+        """Puts log, manifest, page, recording and what programs have said into a folder, made anew."""
+        result = self._ended() if self._findings is None else self.result
         more = [self._recording.end(), *sorted(self._folder.glob(f"*{OUTPUT}"))]
         kept = self._watch.keep(result, folder, reason, more)
         if any(self._files.iterdir()):
             kept = (*kept, copytree(self._files, folder / FILES))
         return kept
 
-    def keep_evidence(self, reason: str) -> str:
-        """Keeps in `artifacts` what `keep` does, once.
-
-        Args:
-            reason: Why the trial has failed; its first line stands on the page.
-
-        Returns:
-            Where it is, in a line each; nothing if it was kept already, or has not begun.
-        """
-        folder, self.artifacts = self.artifacts, None
-        if folder is None or not self._is_on:
-            return ""
-        return kept_lines(lambda why: self.keep(folder, why), reason)
-
     def reset(self, *, seed: int | None = None, start: Start | None = None) -> None:
-        """Puts the rover back to its start; a run of a scenario is one episode.
-
-        Args:
-            seed: None.
-            start: None.
-
-        Raises:
-            UsageError: Another seed or start is asked for.
-        """
+        """Puts the rover back to its start; UsageError with a seed or a start: a run is one episode."""
         if seed is not None or start is not None:
             raise UsageError("a scenario's run is one episode; load another for another seed or start")
         self._trial.reset()
 
     def begin_programs(self, programs: Programs) -> None:
         """Starts the commands of the scenario."""
-        for number, launch in enumerate(self.case.scenario.launches, 1):
+        for number, launch in enumerate(self.case.scenario.launch, 1):
             programs.begin(
                 launch.words(str(self._files)),
                 self.case.path.parent,
                 self._folder / f"launch_{number}{OUTPUT}",
-                may_end=launch.nodes == (),
+                may_end=launch.wait_for == (),
             )
 
     def joined(self, node: object) -> None:
@@ -254,7 +220,7 @@ class ScenarioTrial(TrialListener):
 
     def _await_nodes(self) -> None:
         """Waits for the nodes that are named, and for one of each command that names none."""
-        launches = [launch.nodes for launch in self.case.scenario.launches]
+        launches = [launch.wait_for for launch in self.case.scenario.launch]
         named = [name for nodes in launches for name in nodes or ()]
         others = launches.count(None)
 

@@ -1,4 +1,4 @@
-"""Attempts to verdicts: of a run, and of a scenario whose runs need not all pass."""
+"""What came of a run, and of a scenario whose runs need not all pass."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,54 @@ from pathlib import Path
 
 from scipy.stats import binomtest
 
-from harness.scenario.attempt import Attempt
+from harness.scenario.baseline import Recorded
+from harness.scenario.case import Case
 
 CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a quantity came to in a run: what its bound compares.
+
+    Attributes:
+        value: In `unit`; None where there was none.
+        unit: Empty for counts, flags and columns of the log.
+    """
+
+    value: float | None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What a run of a scenario came to.
+
+    Attributes:
+        breaches: What was not as expected, in the order of the file.
+        error: Why it could not be run; None if it could.
+        simulated_s: Simulated time [s]; `wall_s` is the wall time that it took [s].
+        model_hash: Hash of the rover's model, as that of the terrain "" if it could not run.
+        recorded: What a baseline keeps of it; None if it has none.
+        kept: What is left of a run that did not pass.
+        measured: What each bound of the scenario compares, in their order; nothing if it could not run.
+    """
+
+    case: Case
+    breaches: tuple[str, ...] = ()
+    error: str | None = None
+    simulated_s: float = 0.0
+    wall_s: float = 0.0
+    model_hash: str = ""
+    terrain_hash: str = ""
+    recorded: Recorded | None = None
+    kept: tuple[Path, ...] = ()
+    measured: tuple[Measured, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether all was as expected."""
+        return not self.breaches and self.error is None
 
 
 class Outcome(StrEnum):
@@ -53,8 +98,6 @@ class Verdict:
     """What is said of a scenario.
 
     Attributes:
-        path: Its file.
-        attempts: Its runs.
         rate: Share of the runs that are good.
         interval: Of the rate, by Wilson's method, at 95 %.
         outcome: ERROR if a run could not be run, else PASSED or FAILED.

@@ -1,12 +1,12 @@
 """What is watched of a run of a scenario, and what comes of it: what was not as expected."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from shutil import rmtree
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import gravity
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
@@ -24,44 +24,17 @@ from harness.scenario.baseline import (
     record,
 )
 from harness.scenario.case import Case
-from harness.scenario.contact import contact_of
-from harness.scenario.judge import judge, judge_against, value_of
-from harness.scenario.quantities import LOG, QUANTITIES, RUN
+from harness.scenario.judge import Breach, judge, judge_against, value_of
+from harness.scenario.quantities import LOG, QUANTITIES, RUN, SAMPLED
 from harness.scenario.series import Series, TruthSeries
+from harness.scenario.verdict import Attempt, Measured
+from harness.truth.traversal import ContactEvent
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.settings import Settings
 
 PAGE = "run.html"
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What a quantity came to in a run: what its bound compares.
-
-    Attributes:
-        value: In `unit`; None where there was none.
-        unit: Empty for counts, flags and columns of the log.
-    """
-
-    value: float | None
-    unit: str = ""
-
-
-@dataclass(frozen=True)
-class Findings:
-    """What a run came to.
-
-    Attributes:
-        result: The run.
-        breaches: What was not as expected, in the order of the file.
-        measured: What each bound compares, in the same order.
-        recorded: What a baseline keeps of it; None if it has none.
-    """
-
-    result: RunResult
-    breaches: tuple[str, ...]
-    measured: tuple[Measured, ...]
-    recorded: Recorded | None
+_SIDES = {"L": "left", "R": "right"}
+_CORNERS = _SIDES | {"FL": "front left", "FR": "front right", "RL": "rear left", "RR": "rear right"}
 
 
 class Watch:
@@ -102,12 +75,8 @@ class Watch:
         self.truth.take(batch)
         self.page.take(batch)
 
-    def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Findings:
-        """Returns what was not as expected.
-
-        Args:
-            result: What the run came to; its log is read.
-            heard: The quantities of its topics.
+    def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Attempt:
+        """Returns what a run with these quantities of topics came to; its log is read.
 
         Raises:
             UsageError: Its baseline is of another version, model, terrain or argument.
@@ -122,8 +91,16 @@ class Watch:
             for name, bound in self._case.scenario.bounds
             for one in [series[bound.label(name)]]
         )
-        breaches = tuple(self._breaches(result, series, recorded))
-        return Findings(result, breaches, tuple(measured), recorded)
+        return Attempt(
+            self._case,
+            tuple(self._breaches(result, series, recorded)),
+            simulated_s=result.simulated_s,
+            wall_s=result.wall_s,
+            model_hash=result.info.model_hash if result.info else "",
+            terrain_hash=result.info.terrain_hash if result.info else "",
+            recorded=recorded,
+            measured=tuple(measured),
+        )
 
     def keep(
         self, result: RunResult, folder: Path, reason: str, more: Iterable[Path | None] = ()
@@ -162,6 +139,27 @@ class Watch:
             difference = first_difference(recorded, baseline)
             if difference is not None:
                 yield difference
+
+
+def contact_of(name: str, breach: Breach, events: Sequence[ContactEvent]) -> str:
+    """Returns e.g. ": front left wheel against hazard_3"; nothing if there is nothing to tell.
+
+    Args:
+        name: Of the quantity.
+        breach: What is wrong with it, and since when.
+        events: All contacts of the run; those of one kind do not overlap.
+    """
+    kind = QUANTITIES[name].contact if name in QUANTITIES else None
+    if kind is None or breach.time_s is None:
+        return ""
+    since = breach.time_s - SAMPLED
+    meant = [e for e in events if e.kind == kind and e.end_ns / NANOSECONDS >= since]
+    if not meant:
+        return ""
+    event = min(meant, key=lambda e: e.start_ns)
+    part, _, corner = event.part.partition("_")  # of wheel_FL
+    words = f"{_CORNERS[corner]} {part}" if corner in _CORNERS else event.part
+    return f": {words} against {event.other}"
 
 
 def _logged(result: RunResult) -> dict[str, Series]:

@@ -85,11 +85,7 @@ class ActorSpec:
 
 
 def parse_actor(text: str) -> ActorSpec:
-    """Returns the people that a text asks for.
-
-    Raises:
-        UsageError: The text is not valid; the message names what is.
-    """
+    """Returns the people that a text asks for; UsageError names what would be valid."""
     match = BEHIND.fullmatch(text)
     way, behind = (match["way"], match["options"] or "") if match else (text, "")
     name, sign, rest = way.partition("=")

@@ -46,20 +46,15 @@ class FaultSpec:
 
 
 def parse_fault(text: str) -> FaultSpec:
-    """Returns the fault that a text stands for.
-
-    Raises:
-        UsageError: The text is not of that form, or holds no valid times.
-    """
+    """Returns the fault that a text stands for; UsageError if it is not of that form."""
     match = _SPEC.fullmatch(text)
     if match is None:
         raise UsageError(f"fault '{text}' is not of the form {FORM}, e.g. imu:nan@10+2")
     try:
         value = None if match["value"] is None else float(match["value"])
     except ValueError as error:
-        raise UsageError(
-            f"fault '{text}': value '{match['value']}' is not valid; give a number"
-        ) from error
+        message = f"fault '{text}': value '{match['value']}' is not valid; give a number"
+        raise UsageError(message) from error
     start, length = (_seconds(text, match[name], name.upper()) for name in ("start", "length"))
     if length == 0.0:
         raise UsageError(f"fault '{text}': LENGTH is 0 s; give more, or leave it out")

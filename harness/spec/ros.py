@@ -75,6 +75,6 @@ class RosOptions(Value):
         "read by rover_metrics.replay as it is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
     )
     overwrite: Annotated[bool, Option("")] = Field(
-        default=False, description="let --record replace a file"
+        default=False, description="let --record and --social-log replace a file"
     )
     frames: FrameOptions = FrameOptions()

@@ -82,32 +82,17 @@ class Run(Value):
         return parse_timestep(self.timestep)
 
     def own_seed(self, number: int) -> int:
-        """Returns the seed of what is random about a rover; of the first one, `seed`.
-
-        Args:
-            number: Its place among the rovers.
-        """
+        """Returns the seed of what is random about the rover at a place; of the first one, `seed`."""
         if number == 0:
             return self.seed
         return int.from_bytes(seeded(self.seed, FLEET, number).generate_state(4).tobytes(), "little")
 
     def alone(self, **changes: Any) -> "Run":  # noqa: ANN401 - as the fields are
-        """Returns the same run with other values of some fields; those of a rover are the first one's.
-
-        Args:
-            changes: As of `of`.
-
-        Raises:
-            UsageError: One does not exist or is not valid.
-        """
+        """Returns the same run with other values of some fields, by the names that `of` takes."""
         return from_fields(self, changes)
 
     def fields(self, number: int = 0) -> dict[str, Any]:
-        """Returns what determines one rover's part, by the names that `of` takes, as JSON values.
-
-        Args:
-            number: The rover's place; other rovers' setups are left out.
-        """
+        """Returns what determines the part of the rover at a place, by `of`'s names, as JSON values."""
         parts = (self.world, self.rovers[number], self.plan, self)
         return {
             name: value
@@ -149,11 +134,7 @@ OWNERS = dict(field_owners())
 
 
 def keys_of(*names: str) -> dict[str, tuple[Any, FieldInfo]]:
-    """Returns fields of a run, of whatever part, as pydantic's `create_model` takes them.
-
-    Args:
-        names: Of the fields.
-    """
+    """Returns fields of a run, of whatever part, as pydantic's `create_model` takes them."""
     models: dict[str, type[Value]] = PARTS | {"": Run}
     found = {name: models[OWNERS[name]].model_fields[name] for name in names}
     return {name: (field.annotation, field) for name, field in found.items()}

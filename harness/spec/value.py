@@ -25,11 +25,7 @@ class Value(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
-        """Returns a copy with other values of some fields.
-
-        Raises:
-            UsageError: One is not valid.
-        """
+        """Returns a copy with other values of some fields; UsageError if one is not valid."""
         return made(type(self), self.__dict__ | changes)
 
 
@@ -201,11 +197,7 @@ def as_tuple(value: object) -> object:
 
 
 def parsed(parse: Callable[[str], Any]) -> BeforeValidator:
-    """Returns a validator that makes a value of its text; what is no text is left as it is.
-
-    Args:
-        parse: Makes the value; its UsageError becomes the mistake of the field.
-    """
+    """Returns a validator that makes a value of its text, and takes UsageError for a mistake of it."""
 
     def convert(value: object) -> object:
         if not isinstance(value, str):
@@ -259,11 +251,7 @@ def numbers(form: str, count: int, *, rest: float | None = None) -> BeforeValida
 
 
 def listed(separator: str = "") -> BeforeValidator:
-    """Returns a validator that takes one value for a list of one.
-
-    Args:
-        separator: Between the values in text; "" if text is one value.
-    """
+    """Returns a validator that takes one value for a list of one, or splits text at a separator."""
 
     def convert(value: object) -> object:
         if isinstance(value, str) and separator:

@@ -1,8 +1,9 @@
 """What a trial leaves if it fails: a recording of its topics and a page about its last episode."""
 
+import sys
 import tempfile
 import time
-from collections.abc import Callable
+from abc import ABC, abstractmethod
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
@@ -17,6 +18,43 @@ from harness.ros.recorder import Recorder
 from harness.spec.run import Run
 
 RECORDING, PAGE = "trial.mcap", "trial.html"
+
+
+class LeavesEvidence(ABC):
+    """A context that keeps what it has recorded if an exception ends it.
+
+    Attributes:
+        artifacts: Folder for that; None for none, and once it is there.
+    """
+
+    def __init__(self, artifacts: Path | None) -> None:
+        self.artifacts, self._has_evidence = artifacts, False
+        self._at_end = ExitStack()
+
+    @abstractmethod
+    def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
+        """Puts what there is to see, with the reason of the failure, into a folder; returns where."""
+
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
+        with self._at_end:
+            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
+                print(lines, file=sys.stderr)
+
+    def keep_evidence(self, reason: str) -> str:
+        """Keeps in `artifacts` what `keep` does, once, with the first line of the reason of the failure.
+
+        Returns:
+            Where it is, in a line each, or why it is not; nothing if there is nothing to keep, or it was
+            kept already.
+        """
+        folder, self.artifacts = self.artifacts, None
+        if folder is None or not self._has_evidence:
+            return ""
+        try:
+            kept = self.keep(folder, next(iter(reason.splitlines()), "an exception"))
+        except (HarnessError, OSError) as error:
+            return f"nothing could be kept of this trial: {error}"
+        return "\n".join(f"kept: {path}" for path in kept)
 
 
 class Recording(ExitStack):
@@ -79,17 +117,3 @@ class Evidence:
         """Ends the recording, puts it and the page into a folder, and returns their places."""
         more = [recording.end()]
         return keep_evidence(self._account.ended(), self._page, folder / PAGE, reason, more)
-
-
-def kept_lines(keep: Callable[[str], tuple[Path, ...]], reason: str) -> str:
-    """Keeps what a trial leaves, and returns where it is, in a line each, or why it is not.
-
-    Args:
-        keep: Keeps it and returns its places; is given the first line of the reason.
-        reason: Why the trial has failed.
-    """
-    try:
-        kept = keep(next(iter(reason.splitlines()), "an exception"))
-    except (HarnessError, OSError) as error:
-        return f"nothing could be kept of this trial: {error}"
-    return "\n".join(f"kept: {path}" for path in kept)

@@ -15,16 +15,13 @@ START_PATIENCE = 30.0  # [s] for the nodes of a program to turn up
 
 
 class Nodes:
-    """The nodes that must have handled everything before time goes on.
+    """The nodes that must have handled everything before time goes on: `subjects`, as they were added.
 
     Args:
         bridge: What publishes to them.
         executor: Spins it.
         programs: Those whose nodes they are, if they are not hosted here.
         time_jumps: Whether faults will set the clock back.
-
-    Attributes:
-        subjects: In the order in which they were added.
     """
 
     def __init__(
@@ -41,14 +38,7 @@ class Nodes:
         return names - {self._bridge.get_fully_qualified_name()}
 
     def wait_until(self, is_there: Callable[[], bool]) -> None:
-        """Waits for nodes, at most START_PATIENCE.
-
-        Args:
-            is_there: Whether they are there.
-
-        Raises:
-            RunFailed: A program has ended and may not.
-        """
+        """Waits for nodes, at most START_PATIENCE; RunFailed if a program has ended and may not."""
 
         def are_there() -> bool:
             self._programs.check()
@@ -57,16 +47,7 @@ class Nodes:
         spin_until(self._executor, are_there, START_PATIENCE)
 
     def add(self, name: str, node: object = None) -> None:
-        """Keeps a node in step from now on.
-
-        Args:
-            name: Its full name.
-            node: The rclpy node if it is hosted here.
-
-        Raises:
-            RunFailed: A program has ended and may not.
-            UsageError: There is no such node, or it runs on wall time.
-        """
+        """Keeps a node of this full name in step from now on, as `Trial.join` does."""
         self.subjects.append(self._subject(name, node))
         self._connect()
 

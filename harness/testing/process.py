@@ -71,14 +71,7 @@ class Process:
             raise UsageError(f"there is no program '{name}' to launch ({self._command})")
 
     def check(self, when: str = "") -> None:
-        """Makes sure that it still runs.
-
-        Args:
-            when: It is now, for the message.
-
-        Raises:
-            RunFailed: It has ended and may not; what it said last follows in further lines.
-        """
+        """Makes sure that it still runs; RunFailed, with what it said last, if it may not have ended."""
         code = self._process.poll()
         if code is None or (code == 0 and self._may_end):
             return
@@ -110,12 +103,7 @@ class Process:
 
 
 class Programs(ExitStack):
-    """The programs that run in a ROS domain; a context that ends them.
-
-    Args:
-        domain: Its number.
-        when: Tells what time it is, for the message about one that has ended.
-    """
+    """The programs that run in a ROS domain; a context that ends them. `when` tells the time."""
 
     def __init__(self, domain: int, when: Callable[[], str]) -> None:
         super().__init__()
@@ -130,18 +118,14 @@ class Programs(ExitStack):
         *,
         may_end: bool = False,
     ) -> Process:
-        """Starts one; see Process."""
+        """Starts a Process, which ends with this context."""
         process = Process(command, self._environment, folder=folder, output=output, may_end=may_end)
         self.callback(process.stop)
         self._running.append(process)
         return process
 
     def check(self) -> None:
-        """Makes sure that all still run.
-
-        Raises:
-            RunFailed: One has ended and may not.
-        """
+        """Makes sure that all still run, as `Process.check` does of one."""
         for process in self._running:
             process.check(self._when())
 

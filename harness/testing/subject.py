@@ -76,9 +76,7 @@ class Heard(Generic[Message]):
 
     Attributes:
         topic: Its resolved name.
-        most: How many are kept.
-        messages: The latest of them.
-        times: Simulated seconds at which each of these arrived.
+        messages: The latest of them, at most `most`; `times` are the simulated seconds of their arrival.
         count: How many have arrived.
     """
 
@@ -101,11 +99,7 @@ class Heard(Generic[Message]):
 
     @property
     def latest(self) -> Message:
-        """The last message.
-
-        Raises:
-            AssertionError: Nothing has been heard.
-        """
+        """The last message; AssertionError if nothing has been heard."""
         if not self.messages:
             raise AssertionError(f"nothing has been heard on {self.topic}")
         return self.messages[-1]

@@ -1,6 +1,5 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -25,7 +24,7 @@ from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.testing.evidence import Evidence, Recording, kept_lines
+from harness.testing.evidence import Evidence, LeavesEvidence, Recording
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
 from harness.testing.subject import Heard, Message
@@ -64,7 +63,7 @@ class TrialListener:
         """The ticks of a batch have been handled."""
 
 
-class Trial:
+class Trial(LeavesEvidence):
     """Publishes a rover's topics in a ROS domain of its own; a context manager, one at a time.
 
     Args:
@@ -77,9 +76,8 @@ class Trial:
         cmd_vel: How commands come: "twist", "stamped", "auto" or "auto_twist".
 
     Attributes:
-        run: As it was given, or as `reset` has changed it.
+        run: As it was given, or as `reset` has changed it; `domain` is its ROS domain.
         artifacts: As it was given; may be changed until the trial is entered.
-        domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
         failure: Why the drive itself ended early; None if it did not.
@@ -101,13 +99,12 @@ class Trial:
         cmd_vel: str = "twist",
     ) -> None:
         check(run)
+        super().__init__(artifacts)
         self.run, self._frames, self._cmd_vel = run, frames or FrameOptions(), cmd_vel
-        self.artifacts = artifacts
         self._listener, self._recording = listener or TrialListener(), recording
         self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
-        self._at_end = ExitStack()
         self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
         self.now_ns = self.clock_ns = 0
         self.speed = 0.0
@@ -122,25 +119,11 @@ class Trial:
             self._at_end = at_end.pop_all()
         return self
 
-    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        with self._at_end:
-            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
-                print(lines, file=sys.stderr)
-
-    def keep_evidence(self, reason: str) -> str:
-        """Ends the recording and writes recording and page to `artifacts`.
-
-        Args:
-            reason: Why the trial has failed; its first line stands on the page.
-
-        Returns:
-            Where they are, in a line each; nothing if nothing is recorded, or it was kept already.
-        """
-        evidence, self._evidence = self._evidence, None
-        folder, recording = self.artifacts, self._recording
-        if evidence is None or folder is None or recording is None:
-            return ""
-        return kept_lines(lambda why: evidence.keep(folder, why, recording), reason)
+    def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
+        """Ends the recording, puts it and a page about the last episode into a folder."""
+        assert self._evidence is not None  # noqa: S101 - as `keep_evidence` makes sure
+        assert self._recording is not None  # noqa: S101
+        return self._evidence.keep(folder, reason, self._recording)
 
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
@@ -157,7 +140,7 @@ class Trial:
         self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))
         if self.artifacts is not None:
             self._recording = self._recording or Recording()
-            self._evidence = Evidence(self.bridge, self.run, self.info)
+            self._evidence, self._has_evidence = Evidence(self.bridge, self.run, self.info), True
         if self._recording is not None:
             at_end.enter_context(self._recording).tap(self.bridge)
         if self._episode.description is not None:
@@ -174,11 +157,7 @@ class Trial:
         return self.now_ns / NANOSECONDS
 
     def host(self, make_node: Callable[[], Node]) -> Node:
-        """Makes a node and spins it in this process, on simulated time.
-
-        Args:
-            make_node: Its class, or a function that returns it. The node must not choose a context.
-        """
+        """Makes a node, which must not choose a context, and spins it here, on simulated time."""
         node: Any = make_node()
         self._at_end.callback(node.destroy_node)
         self.executor.add_node(node)
@@ -194,7 +173,7 @@ class Trial:
 
         Raises:
             RunFailed: The program ended at once.
-            UsageError: There is no such program, the node is not found, or runs on wall time.
+            UsageError: There is no such program or node, or it runs on wall time.
         """
         self._programs.begin(command)
         self.nodes.wait_until(lambda: node in self.nodes.names())
@@ -238,11 +217,7 @@ class Trial:
         return heard
 
     def drive(self, linear: float, angular: float = 0.0) -> None:
-        """Commands a speed [m/s] and a yaw rate [rad/s] until the next command.
-
-        Raises:
-            UsageError: The driver is not "cmd_vel".
-        """
+        """Commands a speed [m/s] and a yaw rate [rad/s] until the next; for driver "cmd_vel" only."""
         if self.run.rover.driver != "cmd_vel":
             raise UsageError(f'driver "{self.run.rover.driver}" drives by itself; choose "cmd_vel"')
         self._command(Twist(linear, angular))
@@ -261,12 +236,12 @@ class Trial:
         Raises:
             UsageError: One of them is not valid; the present episode goes on.
         """
-        given = {"seed": seed, "start": start}
-        changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-        if not changes:
+        if seed is None and start is None:
             self._episode.reset()
             return
-        run = self.run.alone(**changes)
+        run = self.run.alone(
+            seed=self.run.seed if seed is None else seed, start=start or self.run.rover.start
+        )
         self._episode = Episode(run, frame_options=self._frames)
         self.run = run
 

@@ -20,6 +20,7 @@ from rich.console import Console
 
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.cli.console import counted
+from harness.cli.plain import PlainConsole
 from harness.robots import ROVERS, find_rover
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _interruptible(options: argparse.Namespace) -> int:
     try:
         with StopRequest():
-            return _tune(options, Console())
+            return _tune(options, PlainConsole())
     except Interrupted as error:
         error.args = (f"{error}; the same command goes on with the episodes in {options.out}",)
         raise
@@ -63,7 +64,7 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     print_studies(console, studies)
     with console.status("drawing the page"):
         for path in write_results(options.out, studies, records, _command(robots, options)):
-            console.print(f"written: {path}", soft_wrap=True, highlight=False)
+            console.print(f"written: {path}", soft_wrap=True)
     verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:

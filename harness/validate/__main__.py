@@ -19,6 +19,7 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
+from harness.cli.plain import PlainConsole
 from harness.robots import ROVERS, find_rover
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
@@ -28,7 +29,7 @@ from rover_metrics.errors import OneLineParser
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 0, 1 after a miss, 2 for bad arguments."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.validate", lambda: _validate(options, Console()))
+    return run_program("harness.validate", lambda: _validate(options, PlainConsole()))
 
 
 def _validate(options: argparse.Namespace, console: Console) -> int:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import actor_names
@@ -112,7 +113,7 @@ def read_states(path: Path) -> States:
     """
     try:
         header, _, body = path.read_bytes().partition(b"\n")
-        content = json.loads(header)
+        content = parse_json(header, str(path))
         run, number = made(Run, content["run"]), int(content["number"])
         robot = run.rovers[number].robot
     except (OSError, ValueError, TypeError, LookupError, UsageError) as error:

@@ -78,11 +78,7 @@ class Cluster(Workers):
     def map(
         self, work: Callable[[Item], Outcome], items: Sequence[Item]
     ) -> Generator[Outcome, None, None]:
-        """Yields outcomes as Workers.map does.
-
-        Raises:
-            UsageError: A worker has not what it needs to give the bytes that this process would.
-        """
+        """Yields outcomes as Workers.map does; UsageError if a worker would give other bytes."""
         expected = versions()
         try:
             # All at once: the cluster knows best how many workers it has, or can get, for them.
@@ -99,9 +95,8 @@ class Cluster(Workers):
             raise WorkerLost(f"workers of {self.name} were lost ({why})") from lost
         if isinstance(error, ImportError):
             mend = f"install rover-harness[tune] {__version__} for all workers"
-            raise UsageError(
-                f"a worker of {self.name} cannot load its work ({error}); {mend}"
-            ) from error
+            message = f"a worker of {self.name} cannot load its work ({error}); {mend}"
+            raise UsageError(message) from error
         if error is not None:
             raise error
         return outcome
@@ -183,31 +178,25 @@ with Client(sys.argv[1], set_as_default=False) as client:
 
 
 def _answer(code: str, address: str) -> float:
-    """What a program prints last, in a process that can be given up.
-
-    Clients of Ray and Dask retry for minutes, log that, and crash on what is not their own.
-    """
-    words = [sys.executable, "-c", code, address]
+    """What a program prints last, in a process that can be given up, as the clients cannot."""
+    words = [sys.executable, "-c", code, address]  # Ray's and Dask's retry for minutes, or crash
     try:
         tried = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
         return float(tried.stdout.split()[-1])
     except subprocess.TimeoutExpired as error:
         raise TimeoutError(f"nothing within {PATIENCE:g} s") from error
     except (IndexError, ValueError) as error:
-        raise ConnectionError(
-            (tried.stderr.strip().splitlines() or ["it ended silently"])[-1]
-        ) from error
+        lines = tried.stderr.strip().splitlines() or ["it ended silently"]
+        raise ConnectionError(lines[-1]) from error
 
 
 def _by_value(
     work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]
 ) -> Callable[[], Any]:
-    """Returns a call that gives an outcome and None, or None and the exception, on any worker.
-
-    Ray and Dask send a nested function by value, so it arrives also where this package is missing;
-    Dask's scheduler, too, would have to load any other.
-    """
+    """Returns a call that gives an outcome and None, or None and the exception, on any worker."""
     content = pickle.dumps((_work_elsewhere, work, item, expected))
+    # A nested function is sent by value, so it arrives also where this package is missing; Dask's
+    # scheduler, too, would have to load any other.
 
     def load_and_call() -> tuple[Any, Exception | None]:
         try:
@@ -223,18 +212,14 @@ def _by_value(
 def _work_elsewhere(
     work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]
 ) -> tuple[Outcome | None, Exception | None]:
-    """In a process of a cluster: works on an item, if the versions are those that give the same bytes.
-
-    One item at a time, also where a process has several threads for work: Python would run only one
-    of them anyway.
-    """
+    """In a process of a cluster: works on an item, if the versions are those of the same bytes."""
     here = versions()
     differ = [f"{name} {here[name]} instead of {e}" for name, e in expected.items() if here[name] != e]
     if differ:
         mend = "results could differ, install the same there"
         return None, UsageError(f"a worker of the cluster has {', '.join(differ)}; {mend}")
     try:
-        with _busy:
+        with _busy:  # one item at a time: of several threads Python would run only one anyway
             return work(item), None
     except Exception as error:  # noqa: BLE001 - raised where the outcome is awaited
         error.add_note(traceback.format_exc())

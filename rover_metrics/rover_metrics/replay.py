@@ -68,6 +68,8 @@ def _replay(options: argparse.Namespace) -> int:
 @contextmanager
 def _log(output: Path | None, bag: Path, columns: Sequence[str], *, overwrite: bool) -> Iterator[CsvLog]:
     """The log to write to; a file asked for by name gets its name when it is whole."""
+    if overwrite and output is None:
+        raise LogError("--overwrite is for the file of -o; name one, or leave it out")
     if output is None or output.is_dir():
         with CsvLog(output or DEFAULT_LOG_DIR, datetime.now(), columns=columns) as log:
             yield log

@@ -12,7 +12,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.scenario.__main__ import main
-from harness.scenario.attempt import Attempt
+from harness.scenario.verdict import Attempt
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = (

@@ -1,7 +1,7 @@
 """The page of a suite: what its template shows."""
 
-import os
 from collections.abc import Iterator, Sequence
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -11,7 +11,6 @@ from markupsafe import Markup
 from harness.base.version import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
-from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Comparisons
 from harness.scenario.page.figures import height, plots_of
@@ -23,12 +22,7 @@ CLASSES = {Outcome.PASSED: "complete", Outcome.FAILED: "failed", Outcome.ERROR: 
 
 
 def render(several: Sequence[Comparisons], page: Path) -> str:
-    """Returns the HTML of a suite; the same attempts give the same bytes.
-
-    Args:
-        several: Its scenarios.
-        page: Where it is going to be, for its links to what runs have left.
-    """
+    """Returns the HTML of a suite for a page at a place, the same bytes for the same attempts."""
     verdicts = [compared.verdict for compared in several]
     scenarios = [
         _scenario(f"scenario-{number}", compared)
@@ -72,15 +66,11 @@ def _bad(verdicts: Sequence[Verdict], page: Path) -> Iterator[dict[str, Any]]:
                     "outcome": outcome.value,
                     "reasons": reasons_of(attempt),
                     "again": attempt.case.command,
-                    "link": _link(attempt, page),
+                    "link": next(
+                        (quote(Path(relpath(path, page.parent)).as_posix()) for path in attempt.kept),
+                        None,
+                    ),
                 }
-
-
-def _link(attempt: Attempt, page: Path) -> str | None:
-    if not attempt.kept:
-        return None
-    there = os.path.relpath(attempt.kept[0], page.parent)
-    return quote(Path(there).as_posix())
 
 
 def _line(number: int, verdict: Verdict) -> dict[str, str]:

@@ -11,6 +11,7 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
 from harness.base.version import __version__
@@ -21,7 +22,6 @@ from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
 from rover_metrics.errors import counted
-from rover_metrics.log.documents import DocumentError, read_json
 from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
@@ -158,7 +158,7 @@ def _difference(path: Path, ours: dict[str, Any]) -> str:
             if theirs[name] != ours[name]:
                 return f"{name} {theirs[name]} instead of {ours[name]}"
         episodes = len(theirs["episodes"])
-    except (DocumentError, TypeError, LookupError, AttributeError):
+    except (UsageError, TypeError, LookupError, AttributeError):
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
         return f"{counted(episodes, 'episode')} instead of {len(ours['episodes'])}"

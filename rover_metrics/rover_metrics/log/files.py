@@ -3,24 +3,59 @@
 import contextlib
 import math
 import os
+import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
+
 
 @contextlib.contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Yields a file beside the target that replaces it if all goes well; a link is not followed."""
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=target.stem, suffix=".part")
-    os.close(handle)
-    part = Path(name)
+    """Yields a file beside the target that replaces it if all goes well; a link to a file is replaced too.
+
+    A device or a pipe stays what it is: what was written is written into it. A signal that would end the
+    process on the spot ends it after the unfinished file is gone.
+    """
+    is_special = target.exists() and not (target.is_file() or target.is_dir())
+    folder = None if is_special else target.parent
+    with _unwinding():
+        handle, name = tempfile.mkstemp(dir=folder, prefix=target.stem, suffix=".part")
+        os.close(handle)
+        part = Path(name)
+        try:
+            yield part
+            if is_special:
+                with part.open("rb") as source, target.open("wb", buffering=0) as device:
+                    shutil.copyfileobj(source, device)
+                return
+            part.chmod(0o644)  # mkstemp lets nobody else read
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _unwinding() -> Iterator[None]:
+    """Within, signals that nobody handles raise SystemExit instead of ending the process at once."""
+
+    def leave(number: int, _: object) -> None:
+        raise SystemExit(128 + number)
+
+    ends = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
+    is_main = threading.current_thread() is threading.main_thread()  # others set no handlers
+    before = [n for n in ends if is_main and signal.getsignal(n) is signal.SIG_DFL]
+    for number in before:
+        signal.signal(number, leave)
     try:
-        yield part
-        part.chmod(0o644)  # mkstemp lets nobody else read
-        part.replace(target)
+        yield
     finally:
-        part.unlink(missing_ok=True)
+        for number in before:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def json_safe(value: Any, digits: int | None = None) -> Any:  # noqa: ANN401 - any JSON value

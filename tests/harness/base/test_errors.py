@@ -3,10 +3,7 @@ import pytest
 from harness.base.errors import UsageError, find_named
 
 
-def test_a_value_is_found_by_its_name() -> None:
+def test_a_value_is_found_by_its_name_or_the_names_are_told() -> None:
     assert find_named("robot", "b", {"a": 1, "b": 2}) == 2
-
-
-def test_a_name_that_does_not_exist_is_told_with_those_that_do() -> None:
     with pytest.raises(UsageError, match=r"^robot 'c' does not exist; available: a, b$"):
         find_named("robot", "c", {"a": 1, "b": 2})

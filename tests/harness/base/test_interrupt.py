@@ -13,16 +13,11 @@ def test_signal_ends_the_command_at_once_while_it_starts() -> None:
     assert caught.value.exit_code == 130
 
 
-def test_first_signal_is_remembered_while_deferred() -> None:
-    with StopRequest() as stop, stop.deferred():
-        signal.raise_signal(signal.SIGTERM)
-        assert stop.signal is signal.SIGTERM
-    assert stop.exit_code == 143
-
-
 def test_second_signal_interrupts_even_while_deferred() -> None:
     with StopRequest() as stop, stop.deferred():
-        signal.raise_signal(signal.SIGINT)
+        assert stop.exit_code == 0
+        signal.raise_signal(signal.SIGTERM)
+        assert (stop.signal, stop.exit_code) == (signal.SIGTERM, 143)
         with pytest.raises(Interrupted):
             signal.raise_signal(signal.SIGINT)
 
@@ -119,8 +114,3 @@ def test_a_sleep_is_as_long_as_asked_and_ends_with_a_request(monkeypatch: pytest
     now[0] = 199.95
     stop.sleep(5.0)
     assert now[0] == pytest.approx(200.05)
-
-
-def test_no_signal_means_exit_code_zero() -> None:
-    with StopRequest() as stop:
-        assert stop.exit_code == 0

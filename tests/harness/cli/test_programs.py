@@ -11,7 +11,6 @@ import pytest
 import tomllib
 
 from harness.cli import programs
-from rover_metrics.errors import OneLineParser
 
 ROOT = Path(__file__).parents[3]
 SCRIPTS: dict[str, str] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
@@ -75,17 +74,6 @@ def test_a_mistake_is_told_under_the_modules_name(
         programs.call()
     assert left.value.code == 2
     assert capsys.readouterr().err.startswith("harness.call: unrecognized arguments: --no-such-option;")
-
-
-def test_a_verb_of_a_script_keeps_its_name(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(sys, "argv", ["/bin/rover-robot", "new", "--help"])
-    parser = OneLineParser(prog="python -m harness.robot")
-    parser.add_subparsers().add_parser("new")
-    with pytest.raises(SystemExit):
-        parser.parse_args()
-    assert capsys.readouterr().out.startswith("usage: rover-robot new ")
 
 
 def test_nothing_is_loaded_before_a_program_is_ready() -> None:

@@ -33,7 +33,16 @@ def test_the_next_goal_comes_when_one_is_reached_or_given_up() -> None:
     assert course((-1.0, 2.0, -1.0, 3.0)).next(0.0, (9.0, 9.0), UPRIGHT) == first
 
 
-@pytest.mark.parametrize("area", [(0.5, 1.5, -0.5, 0.5), (10.0, 20.0, 10.0, 20.0)])
-def test_an_area_without_a_free_place_is_refused(area: tuple[float, float, float, float]) -> None:
-    with pytest.raises(UsageError, match="no free place in the goal area"):
+@pytest.mark.parametrize(
+    ("area", "mend"),
+    [
+        ((0.5, 1.5, -0.5, 0.5), "no free place in the goal area"),
+        ((-1.0, 4.1, -1.0, 1.0), "reaches beyond the map, x -4 to 4, y -4 to 4 m"),
+        ((-1.7e308, 1.7e308, -1.0, 1.0), "reaches beyond the map"),
+    ],
+)
+def test_an_area_without_a_free_place_or_beyond_the_map_is_refused(
+    area: tuple[float, float, float, float], mend: str
+) -> None:
+    with pytest.raises(UsageError, match=mend):
         course(area).draw()

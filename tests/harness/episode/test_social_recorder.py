@@ -91,6 +91,16 @@ def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
     assert places[-1][0] > 0.3
 
 
+def test_a_log_of_that_name_is_replaced_on_request_with_the_first_row(tmp_path: Path) -> None:
+    there = tmp_path / "there.csv"
+    there.write_text("precious")
+    log = SocialRecorder(("a_actor", "b_actor"), there, tmp_path, overwrite=True)
+    assert there.read_text() == "precious"
+    log.take(batch(1, 0.0))
+    log.close()
+    assert len(there.read_text().splitlines()) == 2
+
+
 def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
     for name, told in (("log.txt", "does not end in .csv"), ("there.csv", "exists already")):
         (tmp_path / "there.csv").touch()

@@ -1,6 +1,7 @@
 """The recorder on a bridge of its own: what is in the file, and when it is there."""
 
 import errno
+import os
 import re
 from pathlib import Path
 
@@ -180,11 +181,13 @@ def test_all_but_the_last_second_is_on_disk_while_recording(bridge: Bridge, tmp_
         ("no/bag.mcap", True, "there is no folder .*no; create it first"),
         ("there.mcap/bag.mcap", True, "create it first"),
         ("folder.mcap", True, "is a folder; name a file"),
+        ("pipe.mcap", True, "is a device or a pipe; name a file"),
     ],
 )
 def test_an_impossible_file_is_refused(name: str, overwrite: bool, mend: str, tmp_path: Path) -> None:
     (tmp_path / "there.mcap").write_text("precious")
     (tmp_path / "folder.mcap").mkdir()
+    os.mkfifo(tmp_path / "pipe.mcap")
     with pytest.raises(UsageError, match=mend):
         Recorder(tmp_path / name, overwrite=overwrite)
     assert (tmp_path / "there.mcap").read_text() == "precious"
@@ -274,3 +277,6 @@ def test_a_disk_that_is_full_only_at_the_end_fails_the_run_too(
     monkeypatch.setattr(Writer, "finish", finish)
     with pytest.raises(RunFailed, match="ended early: No space left"):
         record(tmp_path / "bag.mcap", bridge, 1)
+    with pytest.raises(RunFailed, match="ended early"), Recorder(tmp_path / "none.mcap"):
+        pass
+    assert not (tmp_path / "none.mcap").exists()

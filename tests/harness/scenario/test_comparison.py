@@ -1,22 +1,19 @@
 """Cells side by side: their values, statistics by hand, and what is compared run by run."""
 
-import csv
-import io
 import json
 import math
-from collections.abc import Sequence
+import re
 from dataclasses import replace
 
 import pytest
 from rich.console import Console
 
-from harness.scenario.attempt import Attempt
+from harness import __version__
 from harness.scenario.bound import Bound
-from harness.scenario.comparison import Comparisons, comparisons_of, title_of
+from harness.scenario.comparison import comparisons_of, title_of
 from harness.scenario.outputs import print_tables
 from harness.scenario.tables import csv_of, json_of
-from harness.scenario.verdict import Verdict, verdicts_of
-from harness.scenario.watch import Measured
+from harness.scenario.verdict import Attempt, Measured, Verdict, verdicts_of
 from tests.harness.scenario.conftest import MakeCases
 from tests.support.snapshots import check_snapshot
 
@@ -48,6 +45,13 @@ def test_a_cell_is_summed_up_and_differs_from_the_first_as_by_hand(make_cases: M
     speed, contacts = compared.quantities
     assert (speed.title, speed.heading) == ("truth.speed, mean", "truth.speed, mean [m/s]")
     assert (contacts.title, contacts.heading) == ("truth.rock_contacts, highest",) * 2
+    for bound, title in (
+        (Bound(min=1), "q, lowest"),
+        (Bound(min=1, max=2, window=(1, 2.5)), "q, nearest to a limit, 1 to 2.5 s"),
+        (Bound(max=1, over="share", share=0.5), "q, share within limits"),
+    ):
+        assert title_of("q", bound) == title
+    assert title_of("topic./scan.count", Bound(min=1, window=(0, 2))) == "topic./scan.count, 0 to 2 s"
     first, second = speed.rows
     half = T * 1.0 / math.sqrt(3)
     assert (first.values, first.summary.mean, first.difference) == (LEO, 2.0, None)
@@ -99,56 +103,15 @@ def test_runs_without_a_value_are_left_out_with_their_partners(make_cases: MakeC
     assert (difference.n, difference.means) == ((1, 1), (3.0, 4.5))  # the last seed alone
 
 
-@pytest.mark.parametrize(
-    ("bound", "title"),
-    [
-        ({"max": 1}, "q, highest"),
-        ({"min": 1}, "q, lowest"),
-        ({"min": 1, "max": 2, "window": (1, 2.5)}, "q, nearest to a limit, 1 to 2.5 s"),
-        ({"max": 1, "over": "end"}, "q, at the end"),
-        ({"max": 1, "over": "p95"}, "q, 95th percentile"),
-        ({"max": 1, "over": "share", "share": 0.5}, "q, share within limits"),
-    ],
-)
-def test_a_title_says_what_of_a_quantity_is_compared(bound: dict[str, object], title: str) -> None:
-    assert title_of("q", Bound.model_validate(bound)) == title
-    assert title_of("topic./scan.count", Bound(min=1, window=(0, 2))) == "topic./scan.count, 0 to 2 s"
-
-
-def rows_of(several: Sequence[Comparisons]) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(csv_of(several))))
-
-
 def test_csv_and_json_have_every_number(make_cases: MakeCases) -> None:
     alone = verdicts_of([Attempt(case, error="no disk") for case in make_cases(EXPECT, name="=alone")])
     several = [comparisons_of(made) for made in (verdict(make_cases), *alone)]
-    rows = rows_of(several)
-    assert [row["quantity"] for row in rows[:4]] == ["passed", "passed", *["truth.speed, mean"] * 2]
-    passed, second, last = rows[1], rows[3], rows[-1]
-    assert (passed["robot"], passed["n"], float(passed["mean"])) == ("rover_zero4wd", "3", 2 / 3)
-    assert {second[name] for name in ("difference", "unit", "limit_max", "paired")} == {
-        "1.0",
-        "m/s",
-        "3.0",
-        "True",
-    }
-    for row, name, middle in (
-        (second, "difference", 1.0),
-        (second, "mean", 3.0),
-        (passed, "mean", 2 / 3),
-    ):
-        assert float(row[f"{name}_low"]) < middle < float(row[f"{name}_high"])
-    assert second["driver"] == second["limit_min"] == ""
-    assert (last["scenario"], last["n"], last["mean"]) == ("'=alone", "0", "")
-    read = json.loads(json_of(several))
-    side, one = read["scenarios"]
-    assert (side["outcome"], one["outcome"]) == ("failed", "could not run")
-    assert side["cells"][1]["robot"] == "rover_zero4wd"
-    assert side["cells"][1]["quantities"]["truth.speed, mean"]["difference"] == 1.0
-    worst = side["runs"][-1]
-    assert (worst["seed"], worst["reasons"]) == (9, ["truth.speed: mean 4.5 m/s > 3 m/s"])
-    assert worst["measured"] == {"truth.speed, mean": 4.5, "truth.rock_contacts, highest": 5.0}
-    assert one["runs"][0]["measured"] == {}
+    read = json.loads(json_of(several))  # what is in it twice: its numbers are those of the CSV
+    assert read["scenarios"][0]["cells"][1]["quantities"]["truth.speed, mean"]["difference"] == 1.0
+    for scenario in read["scenarios"]:
+        scenario["cells"] = [cell | {"quantities": [*cell["quantities"]]} for cell in scenario["cells"]]
+    text = csv_of(several) + json.dumps(read, indent=1).replace(__version__, "VERSION")
+    check_snapshot("scenario_numbers.txt", re.sub(r"[^ \",']*/(=?\w+\.scenario\.yaml)", r"\1", text))
 
 
 def test_a_terminal_gets_a_table_a_quantity(

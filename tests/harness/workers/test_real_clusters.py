@@ -13,7 +13,7 @@ import sys
 import time
 import uuid
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 
@@ -25,8 +25,8 @@ from harness.scenario.suite import run_all
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store, encode
 from harness.tune.episodes.sweep import sweep
-from harness.workers import WorkerLost, Workers, clusters, workers_of
-from harness.workers.clusters import versions
+from harness.workers import WorkerLost, Workers, workers_of
+from tests.support.waiting import wait_until
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
@@ -75,90 +75,39 @@ def workers(kind: str, address: str) -> Iterator[Workers]:
         yield workers
 
 
-def killing(workers: Workers, stand_ins: ModuleType) -> Callable[..., None]:
-    """Returns what kills a worker once it is called with 1, the number of outcomes."""
+def swept(workers: Workers, folder: Path, show: Callable[..., None]) -> object:
+    records = sweep(PLANNED, Store(folder, PLANNED), workers, show)
+    assert set(records) == set(PLANNED)
+    return {one: encode(record) for one, record in records.items()}
+
+
+def driven(workers: Workers, folder: Path, show: Callable[..., None]) -> object:
+    file = folder.parent / "matrix.scenario.yaml"
+    file.write_text(MATRIX)
+    attempts = run_all(cases_of([file], None, ()), workers, folder, show)
+    assert len(attempts) == 8
+    assert all(one.breaches for one in attempts)
+    return [(one.case, one.breaches, one.measured, one.error) for one in attempts]
+
+
+@pytest.mark.parametrize("work", [swept, driven])
+def test_work_with_a_killed_worker_comes_to_what_it_does_on_local_processes(
+    work: Callable[..., object], workers: Workers, stand_ins: ModuleType, tmp_path: Path
+) -> None:
     pids = sorted(set(workers.map(stand_ins.process_id, range(8))))
 
-    def show(done: int, *_: int) -> None:
+    def kill(done: int, *_: int) -> None:
         if done == 1:
             os.kill(pids[0], signal.SIGKILL)
 
-    return show
-
-
-def test_a_sweep_with_a_killed_worker_has_the_bytes_of_local_processes(
-    workers: Workers, stand_ins: ModuleType, tmp_path: Path
-) -> None:
-    show = killing(workers, stand_ins)
-
-    records = sweep(PLANNED, Store(tmp_path / "cluster", PLANNED), workers, show)
-
-    local = sweep(
-        PLANNED, Store(tmp_path / "local", PLANNED), workers_of("local", jobs=2), lambda _: None
-    )
-    assert set(records) == set(PLANNED)
-    assert {one: encode(record) for one, record in records.items()} == {
-        one: encode(record) for one, record in local.items()
-    }
-
-
-def test_a_scenario_matrix_with_a_killed_worker_comes_to_what_it_does_on_local_processes(
-    workers: Workers, stand_ins: ModuleType, tmp_path: Path
-) -> None:
-    file = tmp_path / "matrix.scenario.yaml"
-    file.write_text(MATRIX)
-    cases = cases_of([file], None, ())
-    show = killing(workers, stand_ins)
-
-    attempts = run_all(cases, workers, tmp_path / "cluster", show)
-
-    local = run_all(cases, workers_of("local", jobs=2), tmp_path / "local", lambda *_: None)
-    assert len(attempts) == 8
-    assert [(one.case, one.breaches, one.measured, one.error) for one in attempts] == [
-        (one.case, one.breaches, one.measured, one.error) for one in local
-    ]
-    assert all(one.breaches for one in attempts)
-
-
-def test_a_killed_workers_item_is_done_again_and_comes_once(
-    workers: Workers, stand_ins: ModuleType, tmp_path: Path
-) -> None:
-    items = [(number, tmp_path / "died") for number in range(12)]
-
-    assert sorted(workers.map(stand_ins.die_the_first_time, items)) == list(range(12))
-    assert (tmp_path / "died").exists()
+    expected = work(workers_of("local", jobs=2), tmp_path / "local", lambda *_: None)
+    assert work(workers, tmp_path / "cluster", kill) == expected
 
 
 def test_work_that_kills_every_worker_is_reported(workers: Workers, stand_ins: ModuleType) -> None:
     with pytest.raises(WorkerLost, match="out of memory"):
         list(workers.map(stand_ins.die_at_3, range(6)))
     assert len(list(workers.map(stand_ins.square, range(6)))) == 6
-
-
-def test_what_work_raises_comes_out(workers: Workers, stand_ins: ModuleType) -> None:
-    with pytest.raises(ValueError, match=r"^three"):
-        list(workers.map(stand_ins.fail_at_3, range(6)))
-
-
-def test_work_that_workers_do_not_have_is_reported(
-    workers: Workers, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    only_here = ModuleType("only_here")
-    exec("def work(number): return number", vars(only_here))  # noqa: S102
-    monkeypatch.setitem(sys.modules, "only_here", only_here)
-
-    with pytest.raises(UsageError, match=r"cannot load its work .*'only_here'.*; install rover-harness"):
-        list(workers.map(only_here.work, range(2)))
-
-
-def test_workers_with_another_version_are_refused(
-    workers: Workers, stand_ins: ModuleType, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ours = {**versions(), "mujoco": "0.1"}
-    monkeypatch.setattr(clusters, "versions", lambda: ours)
-
-    with pytest.raises(UsageError, match=r"^a worker of the cluster has mujoco \S+ instead of 0\.1;"):
-        list(workers.map(stand_ins.square, range(2)))
 
 
 def test_a_lost_connection_starts_no_other_ray(address: str, kind: str) -> None:
@@ -231,8 +180,11 @@ def ray_cluster() -> Iterator[str]:
 @contextmanager
 def dask_cluster() -> Iterator[str]:
     """A scheduler with two workers."""
+    from distributed import Client  # noqa: PLC0415 - only where it is installed
+
     with dask_scheduler() as address, dask("worker", address, "--nworkers=2", "--nthreads=1"):
-        wait_for_workers(address, 2)
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=PATIENCE)
         yield address
 
 
@@ -260,13 +212,6 @@ def dask(*words: str) -> Iterator[None]:
             process.wait(PATIENCE)
 
 
-def wait_for_workers(address: str, count: int) -> None:
-    from distributed import Client  # noqa: PLC0415 - only where it is installed
-
-    with Client(address, set_as_default=False) as client:
-        client.wait_for_workers(count, timeout=PATIENCE)
-
-
 def worker_environment() -> dict[str, str]:
     """Workers find this package and the stand-ins."""
     return {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'rover_metrics'}:{HERE}"}
@@ -279,16 +224,12 @@ def free_port() -> int:
 
 
 def wait_until_it_listens(address: str) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not listens(address):
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-
-
-def listens(address: str) -> bool:
     host, port = address.split(":")
-    try:
-        socket.create_connection((host, int(port)), timeout=1.0).close()
-    except OSError:
+
+    def listens() -> bool:
+        with suppress(OSError):
+            socket.create_connection((host, int(port)), timeout=1.0).close()
+            return True
         return False
-    return True
+
+    wait_until(listens)

@@ -49,41 +49,28 @@ def two() -> LocalWorkers:
 
 
 def test_every_item_comes_back_once_from_one_thread_whatever_the_environment_says(
-    two: LocalWorkers, stand_ins: ModuleType, monkeypatch: pytest.MonkeyPatch
+    two: LocalWorkers, stand_ins: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
-
     outcomes = sorted(two.map(stand_ins.square_and_threads, range(20)))
-
     assert outcomes == [(number, number * number, "1") for number in range(20)]
     assert list(two.map(stand_ins.square_and_threads, [])) == []
+    with pytest.raises(ValueError, match="three"):
+        list(two.map(stand_ins.fail_at_3, range(5)))
+    kept = dict[str, int]()
+    items = {f"n{n}": (n, tmp_path / "died") for n in range(6)}  # one worker is killed
+    work_off(items, stand_ins.die_the_first_time, two, kept.__setitem__, name=str, mend="try again")
+    assert (kept, (tmp_path / "died").exists()) == ({f"n{n}": n for n in range(6)}, True)
 
 
 def test_outcomes_come_as_they_are_done_and_closing_early_ends_silently(
     two: LocalWorkers, stand_ins: ModuleType, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     items = [(number, tmp_path) for number in (3, 0, 1)]  # all but 0 hang
-
     with closing(two.map(stand_ins.hang_after_the_first, items)) as outcomes:
         assert next(outcomes) == 0
-
     wait_until(lambda: not living(tmp_path))
     assert capfd.readouterr() == ("", "")
-
-
-def test_what_a_killed_worker_has_not_done_is_done_again(
-    two: LocalWorkers, stand_ins: ModuleType, tmp_path: Path
-) -> None:
-    items = {f"n{n}": (n, tmp_path / "died") for n in range(6)}
-    kept: list[tuple[str, int]] = []
-
-    def keep(key: str, outcome: int) -> None:
-        kept.append((key, outcome))
-
-    work_off(items, stand_ins.die_the_first_time, two, keep, name=str, mend="try again")
-
-    assert (tmp_path / "died").exists()
-    assert sorted(kept) == [(f"n{n}", n) for n in range(6)]
 
 
 def test_work_that_kills_every_worker_is_given_up_and_named(
@@ -91,10 +78,8 @@ def test_work_that_kills_every_worker_is_given_up_and_named(
 ) -> None:
     kept: list[int] = []
     every = {n: n for n in (3, 3.0, 5)}
-
     with pytest.raises(RunFailed, match=r"^a worker of this machine was killed .*not done: 3.*; mend$"):
         work_off(every, stand_ins.die_at_3, two, lambda _, n: kept.append(n), name=str, mend="mend")
-
     assert set(kept) <= {5}
 
 
@@ -130,16 +115,10 @@ def test_only_losses_in_a_row_without_any_outcome_count(failures: int, *, given_
         assert kept == {n: n for n in range(9)}
 
 
-def test_what_work_raises_comes_out(two: LocalWorkers, stand_ins: ModuleType) -> None:
-    with pytest.raises(ValueError, match="three"):
-        list(two.map(stand_ins.fail_at_3, range(5)))
-
-
 def test_one_job_is_this_process_and_by_default_every_usable_cpu_has_one(
     stand_ins: ModuleType, tmp_path: Path
 ) -> None:
     assert list(LocalWorkers(1).map(stand_ins.hang_after_the_first, [(0, tmp_path)])) == [0]
-
     assert int((tmp_path / "0.pid").read_text()) == os.getpid()
     assert LocalWorkers(None).jobs == len(os.sched_getaffinity(0))
 
@@ -149,10 +128,8 @@ def test_a_signal_to_all_processes_of_a_terminal_ends_them_in_one_line(
     command: subprocess.Popen[str], tmp_path: Path, number: signal.Signals
 ) -> None:
     wait_until((tmp_path / "0.done").exists)
-
     os.killpg(command.pid, number)
     _, errors = command.communicate(timeout=PATIENCE)
-
     assert (command.returncode, errors) == (128 + number, f"stopped by {number.name}\n")
     wait_until(lambda: not living(tmp_path))
 
@@ -161,9 +138,7 @@ def test_workers_leave_when_the_command_is_killed(
     command: subprocess.Popen[str], tmp_path: Path
 ) -> None:
     wait_until(lambda: len(list(tmp_path.glob("*.pid"))) == 3)
-
     command.kill()
-
     wait_until(lambda: not living(tmp_path))
 
 
@@ -216,33 +191,9 @@ def test_a_choice_that_is_not_valid_is_one_line_that_names_the_mend(
     parser = argparse.ArgumentParser()
     add_options(parser)
     options = parser.parse_args(words.split())
-
     with pytest.raises(UsageError, match=mend) as caught:
         workers_of(options.backend, options.address, options.jobs)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("backend", "address", "expected"),
-    [
-        ("ray://h:1", None, "ray://h:1"),  # a URL of Ray's own
-        ("ray", "ray://h:1", "ray://h:1"),
-        ("ray", "auto", "auto"),
-        ("ray:h:1", None, "h:1"),
-        ("dask:tcp://h:1", None, "tcp://h:1"),
-        ("dask", "h:1", "h:1"),
-    ],
-)
-def test_a_cluster_is_chosen_by_one_word_or_two(
-    backend: str, address: str | None, expected: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        "harness.workers.CLUSTERS", {"ray": lambda at: ("ray", at), "dask": lambda at: ("dask", at)}
-    )
-
-    connected: object = workers_of(backend, address)
-
-    assert connected == (backend[:4].rstrip(":"), expected)
 
 
 class Quiet(Cluster):
@@ -263,6 +214,15 @@ class Quiet(Cluster):
 def test_what_is_no_address_is_refused(address: str) -> None:
     with pytest.raises(UsageError, match=r"is no address of a cluster; start one with .*HOST:PORT"):
         Quiet(address)
+
+
+def test_a_cluster_is_chosen_by_one_word_or_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    connect = {kind: lambda at, kind=kind: (kind, at) for kind in ("ray", "dask")}
+    monkeypatch.setattr("harness.workers.CLUSTERS", connect)
+    words = ("ray://h:1", "ray auto", "ray:h:1", "dask:tcp://h:1", "dask h:1")
+    chosen: list[object] = [workers_of(*one.split()[:2]) for one in words]  # type: ignore[arg-type]
+    addresses = ["ray://h:1", "auto", "h:1", "tcp://h:1", "h:1"]
+    assert chosen == [(one[:4].rstrip(": "), at) for one, at in zip(words, addresses, strict=True)]
 
 
 # Where something is to be said first, patience is long: Python starts late on a busy machine.
@@ -307,7 +267,6 @@ def test_a_process_of_a_cluster_does_one_thing_at_a_time() -> None:
     with ThreadPoolExecutor(2) as pool:
         calls = [pool.submit(module._work_elsewhere, meet, met, versions()) for _ in range(2)]
         outcomes = [call.result() for call in calls]
-
     assert all(isinstance(error, threading.BrokenBarrierError) for _, error in outcomes)
 
 
@@ -328,7 +287,6 @@ def test_a_worker_with_another_version_is_refused(
 ) -> None:
     asked = iter([{**versions(), "numpy": "2.old"}, versions()])  # by the command, by its worker
     monkeypatch.setattr(module, "versions", lambda: next(asked))
-
     with pytest.raises(UsageError, match=r"has numpy \S+ instead of 2\.old; .*install the same there"):
         list(threads.map(stand_ins.square, [1]))
 

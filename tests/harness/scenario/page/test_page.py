@@ -5,11 +5,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-from harness.scenario.attempt import Attempt
 from harness.scenario.comparison import comparisons_of
 from harness.scenario.page.page import render
-from harness.scenario.verdict import verdicts_of
-from harness.scenario.watch import Measured
+from harness.scenario.verdict import Attempt, Measured, verdicts_of
 from tests.harness.scenario.conftest import MakeCases
 from tests.support.snapshots import check_snapshot
 
