@@ -6,6 +6,7 @@ import pickle
 import re
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -22,6 +23,7 @@ from harness.spec.run import Run
 from harness.spec.world import FILE_FIELDS
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
+from tests.support.documents import ROOT
 
 AHEAD = np.array([1.0, 0.0], np.float32)
 NAMES = [name.removeprefix("RoverHarness/").removesuffix("-v0") for name in ENVIRONMENTS]
@@ -69,6 +71,9 @@ def test_a_seed_begins_the_same_episodes_whatever_was_before(make: Make, name: s
         env.step(-AHEAD)
     assert rounds[0] == rounds[1]
     assert len({*rounds[0]}) == 5
+    still = {"start": (0.0, 0.0, 0.0), "goal": (1.0, 1.0)}
+    sensed = [env.reset(seed=seed, options=still)[0] for seed in (1, None, None, 2)]
+    assert len({as_json(seen) for seen in sensed}) == 4, "each episode has noise of its own"
 
 
 def test_worlds_are_drawn_and_stay_for_their_episodes(make: Make) -> None:
@@ -85,12 +90,6 @@ def test_worlds_are_drawn_and_stay_for_their_episodes(make: Make) -> None:
     assert 0.5 < difficulties[-1] <= 0.6
 
 
-def test_each_episode_has_noise_of_its_own(make: Make) -> None:
-    env, there = make(noise="hardware", random_start=False), {"goal": (1.0, 1.0)}
-    seen = [env.reset(seed=seed, options=there)[0]["imu"].tolist() for seed in (1, None, None, 2)]
-    assert len({*map(tuple, seen)}) == 4
-
-
 def test_the_world_of_a_seed_is_that_of_the_command_line(make: Make) -> None:
     env = make(terrain="flat", **NAMED)
     _, info = env.reset(seed=11)
@@ -103,9 +102,7 @@ def test_the_world_of_a_seed_is_that_of_the_command_line(make: Make) -> None:
         assert env.course is not before
         env.reset(options={"goal": (1.0, 1.0)})
         assert env.reset()[1][name] == value
-    options = {"terrain": "gravel", "world_seed": 5, "difficulty": 0.25}
-    _, info = env.reset(options=options)
-    assert {key: info[key] for key in options} == options
+    env.reset(options={"terrain": "gravel", "world_seed": 5, "difficulty": 0.25})
     expected = world_of(Run.of(terrain="gravel", seed=5, difficulty=0.25))
     assert terrain_hash(env.course.scene.world) == terrain_hash(expected)
 
@@ -135,12 +132,11 @@ def test_starts_goals_and_variations_are_drawn_and_reported(make: Make, name: st
 
 
 def test_start_and_goal_can_be_given_as_an_info_reports_them(make: Make) -> None:
-    env, given = make(), {"start": [1.0, -2.0, 0.5], "goal": [2.0, 2.0]}
-    _, info = env.reset(seed=0, options=given)
-    assert given == {"start": [1.0, -2.0, 0.5], "goal": [2.0, 2.0]}
+    env = make()
+    _, info = env.reset(seed=0, options={"start": [1.0, -2.0, 0.5], "goal": [2.0, 2.0]})
     assert (info["start"].tolist(), info["goal"].tolist()) == ([1.0, -2.0, 0.5], [2.0, 2.0])
-    assert np.hypot(*(env.driven.simulation.position[:2] - np.array([1.0, -2.0]))) < 0.05
-    assert env.driven.simulation.yaw == pytest.approx(0.5, abs=0.05)
+    simulation = env.driven.simulation
+    assert (*simulation.position[:2], simulation.yaw) == pytest.approx((1.0, -2.0, 0.5), abs=0.05)
     _, again = env.reset(options={"start": info["start"], "goal": info["goal"].astype("f4")})
     assert as_json(again) == as_json(info)
 
@@ -148,13 +144,11 @@ def test_start_and_goal_can_be_given_as_an_info_reports_them(make: Make) -> None
 def test_starts_on_which_no_rover_can_stand_are_drawn_again_but_not_for_ever(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    env, tried = make(), []
-    errors: list[Exception] = [UsageError("it slid"), RunFailed("it fell")]
+    env, tried = make(), list[object]()
 
     def refuse(scene: Any, _: object) -> None:  # noqa: ANN401
         tried.append(scene.world.start)
-        if errors:
-            raise errors[len(tried) % 2]
+        raise (UsageError("it slid"), RunFailed("it fell"))[len(tried) % 2]
 
     monkeypatch.setattr("harness.gym.course.check_start", refuse)
     with pytest.raises(UsageError, match=r"no start was found on .*, seed 3, in 20 tries"):
@@ -164,13 +158,11 @@ def test_starts_on_which_no_rover_can_stand_are_drawn_again_but_not_for_ever(
     with pytest.raises(RunFailed, match="it fell"):
         env.reset(options={"start": (0.5, 0.0, 0.0)})
     assert len(tried) == 1  # a start that was asked for is not drawn again
-    errors.clear()
-    env.reset()
 
 
 @pytest.mark.parametrize(
     ("limit", "steps"),
-    [(0.05, 1), (0.06, 2), (0.1, 2), (1.15, 23), (0.3 + 1e-12, 6), (0.35, 7)],
+    [(0.06, 2), (1.15, 23), (0.3 + 1e-12, 6)],
 )
 def test_an_episode_has_the_steps_that_its_time_takes(make: Make, limit: float, steps: int) -> None:
     env = make(time_limit=limit)
@@ -237,20 +229,17 @@ def test_episodes_and_worlds_that_are_over_are_gone_at_once(make: Make) -> None:
 def test_options_of_worlds_from_files_are_those_of_a_run() -> None:
     of_meshes = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0}
     of_meshes |= {"resource_path": "models", "rock": "r*", "hazard": "h*"}
-    lists = {"resource_path": ("models",), "rock": ("r*",), "hazard": ("h*",)}
-    for file, given, told in (
-        ("a.sdf", of_meshes, of_meshes | lists),
-        ("a.npy", {"terrain_size": 12, "terrain_height": 2}, {"terrain_size": (12.0, 12.0)}),
-        ("a.npy", {"terrain_size": (12, 10), "terrain_height": [2]}, {"terrain_size": (12.0, 10.0)}),
+    for file, given, parsed in (
+        ("a.sdf", of_meshes, {name: (of_meshes[name],) for name in ("resource_path", "rock", "hazard")}),
+        ("a.npy", {"terrain_size": 12, "terrain_height": [2]}, {"terrain_size": (12.0, 12.0)}),
+        ("a.npy", {"terrain_size": (12, 10), "terrain_height": 2}, {"terrain_size": (12.0, 10.0)}),
     ):
         options = parse_options(Options, {"terrain": [file, "flat"], **given}, "here")
-        known: dict[str, Any] = {**given, **told, "terrain": file, "seed": 3}
+        known: dict[str, Any] = {**given, **parsed, "terrain": file, "seed": 3}
         known |= {"terrain_height": 2.0} if file == "a.npy" else {}
         assert options.episode(file, 3, 0.9) == Run.of(**known)  # it has no difficulty
         assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9)
     assert set(FILE_FIELDS) == {*of_meshes, "terrain_size", "terrain_height"}
-    with pytest.raises(UsageError, match="mesh unit 'league' does not exist; available: m, "):
-        parse_options(Options, {"terrain": "a.sdf", "mesh_unit": "league"}, "here")
 
 
 def test_without_gymnasium_the_mend_is_told(
@@ -265,21 +254,21 @@ def test_without_gymnasium_the_mend_is_told(
     assert capsys.readouterr().err.count("\n") == 1
 
 
-POSITIVE = ("friction", "mass", "motor_strength")  # factors
 WRONG_OPTIONS = [
-    ({"terrain": "mars"}, "available: flat, "),
     ({"terrain": ["flat", "mars"]}, "available: flat, "),
     ({"terrain": []}, "give at least 1"),
+    ({"terrain": "a.sdf", "mesh_unit": "league"}, "mesh unit 'league' does not exist; available: m, "),
     ({"robot": "curiosity"}, "available: leo"),
     ({"colour": 1}, "key 'colour' does not exist"),
     ({"difficulty": (0.8, 0.2)}, "give two numbers, the lower first"),
-    ({"difficulty": 1.5}, "give 0 to 1"),
     ({"difficulty": [0.5, 1.5]}, "give 0 to 1"),
     ({"difficulty": "hard"}, "give a list"),
     ({"noise": "loud"}, "available: white"),
-    ({"randomisation": Randomisation}, "is not valid"),
     ({"randomisation": {"gravity": (1.0, 1.0)}}, "available: friction, mass"),
-    *(({"randomisation": {name: (0.0, 1.0)}}, "give more than 0") for name in POSITIVE),
+    *(
+        ({"randomisation": {n: (0, 1)}}, "give more than 0")
+        for n in ("friction", "mass", "motor_strength")
+    ),
     *(({"randomisation": {name: (-1.0, 1.0)}}, "give 0 or more") for name in ("payload", "latency")),
     ({"randomisation": {"latency": (0.0, math.inf)}}, "give a finite number"),
     ({"curriculum": {"step": 2.0}}, "give 0 to 1"),
@@ -287,23 +276,19 @@ WRONG_OPTIONS = [
     ({"curriculum": {"success": -0.5}}, "give 0 to 1"),
     ({"hazard_budget": math.inf}, "give a finite number"),
     ({"goal_radius": 0.0}, "give more than 0"),
-    *(
-        ({name: [1.0, 2.0]}, "give a number")
-        for name in ("terrain_height", "terrain_cell", "rock_height")
-    ),
+    ({"terrain_cell": [1.0, 2.0]}, "give a number"),
     ({"terrain_size": [11.0, 12.0, 13.0]}, "give at most 2"),
     ({"episodes_per_world": 0}, "give 1 or more"),
     ({"goal_distance": 0}, "give more than 0"),
     ({"time_limit": 0.003}, "duration 0.003 s is not valid"),
-    ({"depth": (4,)}, "give width and height in pixels"),
-    ({"depth": (4, 4, 4)}, "give width and height in pixels"),
+    *(({"depth": wrong}, "give width and height in pixels") for wrong in ((4,), (4, 4, 4))),
     ({"depth": (0, 4)}, "give "),
     ({"render_mode": "ascii"}, "available: rgb_array, human"),
 ]
 
 
 def test_limits_themselves_are_valid_and_given_as_json_has_them() -> None:
-    given = {
+    given: dict[str, Any] = {
         "difficulty": 1,
         "goal_distance": [2, 2],
         "randomisation": {"payload": [0, 0], "latency": [0.0, 0.0], "mass": [1e-3, 1e-3]},
@@ -312,8 +297,6 @@ def test_limits_themselves_are_valid_and_given_as_json_has_them() -> None:
     of_runs: dict[str, Any] = {"noise": "hardware", "robot": "rover_zero4wd", "lidar_beams": 64}
     options = parse_options(Options, given | of_runs, "here")
     assert (options.difficulty, options.goal_distance) == ((1.0, 1.0), (2.0, 2.0))
-    other = parse_options(Options, {"goal_distance": 2, "curriculum": {"success": 1.0}}, "here")
-    assert (other.goal_distance, other.curriculum.success) == ((2.0, 2.0), 1.0)
     assert options.randomisation == Randomisation(payload=(0.0, 0.0), mass=(1e-3, 1e-3))
     assert options.curriculum == given["curriculum"]
     assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9, **of_runs)
@@ -361,9 +344,13 @@ def test_mistakes_with_an_episode_are_told_in_a_line_and_change_nothing(make: Ma
         with pytest.raises(InvalidAction, match=re.escape(message)):
             env.step(np.array(action, np.float32))
     assert env.steps == 0
-    first = env.step(AHEAD)
-    assert first[2:4] == (False, False)
-    assert not np.array_equal(first[0]["imu"], before["imu"])
-    assert env.step(AHEAD)[2:4] == (False, True)  # 0.1 s are over
-    with pytest.raises(ResetNeeded):
-        env.step(AHEAD)
+    assert not np.array_equal(env.step(AHEAD)[0]["imu"], before["imu"])
+
+
+CODE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/gym.md").read_text(), re.DOTALL)
+
+
+@pytest.mark.parametrize("code", CODE)
+def test_the_code_of_the_page_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(code, {})  # noqa: S102 - our own

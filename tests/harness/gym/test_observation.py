@@ -9,14 +9,12 @@ from harness.gym.observation import (
     AHEAD,
     LEFT,
     Limits,
-    depth_part,
     height_part,
     heights_around,
     point_nav_parts,
     space_of,
 )
 from harness.samples import Pose
-from harness.sensors.depth import DepthOptions
 from harness.world.heightfield import Heightfield
 
 
@@ -48,21 +46,3 @@ def test_an_observation_is_kept_within_its_space() -> None:
     within = {name: np.linspace(-0.5, 0.5, *box.shape).clip(box.low) for name, box in space.items()}
     kept = limits.keep(within)
     assert all(kept[name].tolist() == value.astype("f4").tolist() for name, value in within.items())
-
-
-def test_parts_have_the_limits_and_words_of_what_they_tell() -> None:
-    camera = DepthOptions(
-        name="depth", width=3, height=2, rate=20, range_max=8.0, fov=1.0, rpy=(0.1, 0.5, 0.2)
-    )
-    parts = {"depth": depth_part(camera), "heights": height_part(), **point_nav_parts(5, 10.0)}
-    spaces: Any = space_of(parts)
-    for name, low, high, size in (
-        ("depth", 0.0, 8.0, 6),
-        ("heights", -2.0, 2.0, 77),
-        ("lidar", 0.0, 10.0, 5),
-    ):
-        box = spaces[name]
-        assert (box.shape, box.dtype, {*box.low}, {*box.high}) == ((size,), np.float32, {low}, {high})
-    assert spaces["goal"].high.tolist() == [100.0, 1.0, 1.0]
-    assert "of 3 x 2 pixels" in parts["depth"].about
-    assert "57 deg wide, from the lidar's place ahead and 29 deg down" in parts["depth"].about
