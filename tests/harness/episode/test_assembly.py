@@ -25,7 +25,6 @@ from harness.spec import Run
 from harness.spec.fleet import parse_rovers
 from harness.spec.world import FILE_FIELDS
 from harness.world.berths import GAP
-from harness.world.world import terrain_hash
 from tests.support.rovers import LEO
 
 FLAT = Run.of(terrain="flat")
@@ -100,14 +99,6 @@ def test_a_file_that_was_written_anew_is_another_world(tmp_path: Path) -> None:
         assert np.ptp(world.ground.heights) == pytest.approx(relief)
         assert (world.ground.half_size, world.seed) == ((10.0, 15.0), 3)
     assert world_of(run) is world_of(run)
-
-
-def test_the_start_changes_nothing_else_of_a_world() -> None:
-    run = Run.of(terrain="gravel", seed=7, difficulty=0.25)
-    given, world = (world_of(run.alone(start=start)) for start in ((3.0, -4.0, 1.0), None))
-    assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
-    assert (given.start, world.start) == ((3.0, -4.0, 1.0), (0.0, 0.0, 0.0))
-    assert terrain_hash(given) == terrain_hash(world)
 
 
 def test_gravity_and_people_are_those_of_the_world(tmp_path: Path) -> None:

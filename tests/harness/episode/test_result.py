@@ -4,10 +4,9 @@ import pytest
 
 from harness.episode import result as results
 from harness.episode.batch import Batch
-from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
+from harness.episode.result import RunAccount, RunResult, TopicCount
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
-from rover_metrics.core.columns import Row
 
 TICK_NS = 10_000_000
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
@@ -26,15 +25,6 @@ def test_speeds_and_counts_of_a_run_follow_from_what_it_holds() -> None:
     assert result.real_time_factor == pytest.approx(8.0)
     assert result.mean_speed == pytest.approx(0.25)
     assert (result.messages, result.lost) == (40, 3)
-
-
-def test_cells_of_a_row_are_those_of_its_columns_and_there_are_none_without_a_row() -> None:
-    assert cells_of(None) is None
-    row = Row(7, 1, 0, 0.5, 0.25, 2.0, 3.0, 0.4, 9.8, 0, 0.00004, "late", {"True Speed": 0.41234})
-    told = cells_of(row)
-    assert told is not None
-    assert list(told.values()) == [7, 1, 0, 0.5, 0.25, 2.0, 3.0, 0.4, 9.8, 0, 0.0, "late", 0.4123]
-    assert (told["Notes"], told["True Speed"]) == ("late", 0.4123)
 
 
 @pytest.mark.parametrize("wall_s", [0.0, 1.5])

@@ -72,13 +72,6 @@ def failing(run: Run) -> float:
     return batches[-1].truth.time_ns / 1e9
 
 
-def test_leaving_early_leaves_no_process_behind() -> None:
-    with EpisodeProcess(config(duration=1000.0)) as process:
-        process.begin()
-        next(process.batches())
-    assert multiprocessing.active_children() == []
-
-
 def test_known_error_of_the_child_arrives_as_itself() -> None:
     on_a_wall = config(terrain="maze", start=(10.1, 3.0, 0.0))
     with EpisodeProcess(on_a_wall) as process, pytest.raises(UsageError, match="is inside hazard_"):
@@ -94,6 +87,9 @@ def test_death_of_the_child_fails_the_run() -> None:
             child.kill()
         with pytest.raises(RunFailed, match="simulation process died"):
             list(batches)
+    with EpisodeProcess(config(duration=1000.0)) as process:
+        process.begin()  # and left early
+    assert multiprocessing.active_children() == []
 
 
 def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None:

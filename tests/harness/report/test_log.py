@@ -30,13 +30,6 @@ def test_a_column_that_nobody_knows_has_the_unit_in_its_name() -> None:
     assert caption("Heat [K]") == "The data dictionary does not know this column."
 
 
-def test_contacts_with_short_gaps_are_one_event() -> None:
-    touching = {"contact_s": 0.1}
-    found = contacts(stretches({}, touching, touching, {}, touching))
-    assert [(event.start_s, event.end_s) for event in found] == [(1.0, 3.0), (4.0, 5.0)]
-    assert found[0].position == (2.0, 0.0, 0.0)
-
-
 def test_logged_collisions_are_placed_where_a_scan_was_nearest() -> None:
     track = stretches({"nearest_range": 0.4}, {"nearest_range": 0.15}, {"nearest_range": 0.3}, {})
     log = Log([1.0, 3.0, 4.0], {"Total Collisions": [0.0, 2.0, 2.0]})
@@ -61,8 +54,7 @@ def test_contacts_half_a_second_apart_are_one_event_and_farther_ones_two() -> No
         Stretch(time, (time, 0.0, 0.0), 0.0, contact_s=touched)
         for time, touched in ((0.5, 0.1), (1.0, 0.0), (1.5, 0.1), (2.1, 0.0), (2.5, 0.1))
     ]
-    assert [(e.start_s, e.end_s) for e in contacts(track)] == [(0.0, 1.5), (2.1, 2.5)]
-
-
-def test_a_log_without_the_counter_has_no_collisions() -> None:
-    assert collisions(Log(), stretches({}, {})) == []
+    found = contacts(track)
+    assert [(event.start_s, event.end_s) for event in found] == [(0.0, 1.5), (2.1, 2.5)]
+    assert found[0].position == (0.5, 0.0, 0.0)
+    assert collisions(Log(), track) == [], "there is no counter"

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from harness.report.log import Log
-from harness.report.tables import comparisons, contact_table, facts, steady_text
-from tests.harness.report.made import RESULT, TOUCH, stretches
+from harness.report.tables import comparisons, facts, steady_text
+from tests.harness.report.made import RESULT, stretches
 
 
 def test_a_metric_below_the_truth_has_a_minus_and_no_truth_no_difference() -> None:
@@ -23,12 +23,6 @@ def test_without_a_log_and_people_there_is_only_the_truth() -> None:
     rows = comparisons(replace(RESULT, last_row=None), Log(), stretches({})).rows
     assert [metric for _, metric, _, _ in rows] == ["\N{EN DASH}"] * 9
     assert rows[0][2] == "8.00 m"
-
-
-def test_the_first_fifty_contacts_are_shown() -> None:
-    events = tuple(replace(TOUCH, other=f"hazard_{n}") for n in range(60))
-    rows = contact_table(replace(RESULT, along=replace(RESULT.along, events=events))).rows
-    assert [row[0] for row in rows] == [f"chassis hits hazard_{n}" for n in range(50)]
 
 
 def test_nested_values_become_flat_pairs_with_their_units() -> None:

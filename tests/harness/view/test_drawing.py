@@ -33,7 +33,6 @@ sys.exit(picture.main())
     ("flags", "expected"),
     [
         (["--picture", "a.jpg"], "--picture 'a.jpg': name a file that ends in .png"),
-        (["--picture", ""], "name a file that ends in .png"),
         (["--video", "a.avi"], "--video 'a.avi': name a file that ends in .mp4"),
         (["--picture-lidar"], "--picture-lidar needs --picture or --video"),
     ],
@@ -53,9 +52,7 @@ def test_impossible_picture_is_refused_before_the_run(
     [
         ("Linux", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; install libegl1"),
         ("Darwin", "", ["cgl", "glfw"], "MUJOCO_GL=cgl or glfw does not work here; start it where a wi"),
-        ("Darwin", "cgl", ["cgl"], "MUJOCO_GL=cgl does not work here; start it where a window"),
         ("Windows", "", ["glfw"], "MUJOCO_GL=glfw does not work here; start it where a window"),
-        ("FreeBSD", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; start it"),
     ],
 )
 def test_each_system_has_its_opengl(

@@ -40,7 +40,8 @@ def test_only_beams_that_hit_are_drawn() -> None:
 def test_many_beams_hide_nothing_every_hit_is_shown_and_few_lines() -> None:
     angles = np.linspace(-np.pi, np.pi, 640, endpoint=False)
     directions = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(640)])
-    marks = beam_marks(np.zeros(3), directions, np.full(640, 3.0, np.float32))
+    ranges = np.full(640, 3.0, np.float32)
+    marks = beam_marks(np.zeros(3), directions, ranges)
     ends = np.array([mark.end for mark in marks if mark.end is not None])
     assert len(marks) - len(ends) == 640
     assert 36 <= len(ends) <= 72
