@@ -67,11 +67,7 @@ class DrivenRover:
         self.advance(Twist())
 
     def advance(self, twist: Twist) -> None:
-        """Drives one control period with a command, and reads: `command`, `drive`, `read`.
-
-        Raises:
-            RunFailed: As `read`.
-        """
+        """Drives one control period with a command, and reads; RunFailed as by `read`."""
         self.command(twist)
         self.drive()
         self.read()

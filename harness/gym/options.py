@@ -7,6 +7,7 @@ given as Python has it or as JSON gives it back, so that a spec can be written t
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, create_model
 
 from harness.base.sim_time import check_duration
@@ -93,6 +94,34 @@ class Curriculum(Value):
     step: Share = 0.0
     window: Annotated[int, Field(ge=1)] = 20
     success: Share = 0.8
+
+
+class CurriculumSchedule:
+    """Draws difficulties from a range, whose upper end rises while episodes succeed.
+
+    Attributes:
+        highest: Largest difficulty of the next world; without a curriculum the upper end of the range.
+    """
+
+    def __init__(self, curriculum: Curriculum, bounds: Range) -> None:
+        self._curriculum, self._bounds = curriculum, bounds
+        self.highest = bounds[0] if curriculum.step else bounds[1]
+        self._successes: list[bool] = []
+
+    def draw(self, rng: np.random.Generator) -> float:
+        """Returns the difficulty of the next world."""
+        return float(rng.uniform(self._bounds[0], self.highest))
+
+    def record(self, *, success: bool) -> None:
+        """Counts an episode; after a window of them, goes up, goes down or stays."""
+        self._successes.append(success)
+        if len(self._successes) < self._curriculum.window:
+            return
+        share, wanted = sum(self._successes) / len(self._successes), self._curriculum.success
+        self._successes.clear()
+        rise = (share >= wanted) - (share < wanted / 2)
+        low, high = self._bounds
+        self.highest = min(high, max(low, self.highest + rise * self._curriculum.step))
 
 
 class Options(RunOptions):

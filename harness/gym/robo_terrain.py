@@ -152,9 +152,8 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
         readings = driven.readings
         pose, twist = latest(readings, Pose), latest(readings, Odometry).twist
-        attitude = latest(readings, Imu).orientation
+        attitude, scan = latest(readings, Imu).orientation, latest(readings, LaserScan)
         (roll, pitch), yaw = rotation.roll_pitch(attitude), rotation.yaw(attitude)
-        scan = latest(readings, LaserScan)
         ranges = visible(scan.ranges, FARTHEST)
         if self._defects.nearest_is_farthest:
             ranges[np.isneginf(scan.ranges)] = FARTHEST

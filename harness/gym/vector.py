@@ -10,6 +10,7 @@ half as long while the processor still has it in its caches from the environment
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -168,10 +169,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
     def _batched(self, infos: Sequence[Info]) -> Info:
         """The infos of all environments as Gymnasium has them: an array for a key, and who has it."""
-        batched: Info = {}
-        for index, info in enumerate(infos):
-            batched = self._add_info(batched, info, index)
-        return batched
+        return reduce(lambda batched, one: self._add_info(batched, one[1], one[0]), enumerate(infos), {})
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
         if seed is None:
@@ -194,9 +192,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
 
 def _mode(mode: str | AutoresetMode) -> AutoresetMode:
-    named = {choice.value: choice for choice in AutoresetMode} | {c.name: c for c in AutoresetMode}
-    if isinstance(mode, AutoresetMode):
-        return mode
+    named = {name: choice for choice in AutoresetMode for name in (choice, choice.name, choice.value)}
     if mode not in named:
         available = ", ".join(choice.value for choice in AutoresetMode)
         raise UsageError(f"autoreset_mode '{mode}' does not exist; available: {available}")

@@ -264,16 +264,6 @@ def test_each_mutant_is_in_one_draw(
             mutants(monkeypatch, "a.py", *wrong)
 
 
-def test_a_wrong_file_or_revision_is_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert mutants(monkeypatch, "no/such.py") == 2
-    assert mutants(monkeypatch, "--base", "no-such-revision") == 2
-    first, second, *_ = capsys.readouterr().out.splitlines()
-    assert first == "mutants: no such file: no/such.py"
-    assert second.startswith("mutants: fatal: ")
-
-
 def test_changed_are_the_files_that_differ_from_the_base(tmp_path: Path) -> None:
     def git(*words: str) -> None:
         who = ["-c", "user.name=a", "-c", "user.email=a@b"]

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from harness.gym.difficulty import CurriculumSchedule
-from harness.gym.options import Curriculum
+from harness.gym.options import Curriculum, CurriculumSchedule
 
 
 def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
