@@ -90,10 +90,8 @@ def _samples(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
     """The range of all IMU samples, where the log has one of each second."""
     if name != "IMU Acceleration Magnitude":
         return []
-    low, high = (
-        [getattr(stretch, f"{end}_acceleration") for stretch in track] for end in ("lowest", "highest")
-    )
-    return fig.band(EVERY_SAMPLE, [stretch.time_s for stretch in track], low, high)
+    ranges = [(s.time_s, s.lowest_acceleration, s.highest_acceleration) for s in track]
+    return fig.band(EVERY_SAMPLE, *(zip(*ranges, strict=True) if ranges else ((), (), ())))
 
 
 def _truth(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:

@@ -130,7 +130,6 @@ def _call(
 
 def _working_environment(chosen: str) -> dict[str, str]:
     """The environment in which MuJoCo draws without a display; a UsageError if there is none."""
-    system = platform.system()
     known = backends(chosen)
     for backend in known:
         environment = os.environ | {"MUJOCO_GL": backend}
@@ -140,5 +139,5 @@ def _working_environment(chosen: str) -> dict[str, str]:
             continue
         return environment
     tried = " or ".join(known)
-    mend = INSTALL_OPENGL.get(system, "start it where a window could be opened")
+    mend = INSTALL_OPENGL.get(platform.system(), "start it where a window could be opened")
     raise UsageError(f"pictures need OpenGL, but MUJOCO_GL={tried} does not work here; {mend}")

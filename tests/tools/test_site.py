@@ -162,7 +162,7 @@ def test_mkdocs_builds_the_site_without_a_warning(written: Path) -> None:
     # mkdocstrings looks for the sources beside the folder that it is given.
     for name in ("harness", "rover_metrics"):
         (written.parent / name).symlink_to(ROOT / name)
-    words = ["build", "--quiet", "--strict", "--config-file", written / "mkdocs.yml"]
+    words: list[str | Path] = ["build", "--quiet", "--strict", "--config-file", written / "mkdocs.yml"]
     environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
     subprocess.run([MKDOCS, *words], env=environment, check=True, cwd=written)
     reference = (written / "site/reference/python.html").read_text()

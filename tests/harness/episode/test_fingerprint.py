@@ -74,7 +74,7 @@ def drive(_: Run, outputs: Sequence[Outputs], options: RosOptions, *__: Any, **c
     log = options.log_dir / "log.csv"
     log.write_bytes(b"a,b\r\n1,2\r\n")
     topics = {"/scan": TopicCount(4, 1, 3)}
-    values = {"log_path": log, "rows": 2, "topics": topics} | changes
+    values: dict[str, Any] = {"log_path": log, "rows": 2, "topics": topics} | changes
     return (RunResult(run=Run(), mode="", **values),)
 
 

@@ -127,7 +127,7 @@ def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Cours
     data.qvel[:] = 0.0
     for _ in range(6):
         rover.advance(Twist())
-    assert (rover.scrape_s, rover.hazard_s) == (pytest.approx(0.05), 0.0)
+    assert (rover.scrape_s, rover.hazard_s) == pytest.approx((0.05, 0.0))
 
 
 def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course) -> None:
