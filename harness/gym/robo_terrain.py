@@ -198,18 +198,20 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def _task_reward(self) -> float:
         """RoboTerrain's reward of what was observed last; chooses a new goal at each that is reached."""
         distance, bearing = way_to(self.goal, self._pose)
-        before, self._distance = self._distance, distance
+        before = self._distance
         self._terms = {}
         if before is None:
+            self._distance = distance
             return 0.0
         if distance < REACHED:
             self._goals += 1
             self.goal, self._distance = self._draw_goal(self._pose.position[:2]), None
             self._terms["goal"] = GOAL_REWARD
-        elif self._nearest < NEAR:
+        elif self._nearest < NEAR:  # the distance before it stays in force
             self._collisions += 1
             self._terms["collision"] = NEAR_REWARD
         else:
+            self._distance = distance
             self._terms = self._driving_terms(before - distance, bearing)
         return sum(self._terms.values())
 

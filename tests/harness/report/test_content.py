@@ -1,5 +1,7 @@
+import html
 import json
 import re
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -16,6 +18,7 @@ from harness.report.recorder import RunRecorder
 from harness.spec.run import Run
 from tests.harness.report.made import RESULT, recorder, stretches, write_log
 from tests.support.pages import Outline, without_plotly
+from tests.support.rovers import LEO
 from tests.support.snapshots import check_snapshot
 
 
@@ -82,14 +85,17 @@ def test_page_refers_to_nothing_outside_itself() -> None:
 
 
 def test_names_from_users_are_text_and_never_markup(tmp_path: Path) -> None:
-    evil = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
-    result = replace(RESULT, failure=evil, topics={evil: TopicCount(1)}, mode=evil)
-    log = tmp_path / "evil.csv"
-    log.write_text(f"Timestamp,{evil},Notes\r\n1,2.0,{evil}\r\n")
-    page = render(replace(result, log_path=log), recorder())
+    evil = "<script>alert(1)<img src=x onerror=alert(2)>[b]$x$"
+    heights, robot, log = (tmp_path / f"{evil}{end}" for end in (".npy", "", ".csv"))
+    np.save(heights, np.zeros((20, 20)))
+    shutil.copytree(LEO.folder, robot)
+    log.write_text(f"Timestamp,{evil},Notes\r\n1,2.0,{evil}\r\n2,3.0,{evil}\r\n")
+    run = RESULT.run.alone(terrain=str(heights), terrain_size=20, robot=str(robot))
+    values = {"failure": evil, "topics": {evil: TopicCount(1)}, "mode": evil}
+    page = render(replace(RESULT, run=run, log_path=log, **values), recorder())  # type: ignore[arg-type]
     assert "<script>alert" not in page
     assert "<img" not in page
-    assert page.count("&lt;script&gt;alert(1)") >= 5
+    assert page.count(f"{html.escape(evil)}") >= 8
 
 
 @pytest.mark.parametrize(

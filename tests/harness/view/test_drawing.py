@@ -119,7 +119,7 @@ def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
     monkeypatch.setattr(Drawing, "finish", told)
     words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "4", "--log-dir"]
     assert main([*words, str(tmp_path / "plain")]) == 0
-    picture, video = tmp_path / "a.png", tmp_path / "a.mp4"
+    picture, video = tmp_path / "<script>[b]$x$.png", tmp_path / "a.mp4"
     flags = ["--picture", str(picture), "--picture-lidar", "--video", str(video)]
     assert main([*words, str(tmp_path / "drawn"), *flags]) == 0
     (plain,), (drawn,) = ((tmp_path / name).glob("*.csv") for name in ("plain", "drawn"))

@@ -71,8 +71,8 @@ def test_half_a_state_at_the_end_is_left_out_and_what_is_no_recording_refused(tm
 
 def test_the_scene_is_made_from_the_same_place_of_the_same_file(tmp_path: Path) -> None:
     """The whole of it is too steep to stand on: only with its start it is a world."""
-    np.save(tmp_path / "a.npy", np.tile(0.2 * np.arange(101.0), (101, 1)))
-    config = Run.of(terrain=str(tmp_path / "a.npy"), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5))
+    np.save(heights := tmp_path / "<script>[b]$x$.npy", np.tile(0.2 * np.arange(101.0), (101, 1)))
+    config = Run.of(terrain=str(heights), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5))
     with closing(StateWriter(tmp_path / "states", config)) as writer:
         writer._file.write(np.ones(8 + len(LEO.joints)).tobytes())
     again = world_of(read_states(tmp_path / "states").run)
