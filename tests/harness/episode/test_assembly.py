@@ -23,7 +23,6 @@ from harness.robots import find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
-from harness.spec.world import FILE_FIELDS
 from harness.world.berths import GAP
 from tests.support.rovers import LEO
 
@@ -70,15 +69,6 @@ def test_what_does_not_exist_or_fit_is_one_line_with_the_mend(wrong: dict[str, A
         check(Run.of(**wrong))
     assert mend in str(refused.value)
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize("name", FILE_FIELDS)
-def test_what_only_a_file_leaves_open_is_refused_of_a_named_terrain(name: str) -> None:
-    value = {"mesh_unit": "cm", "mesh_up": "y"}.get(name, 10.0 if "terrain" in name else "0.5")
-    with pytest.raises(
-        UsageError, match=f"^--{name.replace('_', '-')} applies to .* only; leave it out"
-    ):
-        check(Run.of(**{name: value}))
 
 
 def test_a_start_of_ones_own_makes_steep_ground_a_world(tmp_path: Path) -> None:

@@ -1,13 +1,10 @@
 """Episodes on small runs: what is due when, resets, plans, contacts, and what ends them."""
 
-import math
 from dataclasses import replace
 from itertools import pairwise
 
-import numpy as np
 import pytest
 
-from harness.base.errors import RunFailed
 from harness.episode.episode import Episode
 from harness.robots import ROVERS
 from harness.samples import (
@@ -158,38 +155,3 @@ def test_an_event_that_lasts_at_the_end_is_told_with_the_last_batch() -> None:
     assert event.end_ns > lasting.end_ns
     assert last.open_events == ()
     assert last.truth.scrapes == 1
-
-
-def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
-    episode = on_its_roof(duration=1.0)
-    batches = episode.batches()
-    for _ in range(8):
-        last = next(batches)
-    assert last.open_events
-    physics = episode.simulation.physics
-    tick, called = physics.tick, list[None]()
-
-    def leave_the_map() -> None:
-        tick()
-        called.append(None)
-        if len(called) == 3:
-            raise RunFailed("left")
-
-    physics.tick = leave_the_map  # type: ignore[method-assign]
-    last = next(batches)
-    assert [one.stamp_ns for one in last.ticks] == [410_000_000, 420_000_000]
-    assert (len(last.events), last.open_events) == (1, ())
-    with pytest.raises(RunFailed, match="left"):
-        next(batches)
-
-
-def test_an_episode_begins_where_it_is_told_and_comes_back_there() -> None:
-    episode = Episode(config(start=(-7.0, 5.0, 2.0), duration=0.5))
-    assert episode.info.start == (-7.0, 5.0, 2.0)
-    begun = episode.simulation.position, episode.simulation.yaw
-    assert (*begun[0][:2], begun[1]) == pytest.approx((-7.0, 5.0, 2.0), abs=0.01)
-    poses = [s for b in episode.batches() for t in b.ticks for s in t.samples if isinstance(s, Pose)]
-    way = np.array(poses[-1].position) - poses[0].position
-    assert math.atan2(way[1], way[0]) == pytest.approx(2.0, abs=0.05)
-    episode.reset()
-    assert (episode.simulation.position, episode.simulation.yaw) == begun

@@ -45,17 +45,6 @@ def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path
     assert (log.goals.reached, log.goals.goal) == (1, (9.0, 0.0))
 
 
-def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
-    for begin in (0, 100):
-        log = SocialRecorder(("a_actor", "b_actor"), tmp_path / f"{begin}.csv", tmp_path)
-        for second in range(begin, 2 * begin, 100):
-            log.take(batch(second, 0.0))
-        for second, *given in ((50, Place(9.0, 9.0, 0.0)), (207,), (208,)):
-            log.take(batch(begin + second, 0.0, *given))
-            assert log.goals.failed == (second == 208)
-        log.close()
-
-
 def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_path: Path) -> None:
     log, half = SocialRecorder(("a_actor", "b_actor"), None, tmp_path), math.sqrt(0.5)
     log.take(replace(batch(0, 2.0, Place(9.0, 9.0, 0.0)), ticks=()))  # nothing has been read yet

@@ -13,14 +13,25 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
+from scipy.spatial.transform import Rotation
 
 import harness.gym
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.assembly import world_of
-from harness.gym import ENVIRONMENTS
-from harness.gym.options import Curriculum, Options, Randomisation, parse_options
+from harness.gym import ENVIRONMENTS, observation
+from harness.gym.observation import (
+    LEFT,
+    Limits,
+    height_part,
+    heights_around,
+    point_nav_parts,
+    space_of,
+)
+from harness.gym.options import Curriculum, CurriculumSchedule, Options, parse_options
+from harness.samples import Pose
 from harness.spec.run import Run
 from harness.spec.world import FILE_FIELDS
+from harness.world.heightfield import Heightfield
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
 from tests.support.documents import ROOT
@@ -265,21 +276,6 @@ WRONG_OPTIONS = [
 ]
 
 
-def test_limits_themselves_are_valid_and_given_as_json_has_them() -> None:
-    given: dict[str, Any] = {
-        "difficulty": 1,
-        "goal_distance": [2, 2],
-        "randomisation": {"payload": [0, 0], "latency": [0.0, 0.0], "mass": [1e-3, 1e-3]},
-        "curriculum": Curriculum(step=1.0, window=1, success=0.0),
-    }
-    of_runs: dict[str, Any] = {"noise": "hardware", "robot": "rover_zero4wd", "lidar_beams": 64}
-    options = parse_options(Options, given | of_runs, "here")
-    assert (options.difficulty, options.goal_distance) == ((1.0, 1.0), (2.0, 2.0))
-    assert options.randomisation == Randomisation(payload=(0.0, 0.0), mass=(1e-3, 1e-3))
-    assert options.curriculum == given["curriculum"]
-    assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9, **of_runs)
-
-
 @pytest.mark.parametrize(("options", "message"), WRONG_OPTIONS)
 def test_options_that_are_not_valid_are_told_in_a_line(options: dict[str, Any], message: str) -> None:
     made = ENVIRONMENTS["RoverHarness/PointNav-v0"]
@@ -332,3 +328,67 @@ CODE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/gym.md").read_text(), re
 def test_the_code_of_the_page_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     exec(code, {})  # noqa: S102 - our own
+
+
+def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
+    ladder, rng = CurriculumSchedule(Curriculum(window=1), (0.2, 0.6)), np.random.default_rng(0)
+    ladder.record(success=False)
+    draws = [ladder.draw(rng) for _ in range(100)]
+    assert 0.2 <= min(draws) < 0.22
+    assert 0.58 < max(draws) <= 0.6
+
+
+@pytest.mark.parametrize(
+    ("share", "windows", "highest"),
+    [
+        (0.75, [3], 0.5),  # three of four are enough
+        (0.75, [4, 4], 0.8),
+        (0.75, [4, 4, 4], 0.9),  # not beyond the range
+        (0.75, [4, 4, 2], 0.8),  # half of the wanted share is 1.5: it stays
+        (0.75, [4, 4, 1], 0.5),
+        (0.75, [0, 0], 0.2),  # not below it
+        (0.5, [4, 2], 0.8),  # all that is wanted is harder
+        (0.5, [4, 4, 1], 0.8),  # half of it is not yet easier
+        (0.5, [4, 4, 0], 0.5),
+    ],
+)
+def test_a_window_of_episodes_moves_the_upper_end(
+    share: float, windows: list[int], highest: float
+) -> None:
+    ladder = CurriculumSchedule(Curriculum(step=0.3, window=4, success=share), (0.2, 0.9))
+    for successes in windows:
+        for episode in range(4):
+            ladder.record(success=episode < successes)
+    assert ladder.highest == pytest.approx(highest)
+    assert 0.2 <= ladder.draw(np.random.default_rng(1)) <= highest
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_heights_are_those_of_a_plane_around_the_rover(yaw: float) -> None:
+    x, y = np.meshgrid(np.linspace(-5.0, 5.0, 41), np.linspace(-5.0, 5.0, 41))
+    plane = Heightfield(0.2 * x - 0.1 * y, 0.25)
+    qx, qy, qz, qw = Rotation.from_euler("ZYX", [yaw, 0.2, 0.3]).as_quat().tolist()
+    pose = Pose(0, (1.0, -1.0, 0.5), (qx, qy, qz, qw))  # roll and pitch do not turn it
+    ahead = observation.AHEAD
+    seen = np.array(heights_around(plane, pose)).reshape(len(ahead), len(LEFT))
+    here, along, aside = 0.3 - 0.5, 0.2 * math.cos(yaw) - 0.1 * math.sin(yaw), -0.2 * math.sin(yaw)
+    aside -= 0.1 * math.cos(yaw)
+    assert seen == pytest.approx(here + along * np.array(ahead)[:, None] + aside * np.array(LEFT))
+    assert (ahead[0], ahead[-1], LEFT[0], LEFT[-1]) == (-0.5, 1.5, 0.6, -0.6)
+    assert "-0.5 to 1.5 m ahead, 0.6 m left to right" in height_part().about
+
+
+def test_an_observation_is_kept_within_its_space() -> None:
+    space: Any = space_of(point_nav_parts(3, 10.0))
+    limits = Limits(space)
+    for sign in (1.0, -1.0):
+        values = {name: np.full(box.shape or (), sign * 1e9) for name, box in space.items()}
+        seen = limits.keep(values)
+        assert space.contains(seen)
+        again = limits.keep(values)
+        assert not any(np.shares_memory(seen[name], again[name]) for name in seen)
+        ends = {name: getattr(box, "high" if sign > 0 else "low") for name, box in space.items()}
+        assert all(seen[name].tolist() == end.tolist() for name, end in ends.items())
+    within = {name: np.linspace(-0.5, 0.5, *box.shape).clip(box.low) for name, box in space.items()}
+    kept = limits.keep(within)
+    assert all(kept[name].tolist() == value.astype("f4").tolist() for name, value in within.items())

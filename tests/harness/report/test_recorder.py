@@ -107,15 +107,3 @@ def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: 
     assert with_report.read_bytes() == without.read_bytes()
     assert "<h1>leo on flat</h1>" in page.read_text(encoding="utf-8")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "with", "without"]
-
-
-def test_a_failed_run_gets_its_report_and_exit_code_1(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("harness.physics.physics.EDGE_MARGIN", 19.5)
-    page = tmp_path / "report.html"
-    words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
-    assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1
-    top = page.read_text(encoding="utf-8").partition("<main>")[0]
-    assert "<strong>Failed</strong>" in top
-    assert "the rover reached the edge of the map" in top
