@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property
 from threading import Lock
-from typing import Annotated, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
 
 import gymnasium
 import numpy as np
@@ -25,10 +25,12 @@ from harness.gym.observation import Limits, Observation, Part
 from harness.gym.options import CurriculumSchedule, Options, parse_options
 from harness.gym.picture import Painter
 from harness.samples import Twist
-from harness.sensors.depth import DepthOptions
 from harness.spec.value import Finite, Value, as_tuple, made
 from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
+
+if TYPE_CHECKING:
+    from harness.sensors.depth import DepthOptions
 
 MOST_TRIES = 20  # places at which a start is tried: a few are too steep to stand on
 LARGEST_SEED = 2**31
@@ -101,6 +103,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         name = type(self).__name__
         self.options: O = parse_options(self.options_class, options, name)  # type: ignore[assignment]
         self.render_mode = render_mode
+        self._camera: DepthOptions | None = None  # that the rover carries
+        self._box = math.inf  # half the side of the square in which starts and goals are [m]
         self._painter: Painter | None = None
         self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
         self._episodes_left = 0  # in this world
@@ -247,16 +251,6 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     @abstractmethod
     def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
         """Reward, ending ("" for none) and info of a step; failure is "edge", "diverged" or ""."""
-
-    @property
-    def _camera(self) -> DepthOptions | None:
-        """The depth camera that the rover carries; None for none."""
-        return None
-
-    @property
-    def _box(self) -> float:
-        """Half the side of the square in which starts and goals are [m]."""
-        return math.inf
 
     @property
     def _draws(self) -> np.random.Generator:

@@ -162,13 +162,10 @@ class Options(RunOptions):
             UsageError: A value is not valid for this terrain.
         """
         is_file = is_terrain_file(terrain)
-        given: dict[str, Any] = {
-            name: getattr(self, name)
-            for name in RunOptions.model_fields
-            if is_file or name not in FILE_FIELDS
-        }
-        own = {} if is_file else {"difficulty": difficulty}
-        run = Run.of(**given, **own, terrain=terrain, seed=seed, noise=self.noise or None)
+        names = [name for name in RunOptions.model_fields if is_file or name not in FILE_FIELDS]
+        given: dict[str, Any] = {name: getattr(self, name) for name in names}
+        given |= {} if is_file else {"difficulty": difficulty}
+        run = Run.of(**given, terrain=terrain, seed=seed, noise=self.noise or None)
         check(run)
         return run
 
@@ -179,10 +176,7 @@ def parse_options(cls: type[O], given: Mapping[str, object], where: str) -> O:
     Args:
         cls: The options of an environment.
         given: Its fields by name; those that are left out have their defaults.
-        where: Whose they are, for the message.
-
-    Raises:
-        UsageError: One does not exist or is not valid.
+        where: Whose they are, for the UsageError of one that does not exist or is not valid.
     """
     values = {name: _single(value) if name in FILE_FIELDS else value for name, value in given.items()}
     options = made(cls, {name: value for name, value in values.items() if value is not None}, where)

@@ -105,7 +105,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
 
     def __init__(self, render_mode: str | None = None, **options: object) -> None:
         super().__init__(render_mode, **options)
-        self._defects = self.options.defects
+        self._defects, self._box = self.options.defects, self.options.box
         self.observation_space = space_of(PARTS)
         slowest = -self.options.reverse_speed
         low, high = np.array([[slowest, -math.pi], [1.0, math.pi]], np.float32)
@@ -115,10 +115,6 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def terminal_endings(self) -> frozenset[str]:
         """Endings by which an episode is terminated."""
         return super().terminal_endings | ({"time"} if self._defects.limit_terminates else set())
-
-    @property
-    def _box(self) -> float:
-        return self.options.box
 
     @property
     def _draws(self) -> np.random.Generator:

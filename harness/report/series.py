@@ -117,8 +117,8 @@ def _range(name: str, values: Sequence[float]) -> fig.Layout:
 def _levels(name: str, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
     values = {each: getattr(thresholds, each) for each in THRESHOLDS.get(name, ())}
     units = {each: fig.spelled(THRESHOLD_INFO[each].unit) for each in values}
-    drawn = [(f"{each} = {value:g} {units[each]}", value) for each, value in values.items()]
-    dashed = [(*one, dash) for one, dash in zip(drawn, ("dash", "dashdot"), strict=False)]
+    drawn = zip(values.items(), ("dash", "dashdot"), strict=False)
+    dashed = [(f"{each} = {value:g} {units[each]}", value, dash) for (each, value), dash in drawn]
     if name in WITH_GRAVITY:
         dashed.append((f"g = {gravity} m/s²", gravity, "dot"))
     across = {"xref": "paper", "x0": 0.0, "x1": 1.0}
