@@ -78,7 +78,8 @@ def page_is_whole(evidence: Evidence) -> Iterator[str]:
         page = render(driven.result, driven.recorder)
         (figures,) = re.findall(r'id="figures">(.*?)</script>', page, re.DOTALL)
         shown = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
-        for found in re.finditer(r".*\b(nan|NaN|None|null|undefined)\b.*", shown):
+        # But for a fault of that name, as in scan:nan.
+        for found in re.finditer(r".*(?<!:)\b(nan|NaN|None|null|undefined)\b.*", shown):
             yield f"{driven.name}: on the page stands {found[0].strip()}"
         for name, figure in json.loads(figures).items():
             if f'id="{name}"' not in shown:

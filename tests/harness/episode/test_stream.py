@@ -6,12 +6,20 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD_NS
+from harness.episode import stream
 from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
 from harness.episode.stream import EpisodeProcess
 from harness.samples import Place, Pose, Twist
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
+from tests.support.forking import Forked
+
+
+@pytest.fixture(autouse=True)
+def _forked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Children are copies of this process, so that a change here is one there."""
+    monkeypatch.setattr(stream, "multiprocessing", Forked())
 
 
 def config(**changes: object) -> Run:

@@ -34,12 +34,12 @@ def batch(index: int, *, az: float = 9.81, nearest: float = 5.0, contact_s: floa
 
 def test_a_stretch_is_a_tenth_of_a_second_with_its_extremes() -> None:
     recorder = RunRecorder()
-    ticks = (*batch(0, az=8.0, nearest=0.5).ticks, *batch(0, az=9.0, nearest=0.9).ticks)
+    ticks = (*batch(0, az=8.0, nearest=0.5).ticks, *batch(0, az=13.0, nearest=0.9).ticks)
     recorder.take(Batch(ticks, Truth(time_ns=BATCH_NS)))
     recorder.take(batch(1, az=12.0, contact_s=0.03))
     (stretch,) = recorder.track
     assert stretch.time_s == pytest.approx(0.1)
-    assert (stretch.lowest_acceleration, stretch.highest_acceleration) == (8.0, 12.0)
+    assert (stretch.lowest_acceleration, stretch.highest_acceleration) == (8.0, 13.0)
     assert stretch.nearest_range == 0.5
     assert stretch.contact_s == pytest.approx(0.03)
     assert (stretch.path_length, stretch.position) == (0.02, (0.02, 0.0, 0.0))

@@ -1,5 +1,6 @@
 """What a picture shows of a run, and from where."""
 
+import math
 from pathlib import Path
 
 import mujoco
@@ -10,7 +11,7 @@ from PIL import ImageDraw
 from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.physics.scene import build_scene
-from harness.view.camera import best_view
+from harness.view.camera import best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import MOST_HALVED, drawn
 from harness.view.marks import beam_marks, path_marks, track_marks
@@ -28,6 +29,13 @@ def test_best_view_shows_the_path_and_stands_over_the_ground(tmp_path: Path) -> 
     view = best_view(model, episode.simulation.data, states.path, states.yaw[-1], 0.7)
     assert view.sees(states.path, 0.7).all()
     assert view.eye[2] > world.ground.height_at(*view.eye[:2])
+
+
+def test_chase_view_looks_where_the_rover_heads_from_above() -> None:
+    view = chase_view(np.zeros(3), 0.0)
+    assert view.direction[0] > 0.7
+    assert view.direction[2] == pytest.approx(-math.sin(math.radians(24.0)))
+    assert view.eye[0] < 0.0 < view.eye[2]
 
 
 @pytest.mark.parametrize("wall", [0.0, 1.0])
