@@ -87,11 +87,7 @@ class GoldenRun:
         return 5.0 if self.driver in STAGED else 3.0
 
     def words(self, files: dict[str, Path]) -> list[str]:
-        """Returns the arguments of harness.run.
-
-        Args:
-            files: What stands for the names in braces.
-        """
+        """Returns the arguments of harness.run, with these files for the names in braces."""
         robot = OWN_ROBOTS.get(self.robot, f"{{{self.robot}}}")
         words = ["--duration", str(self.duration), "--seed", str(int(self.no))]
         words += TERRAIN.get(self.terrain, ["--terrain", self.terrain])

@@ -97,11 +97,7 @@ def test_that_fails_unless_its_lines_are_traced():
 FATES = [
     ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
     ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
-    (
-        "",
-        "_HALF = 4.6875 # l",
-        "test_lack",
-    ),  # another constant, which others have imported, is made of it
+    ("", "_HALF = 4.6875 # l", "test_lack"),  # of which a constant is made that others have imported
     ("", 'KINDS = ("oilX", "water")', "test_kind[oilX]"),  # of which a test has its name
     ("", "PAIR = divmod(7)", "import"),
     ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
