@@ -29,11 +29,7 @@ from harness.world.world import RoverNeeds, World, build_world, starting_at, wit
 
 
 def check(run: Run) -> None:
-    """Checks everything that can be checked without building the world.
-
-    Raises:
-        UsageError: A name does not exist, or values do not fit together; the message names what does.
-    """
+    """Checks everything that can be checked without building the world; a UsageError names what fits."""
     for rover in run.rovers:
         find_rover(rover.robot)
     check_terrain(run.world)
@@ -44,12 +40,7 @@ def check(run: Run) -> None:
 
 
 def check_world(run: Run) -> None:
-    """Checks what depends on the world, which is built only where something does.
-
-    Raises:
-        UsageError: The start is off the map, no person can walk so, or there is nothing for the
-            driver to meet.
-    """
+    """Checks starts, people and what drivers meet against the world, built only where it matters."""
     for rover in run.rovers:
         driver = find_driver(rover.driver)
         if issubclass(driver, StagedEncounter):
@@ -66,12 +57,7 @@ def check_world(run: Run) -> None:
 
 
 def world_of(run: Run) -> World:
-    """Returns the world, which is built once and then shared: nobody changes one.
-
-    Raises:
-        UsageError: The terrain's file is not usable, the first rover's start is off the map, or no
-            person can walk so.
-    """
+    """Returns the world, built once and then shared; a UsageError says why there can be none."""
     return _peopled(_terrain_world(run), run.rover.start, people(run.world))
 
 
@@ -93,11 +79,7 @@ def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
 
 
 def gravity(run: Run, number: int = 0) -> float:
-    """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model.
-
-    Raises:
-        UsageError: The terrain's file is not usable.
-    """
+    """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model."""
     of_world = _terrain_world(run).gravity if is_terrain_file(run.world.terrain) else None
     return find_rover(run.rovers[number].robot).gravity if of_world is None else of_world
 
@@ -117,15 +99,7 @@ class Scenery(NamedTuple):
 
 
 def scenery(run: Run, world: World | None = None) -> Scenery:
-    """Returns the world of a run, and who starts where in it.
-
-    Args:
-        run: All rovers but the first have a start.
-        world: That world, if it has been built already.
-
-    Raises:
-        UsageError: A value is not valid.
-    """
+    """Returns the world of a run, unless it has been built already, and who starts where in it."""
     world = world_of(run) if world is None else world
     starts = [world.start if r.start is None else starting_at(world, r.start).start for r in run.rovers]
     return Scenery(
@@ -138,15 +112,7 @@ def scenery(run: Run, world: World | None = None) -> Scenery:
 
 
 def fleet(run: Run, rovers: tuple[RoverSetup, ...]) -> Run:
-    """Returns a run with several rovers, checked and placed.
-
-    Args:
-        run: What holds for all of them.
-        rovers: Their setups; a goal area holds for those whose drivers take goals, if any does.
-
-    Raises:
-        UsageError: A value is not valid, or there is no room for one.
-    """
+    """Returns a run with these rovers, checked and placed; a goal area is for those who take goals."""
     for rover in rovers:
         find_rover(rover.robot)
     if any(takes_goals(rover.driver) for rover in rovers):
@@ -221,14 +187,11 @@ def _check_rover(rover: RoverSetup) -> None:
 
 def _check_plan(run: Run) -> None:
     drivers = [rover.driver for rover in run.rovers]
-    plans = (
-        (run.plan.commands, CMD_VEL in drivers, CMD_VEL),
-        (run.plan.goals, any(map(takes_goals, drivers)), "goal"),
-    )
-    for events, are_heeded, needed in plans:
-        if events and not are_heeded:
-            raise UsageError(
-                f"driver '{run.rover.driver}' takes no commands or goals; this needs driver '{needed}'"
-            )
+    commands = run.plan.commands and CMD_VEL not in drivers
+    if commands or (run.plan.goals and not any(map(takes_goals, drivers))):
+        raise UsageError(
+            f"driver '{run.rover.driver}' takes no commands or goals; "
+            f"this needs driver '{CMD_VEL if commands else 'goal'}'"
+        )
     if run.plan.goals and any(rover.goal_area is not None for rover in run.rovers):
         raise UsageError("a goal area gives goals by itself: leave out the goals")

@@ -53,18 +53,14 @@ def later(batch: Batch, by_ns: int) -> Batch:
     def moved(event: ContactEvent) -> ContactEvent:
         return replace(event, start_ns=event.start_ns + by_ns, end_ns=event.end_ns + by_ns)
 
-    ticks = (
-        Tick(
-            tick.stamp_ns + by_ns,
-            tuple(replace(sample, stamp_ns=sample.stamp_ns + by_ns) for sample in tick.samples),
-            tick.tells_time,
-        )
-        for tick in batch.ticks
-    )
-    return Batch(
-        tuple(ticks),
-        replace(batch.truth, time_ns=batch.truth.time_ns + by_ns),
-        tuple(map(moved, batch.events)),
-        tuple(map(moved, batch.open_events)),
-        batch.goals,
+    def stamped(tick: Tick) -> Tick:
+        samples = (replace(sample, stamp_ns=sample.stamp_ns + by_ns) for sample in tick.samples)
+        return replace(tick, stamp_ns=tick.stamp_ns + by_ns, samples=tuple(samples))
+
+    return replace(
+        batch,
+        ticks=tuple(map(stamped, batch.ticks)),
+        truth=replace(batch.truth, time_ns=batch.truth.time_ns + by_ns),
+        events=tuple(map(moved, batch.events)),
+        open_events=tuple(map(moved, batch.open_events)),
     )

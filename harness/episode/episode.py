@@ -176,12 +176,7 @@ class Episode:
         self._begin()
 
     def batches(self) -> Iterator[Batch]:
-        """Drives the episode, one control period at a time.
-
-        Raises:
-            RunFailed: The rover left the map or the simulation diverged; the ticks up to then have
-                been yielded.
-        """
+        """Drives the episode, one control period at a time; RunFailed as `together`."""
         for (batch,) in together((self,)):
             yield batch
 

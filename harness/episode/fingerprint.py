@@ -90,11 +90,7 @@ def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[st
 
 
 def direct_in_fresh_process(run: Run) -> Fingerprint:
-    """Returns the fingerprint of a run without ROS in an interpreter that has done nothing before.
-
-    Raises:
-        RunFailed: The run did not come to its planned end, or the process died.
-    """
+    """Returns the fingerprint of a run without ROS in a fresh interpreter; RunFailed if it fails."""
     # The signal is this process's to handle; it then waits for the child, whose run is short.
     pool = ProcessPoolExecutor(
         max_workers=1,

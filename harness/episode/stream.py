@@ -38,10 +38,7 @@ EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
 class _Order(NamedTuple):
-    """What a batch begins with, in this order, that is not just the next one.
-
-    With `reset` the rover goes back to its start, or to `place`.
-    """
+    """What a batch begins with, in this order; with `reset` the rover goes to its start or `place`."""
 
     reset: bool = False
     place: Place | None = None
@@ -70,11 +67,7 @@ class RoverOrders:
             self._next = self._next._replace(command=twist)
 
     def reset(self) -> int | None:
-        """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
-
-        Returns:
-            The simulation time [ns] at which that happens; None if the episode ends before.
-        """
+        """Puts the rover back to its start, as `Episode.reset`; returns when [ns], None for never."""
         return self._note(_Order(reset=True))
 
     def put(self, place: Place) -> int | None:
@@ -82,11 +75,7 @@ class RoverOrders:
         return self._note(_Order(reset=True, place=place))
 
     def head_for(self, goal: Place) -> int | None:
-        """Gives the driver `goal` its next goal.
-
-        Returns:
-            The simulation time [ns] from which on it holds; None if the episode ends before.
-        """
+        """Gives the driver `goal` its next goal; returns from when on [ns], None for never."""
         return self._note(self._next._replace(goal=goal))
 
     def take(self) -> _Order | None:
@@ -148,11 +137,7 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
         return None if self._ordered == self._periods else self._ordered * CONTROL_PERIOD_NS
 
     def batches(self) -> Iterator[tuple[Batch, ...]]:
-        """Yields the batches of each control period.
-
-        Raises:
-            RunFailed: As `together`, or the child died.
-        """
+        """Yields the batches of each control period; RunFailed as `together`, or if the child died."""
         self._order()
         while (batches := self._receive()) is not None:
             yield batches

@@ -76,12 +76,7 @@ class Course:
         self._settled: list[State] = []
 
     def camera_of(self, simulation: Simulation, seed: int) -> RangeSensor | None:
-        """Returns the rover's depth camera, if it has one.
-
-        Args:
-            simulation: The physics of an episode in this world.
-            seed: Seed of the camera's noise.
-        """
+        """Returns the rover's depth camera in an episode, with the seed of its noise; None without."""
         if self.camera is None or self._frames is None:
             return None
         run, scene, surroundings = self.run.but(seed=seed), simulation.scene, self.lidar.surroundings
@@ -89,15 +84,7 @@ class Course:
         return RangeSensor(simulation, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:
-        """Returns the scene of an episode, which may change its model as it likes.
-
-        Args:
-            start: x, y [m] and yaw [rad] in the world.
-            variation: How the rover differs from the one that ships.
-
-        Raises:
-            UsageError: The start is not on the map.
-        """
+        """Returns the scene of an episode, whose model is its own; UsageError off the map."""
         scene, model = self.scene, copy.copy(self.scene.model)
         if variation != Variation(latency=variation.latency):
             _vary(model, variation)
@@ -106,13 +93,8 @@ class Course:
     def settled(self, scene: Scene, alike: tuple[Start, Variation]) -> Simulation:
         """Returns a simulation at time zero; where the last one was alike, it settles no second time.
 
-        Args:
-            scene: As `varied` made it.
-            alike: What it was made from: equal if and only if the state at time zero is.
-
-        Raises:
-            UsageError: The rover cannot stand there.
-            RunFailed: The rover left the map or the simulation diverged while it settled.
+        `alike` is what `varied` made the scene from: equal if and only if the state at time zero is. A
+        UsageError says that the rover cannot stand there, a RunFailed that it left the map or diverged.
         """
         timestep_ns = self.run.timestep_ns
         if alike == self._alike:

@@ -67,11 +67,7 @@ class DrivenRover:
         self.advance(Twist())
 
     def advance(self, twist: Twist) -> None:
-        """Drives one control period with a command, and reads: `command`, `drive`, `read`.
-
-        Raises:
-            RunFailed: As `read`.
-        """
+        """Drives one control period with a command, and reads; RunFailed as by `read`."""
         self.command(twist)
         self.drive()
         self.read()
@@ -86,11 +82,7 @@ class DrivenRover:
         self._leap.run()
 
     def read(self) -> None:
-        """Reads the sensors of the control period that was just driven.
-
-        Raises:
-            RunFailed: The rover left the map, or the simulation diverged; the readings are from before.
-        """
+        """Reads the sensors of the period just driven; with RunFailed the readings are from before."""
         hazards = scrapes = 0
         for _ in self._leap.ticks():
             self._ticks += 1

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property
 from threading import Lock
-from typing import Annotated, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
 
 import gymnasium
 import numpy as np
@@ -20,16 +20,17 @@ from pydantic import Field
 from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.gym.course import Course, Variation, draw_variation
-from harness.gym.difficulty import CurriculumSchedule
 from harness.gym.driven_rover import DrivenRover
 from harness.gym.observation import Limits, Observation, Part
-from harness.gym.options import Options, parse_options
+from harness.gym.options import CurriculumSchedule, Options, parse_options
 from harness.gym.picture import Painter
 from harness.samples import Twist
-from harness.sensors.depth import DepthOptions
 from harness.spec.value import Finite, Value, as_tuple, made
 from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
+
+if TYPE_CHECKING:
+    from harness.sensors.depth import DepthOptions
 
 MOST_TRIES = 20  # places at which a start is tried: a few are too steep to stand on
 LARGEST_SEED = 2**31
@@ -102,6 +103,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         name = type(self).__name__
         self.options: O = parse_options(self.options_class, options, name)  # type: ignore[assignment]
         self.render_mode = render_mode
+        self._camera: DepthOptions | None = None  # that the rover carries
+        self._box = math.inf  # half the side of the square in which starts and goals are [m]
         self._painter: Painter | None = None
         self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
         self._episodes_left = 0  # in this world
@@ -142,7 +145,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         if self.render_mode == "human":
             self.render()
         run = self.course.run
-        return self._fresh_observation(), {
+        return self._limits.keep(self._seen), {
             "terrain": run.world.terrain,
             "world_seed": run.seed,
             "difficulty": run.world.difficulty,
@@ -165,11 +168,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return self.conclude()
 
     def accept(self, action: Action) -> None:
-        """Takes the action of the next step; what follows is to be called in the order of `step`.
-
-        Raises:
-            InvalidAction: As `step`; likewise ResetNeeded.
-        """
+        """Takes the action of the next step or raises as `step`, in whose order the rest is called."""
         if self._is_over:
             raise ResetNeeded("there is no episode to step; call reset() first, and after each episode")
         self._accepted = self._checked_action(action)
@@ -208,7 +207,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             self.render()
         terminated = ending in self.terminal_endings
         info["ending"] = ending
-        return self._fresh_observation(), reward, terminated, bool(ending) and not terminated, info
+        return self._limits.keep(self._seen), reward, terminated, bool(ending) and not terminated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draws the rover from behind with its goal; the image, shape (height, width, 3), or a window.
@@ -251,20 +250,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
 
     @abstractmethod
     def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
-        """The reward of the step that was just driven, how the episode ended ("" if not), the info.
-
-        `failure` is "edge" or "diverged" if the step could not be driven to its end.
-        """
-
-    @property
-    def _camera(self) -> DepthOptions | None:
-        """The depth camera that the rover carries; None for none."""
-        return None
-
-    @property
-    def _box(self) -> float:
-        """Half the side of the square in which starts and goals are [m]."""
-        return math.inf
+        """Reward, ending ("" for none) and info of a step; failure is "edge", "diverged" or ""."""
 
     @property
     def _draws(self) -> np.random.Generator:
@@ -294,15 +280,13 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             "tries; choose an easier world, or random_start=False"
         )
 
-    def _new_course(self, seed: int, wanted: Mapping[str, Any]) -> Course:
+    def _new_course(self, seed: int, wanted: dict[str, Any]) -> Course:
         rng, terrains = self.np_random, self.options.terrain
         terrain = terrains[int(rng.integers(len(terrains)))]
         difficulty = self._schedule.draw(rng)
-        run = self.options.episode(
-            wanted.get("terrain", terrain),
-            wanted.get("world_seed", seed),
-            wanted.get("difficulty", difficulty),
-        )
+        drawn: dict[str, Any] = {"terrain": terrain, "world_seed": seed, "difficulty": difficulty}
+        drawn |= wanted
+        run = self.options.episode(drawn["terrain"], drawn["world_seed"], drawn["difficulty"])
         with _building:
             return Course(run, self._camera)
 
@@ -314,9 +298,6 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         if not all(map(math.isfinite, numbers)):
             raise InvalidAction(f"action {numbers} is not valid; give finite numbers")
         return [min(max(n, low), high) for n, (low, high) in zip(numbers, limits, strict=True)]
-
-    def _fresh_observation(self) -> Observation:
-        return self._limits.keep(self._seen)
 
     @cached_property
     def _limits(self) -> Limits:

@@ -36,10 +36,9 @@ class PointNavGoalEnv(PointNavEnv):
     def __init__(self, render_mode: str | None = None, **options: object) -> None:
         super().__init__(render_mode, **options)
         own = {name: part for name, part in self.parts.items() if name != "goal"}
-        boxes = [own[name].space() for name in own]
-        heading = (-1.0, -1.0), (1.0, 1.0)
-        low = (*np.concatenate([box.low for box in boxes]).tolist(), *heading[0])
-        high = (*np.concatenate([box.high for box in boxes]).tolist(), *heading[1])
+        boxes = [part.space() for part in own.values()]
+        low = (*np.concatenate([box.low for box in boxes]).tolist(), -1.0, -1.0)
+        high = (*np.concatenate([box.high for box in boxes]).tolist(), 1.0, 1.0)
         about = f"{', '.join(own)} of PointNav one after the other, then sine and cosine of the yaw"
         self._own = tuple(own)
         self.parts = {
@@ -57,7 +56,8 @@ class PointNavGoalEnv(PointNavEnv):
             desired_goal: x, y in the world [m], shape (2,) or (n, 2).
             info: Info of the step, which has no effect.
         """
-        return np.asarray(self._reached(achieved_goal, desired_goal), np.float64) - 1.0
+        reached = _apart(achieved_goal, desired_goal) < self.options.goal_radius
+        return np.asarray(reached, np.float64) - 1.0
 
     def compute_terminated(self, achieved_goal: Numbers, desired_goal: Numbers, info: Info) -> bool:
         """Returns whether the episode ends there by itself.
@@ -68,7 +68,7 @@ class PointNavGoalEnv(PointNavEnv):
             info: Info of the step; another ending that terminated it still does.
         """
         ended = info.get("ending", "") in self.terminal_endings - {"reached"}
-        return ended or bool(self._reached(achieved_goal, desired_goal))
+        return ended or bool(_apart(achieved_goal, desired_goal) < self.options.goal_radius)
 
     def compute_truncated(self, achieved_goal: Numbers, desired_goal: Numbers, info: Info) -> bool:  # noqa: ARG002
         """Returns whether the step ended the episode without an outcome.
@@ -80,9 +80,6 @@ class PointNavGoalEnv(PointNavEnv):
         """
         ending = info.get("ending", "")
         return bool(ending) and ending not in self.terminal_endings
-
-    def _reached(self, achieved: Numbers, desired: Numbers) -> NDArray[np.bool_]:
-        return np.asarray(_apart(achieved, desired) < self.options.goal_radius)
 
     def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
         values = super()._observe(driven)

@@ -80,8 +80,7 @@ def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
     cos, sin = math.cos(yaw), math.sin(yaw)
     ahead, left = (axis.ravel() for axis in np.meshgrid(AHEAD, LEFT, indexing="ij"))
     heights = ground.heights_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left)
-    there: list[float] = (heights - z).tolist()
-    return there
+    return list((heights - z).tolist())
 
 
 def height_part() -> Part:
@@ -102,18 +101,12 @@ def depth_part(camera: DepthOptions) -> Part:
 
 
 def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:
-    """Returns what RoverHarness/PointNav observes.
-
-    Args:
-        beams: Beams of the lidar.
-        range_max: Largest range of the lidar [m].
-    """
+    """Returns what RoverHarness/PointNav observes with a lidar of that largest range [m]."""
     about = {
         "lidar": "ranges of /scan [m], the first ahead, then counter-clockwise; a miss is the largest",
         "goal": "distance [m], sine, cosine of bearing",
         "imu": "specific force [m/s^2], angular rate [rad/s] along x, y, z, roll, pitch [rad], by IMU",
         "velocities": "speed [m/s], yaw rate [rad/s] of /odometry/wheels",
     }
-    sizes = {"lidar": beams}
-    ends = limits(range_max)
+    ends, sizes = limits(range_max), {"lidar": beams}
     return {name: Part(*ends[name], text, sizes.get(name, 0)) for name, text in about.items()}

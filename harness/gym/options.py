@@ -7,6 +7,7 @@ given as Python has it or as JSON gives it back, so that a spec can be written t
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, create_model
 
 from harness.base.sim_time import check_duration
@@ -95,6 +96,34 @@ class Curriculum(Value):
     success: Share = 0.8
 
 
+class CurriculumSchedule:
+    """Draws difficulties from a range, whose upper end rises while episodes succeed.
+
+    Attributes:
+        highest: Largest difficulty of the next world; without a curriculum the upper end of the range.
+    """
+
+    def __init__(self, curriculum: Curriculum, bounds: Range) -> None:
+        self._curriculum, self._bounds = curriculum, bounds
+        self.highest = bounds[0] if curriculum.step else bounds[1]
+        self._successes: list[bool] = []
+
+    def draw(self, rng: np.random.Generator) -> float:
+        """Returns the difficulty of the next world."""
+        return float(rng.uniform(self._bounds[0], self.highest))
+
+    def record(self, *, success: bool) -> None:
+        """Counts an episode; after a window of them, goes up, goes down or stays."""
+        self._successes.append(success)
+        if len(self._successes) < self._curriculum.window:
+            return
+        share, wanted = sum(self._successes) / len(self._successes), self._curriculum.success
+        self._successes.clear()
+        rise = (share >= wanted) - (share < wanted / 2)
+        low, high = self._bounds
+        self.highest = min(high, max(low, self.highest + rise * self._curriculum.step))
+
+
 class Options(RunOptions):
     """What all environments understand.
 
@@ -133,13 +162,10 @@ class Options(RunOptions):
             UsageError: A value is not valid for this terrain.
         """
         is_file = is_terrain_file(terrain)
-        given: dict[str, Any] = {
-            name: getattr(self, name)
-            for name in RunOptions.model_fields
-            if is_file or name not in FILE_FIELDS
-        }
-        own = {} if is_file else {"difficulty": difficulty}
-        run = Run.of(**given, **own, terrain=terrain, seed=seed, noise=self.noise or None)
+        names = [name for name in RunOptions.model_fields if is_file or name not in FILE_FIELDS]
+        given: dict[str, Any] = {name: getattr(self, name) for name in names}
+        given |= {} if is_file else {"difficulty": difficulty}
+        run = Run.of(**given, terrain=terrain, seed=seed, noise=self.noise or None)
         check(run)
         return run
 
@@ -150,10 +176,7 @@ def parse_options(cls: type[O], given: Mapping[str, object], where: str) -> O:
     Args:
         cls: The options of an environment.
         given: Its fields by name; those that are left out have their defaults.
-        where: Whose they are, for the message.
-
-    Raises:
-        UsageError: One does not exist or is not valid.
+        where: Whose they are, for the UsageError of one that does not exist or is not valid.
     """
     values = {name: _single(value) if name in FILE_FIELDS else value for name, value in given.items()}
     options = made(cls, {name: value for name, value in values.items() if value is not None}, where)

@@ -46,7 +46,7 @@ class Painter:
         elif not _has_display():
             raise UsageError("render_mode 'human' needs a display; use render_mode 'rgb_array'")
         self._course: Course | None = None
-        self._view: Any = None  # an _Image, or a window of MuJoCo's
+        self._view: Any = None  # a Canvas, or a window of MuJoCo's
 
     def draw(
         self, course: Course, shown: mujoco.MjData, goal: tuple[float, float]
@@ -69,8 +69,7 @@ class Painter:
         ground = course.scene.world.ground
         foot = np.array([*goal, ground.height_at(*goal) + GOAL_SIZE[1]])
         post = Mark(mujoco.mjtGeom.mjGEOM_CYLINDER, GOAL_SIZE, foot, GOAL_COLOR, glow=0.5)
-        image: NDArray[np.uint8] = self._view.image(self._data, post)
-        return image
+        return self._image(post)
 
     def close(self) -> None:
         """Closes the window and gives OpenGL back; it cannot draw any more."""
@@ -88,7 +87,7 @@ class Painter:
             viewer = import_module("mujoco.viewer")
             self._view = viewer.launch_passive(self._model, self._data)
         else:
-            self._view = _Image(self._model, self._context)
+            self._view = Canvas(self._model, self._context, MOST_GEOMS)
         self._course = course
 
     def _leave(self) -> None:
@@ -96,30 +95,19 @@ class Painter:
             self._view.close()
         self._view = self._course = None
 
-
-class _Image:
-    """Draws images of one model."""
-
-    def __init__(self, model: mujoco.MjModel, context: Any) -> None:  # noqa: ANN401 - of MuJoCo's, by system
-        self._model = model
-        self._canvas = Canvas(model, context, MOST_GEOMS)
-
-    def image(self, data: mujoco.MjData, mark: Mark) -> NDArray[np.uint8]:
-        """Returns the image of a state, shape (height, width, 3)."""
-        position = data.qpos[:3].copy()
-        forward = data.body(1).xmat.reshape(3, 3)[:, 0]
+    def _image(self, mark: Mark) -> NDArray[np.uint8]:
+        """The image of the state, shape (height, width, 3)."""
+        model, data, scene = self._model, self._data, self._view.scene
+        position, forward = data.qpos[:3].copy(), data.body(1).xmat.reshape(3, 3)[:, 0]
         view = chase_view(position, float(np.arctan2(forward[1], forward[0])))
-        aim_sun(self._model, position, view.azimuth)
-        mujoco.mj_camlight(self._model, data)
-        every, scene = mujoco.mjtCatBit.mjCAT_ALL, self._canvas.scene
-        mujoco.mjv_updateScene(self._model, data, visible_groups(), None, view.camera(), every, scene)
+        aim_sun(model, position, view.azimuth)
+        mujoco.mj_camlight(model, data)
+        every = mujoco.mjtCatBit.mjCAT_ALL
+        mujoco.mjv_updateScene(model, data, visible_groups(), None, view.camera(), every, scene)
         add_marks(scene, [mark], 0.0)
         scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
-        return self._canvas.drawn(QUALITY.width, QUALITY.height)
-
-    def close(self) -> None:
-        """Gives the images' memory back."""
-        self._canvas.close()
+        image: NDArray[np.uint8] = self._view.drawn(QUALITY.width, QUALITY.height)
+        return image
 
 
 def _has_display() -> bool:

@@ -104,7 +104,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
         if self.options.height_scan:
             self.parts = {**self.parts, "heights": height_part()}
-        if (camera := self._camera) is not None:
+        if (camera := self.options.camera) is not None:
+            self._camera = camera
             self.parts = {**self.parts, "depth": depth_part(camera)}
         self.observation_space = space_of(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
@@ -114,10 +115,6 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
         )
         self._weights = dict(self.options.reward)
-
-    @property
-    def _camera(self) -> DepthOptions | None:
-        return self.options.camera
 
     def _begin(self, driven: DrivenRover) -> None:
         self._distance = self._to_goal(driven)

@@ -11,7 +11,8 @@ the policy drives in its environment.
 import argparse
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from rover_metrics.errors import OneLineParser, begin_program, run_program
@@ -63,16 +64,12 @@ class PolicyNode(GuardedNode):
         self._readings: dict[type[samples.Sample], samples.Sample] = {}
         self._answered_ns = 0  # the stamp of the last scan that was answered
         self._command = self.create_publisher(Twist, "cmd_vel", 10)
-        subscriptions: tuple[tuple[type, str, Callable[..., None], object], ...] = (
-            (ScanMessage, "scan", self._on_scan, 10),
-            (ImuMessage, "imu/data", self._on_imu, 10),
-            (PoseArray, "rover/pose_array", self._on_pose, BEST_EFFORT),
-            (OdometryMessage, "odometry/wheels", self._on_odometry, 10),
-            (PoseStamped, "goal_pose", self._on_goal, 10),
-            (Clock, "/clock", self._on_clock, 10),
-        )
-        for kind, topic, callback, qos in subscriptions:
-            self.create_subscription(kind, topic, callback, qos)
+        self.create_subscription(ScanMessage, "scan", self._on_scan, 10)
+        self.create_subscription(ImuMessage, "imu/data", self._on_imu, 10)
+        self.create_subscription(PoseArray, "rover/pose_array", self._on_pose, BEST_EFFORT)
+        self.create_subscription(OdometryMessage, "odometry/wheels", self._on_odometry, 10)
+        self.create_subscription(PoseStamped, "goal_pose", self._on_goal, 10)
+        self.create_subscription(Clock, "/clock", self._on_clock, 10)
 
     def _on_scan(self, message: ScanMessage) -> None:
         if len(message.ranges) == self._policy.beams:
@@ -143,11 +140,8 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         context = rclpy.init(args=ros_args)
     except RuntimeError as error:
         raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
-    try:
-        with context:
-            rclpy.spin(PolicyNode(policy, rover, options.goal))
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+    with suppress(KeyboardInterrupt, ExternalShutdownException), context:
+        rclpy.spin(PolicyNode(policy, rover, options.goal))
     return 0
 
 

@@ -105,7 +105,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
 
     def __init__(self, render_mode: str | None = None, **options: object) -> None:
         super().__init__(render_mode, **options)
-        self._defects = self.options.defects
+        self._defects, self._box = self.options.defects, self.options.box
         self.observation_space = space_of(PARTS)
         slowest = -self.options.reverse_speed
         low, high = np.array([[slowest, -math.pi], [1.0, math.pi]], np.float32)
@@ -115,10 +115,6 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def terminal_endings(self) -> frozenset[str]:
         """Endings by which an episode is terminated."""
         return super().terminal_endings | ({"time"} if self._defects.limit_terminates else set())
-
-    @property
-    def _box(self) -> float:
-        return self.options.box
 
     @property
     def _draws(self) -> np.random.Generator:
@@ -152,9 +148,8 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
         readings = driven.readings
         pose, twist = latest(readings, Pose), latest(readings, Odometry).twist
-        attitude = latest(readings, Imu).orientation
+        attitude, scan = latest(readings, Imu).orientation, latest(readings, LaserScan)
         (roll, pitch), yaw = rotation.roll_pitch(attitude), rotation.yaw(attitude)
-        scan = latest(readings, LaserScan)
         ranges = visible(scan.ranges, FARTHEST)
         if self._defects.nearest_is_farthest:
             ranges[np.isneginf(scan.ranges)] = FARTHEST
@@ -199,18 +194,20 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def _task_reward(self) -> float:
         """RoboTerrain's reward of what was observed last; chooses a new goal at each that is reached."""
         distance, bearing = way_to(self.goal, self._pose)
-        before, self._distance = self._distance, distance
+        before = self._distance
         self._terms = {}
         if before is None:
+            self._distance = distance
             return 0.0
         if distance < REACHED:
             self._goals += 1
             self.goal, self._distance = self._draw_goal(self._pose.position[:2]), None
             self._terms["goal"] = GOAL_REWARD
-        elif self._nearest < NEAR:
+        elif self._nearest < NEAR:  # the distance before it stays in force
             self._collisions += 1
             self._terms["collision"] = NEAR_REWARD
         else:
+            self._distance = distance
             self._terms = self._driving_terms(before - distance, bearing)
         return sum(self._terms.values())
 

@@ -10,6 +10,7 @@ half as long while the processor still has it in its caches from the environment
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -71,11 +72,9 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, Info]:
-        """Begins an episode in each environment, or in those of options["reset_mask"].
+        """Begins an episode in each environment, or in those of options["reset_mask"] (num_envs,).
 
-        Args:
-            seed: Seeds of all, or the first one, which the following numbers follow.
-            options: Those of a single environment, for all, and the mask, of shape (num_envs,).
+        A seed is that of the first environment, which the following numbers follow, or one for each.
         """
         options = dict(options or {})
         mask = self._checked_mask(options.pop("reset_mask", np.ones(self.num_envs, np.bool_)))
@@ -90,14 +89,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         return self._observations(), self._batched(infos)
 
     def step(self, actions: Action) -> tuple[Observation, NDArray[np.float64], Flags, Flags, Info]:
-        """Steps all; with NEXT_STEP, one that has ended begins its next episode instead.
-
-        Args:
-            actions: Shape (num_envs, 2).
-
-        Raises:
-            UsageError: There are not as many actions as environments.
-        """
+        """Steps all by actions (num_envs, 2); with NEXT_STEP, one that has ended begins anew instead."""
         if (shape := np.shape(actions)[:1]) != (self.num_envs,):
             count = shape[0] if shape else "no"
             raise UsageError(f"{count} actions are not valid; give {self.num_envs}, one for each")
@@ -168,10 +160,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
     def _batched(self, infos: Sequence[Info]) -> Info:
         """The infos of all environments as Gymnasium has them: an array for a key, and who has it."""
-        batched: Info = {}
-        for index, info in enumerate(infos):
-            batched = self._add_info(batched, info, index)
-        return batched
+        return reduce(lambda batched, one: self._add_info(batched, one[1], one[0]), enumerate(infos), {})
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
         if seed is None:
@@ -194,9 +183,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
 
 def _mode(mode: str | AutoresetMode) -> AutoresetMode:
-    named = {choice.value: choice for choice in AutoresetMode} | {c.name: c for c in AutoresetMode}
-    if isinstance(mode, AutoresetMode):
-        return mode
+    named = {name: choice for choice in AutoresetMode for name in (choice, choice.name, choice.value)}
     if mode not in named:
         available = ", ".join(choice.value for choice in AutoresetMode)
         raise UsageError(f"autoreset_mode '{mode}' does not exist; available: {available}")

@@ -32,7 +32,6 @@ from harness.report.tables import (
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
-from harness.spec.rover import RoverSetup
 from harness.world.heightfield import Heightfield
 from rover_metrics.sheet.sheet import Sheet
 
@@ -44,14 +43,16 @@ def content(
     result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
 ) -> dict[str, Any]:
     """Returns what the template shows of a run; see `render`."""
-    log, values = read_log(result.log_path), manifest(result)
+    log, values, rover = read_log(result.log_path), manifest(result), result.rover
+    robot = robot_name(rover.robot)
+    called = f"{rover.name}, a {robot}," if rover.name else robot
     terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
     met = encounters(recorder.track)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{_called(result.rover)} on {Path(result.run.world.terrain).name}",
+        "heading": f"{called} on {Path(result.run.world.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
@@ -78,23 +79,16 @@ def content(
     }
 
 
-def _called(rover: RoverSetup) -> str:
-    robot = robot_name(rover.robot)
-    return f"{rover.name}, a {robot}," if rover.name else robot
-
-
 def _map(
     result: RunResult, recorder: RunRecorder, log: Log, others: Mapping[str, Sequence[Stretch]]
 ) -> Plot:
     run, track = result.run, recorder.track
     world = world_of(run)
-    start = world.start if result.info is None else result.info.start
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
-    x, y, yaw = (_signed(value) for value in start)
+    x, y, yaw = map(_signed, world.start if result.info is None else result.info.start)
     collided, touched, near = collisions(log, track), contacts(track), meetings(track)
-    placed = recorder.last_scan
-    rover = find_rover(result.rover.robot)
+    placed, rover = recorder.last_scan, find_rover(result.rover.robot)
     figure = map_figure(
         world,
         hillshade,
@@ -125,8 +119,7 @@ def _map(
 def _origin(ground: Heightfield) -> str:
     if ground.middle == (0.0, 0.0):
         return "the middle"
-    x, y = (_signed(value) for value in ground.middle)
-    return f"the file's, the middle is at {x}, {y}"
+    return f"the file's, the middle is at {', '.join(map(_signed, ground.middle))}"
 
 
 def _signed(value: float) -> str:
@@ -136,15 +129,13 @@ def _signed(value: float) -> str:
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
     track = recorder.track
     touched, gravity = contacts(track), gravity_of(result.run, result.number)
+    figures = {
+        name: series_figure(name, log, result.thresholds, track, touched, gravity)
+        for name in log.columns
+    }
     return [
-        Plot(
-            name=f"series-{number}",
-            heading=name,
-            caption=caption(name),
-            summary=_summary(name, values),
-            figure=series_figure(name, log, result.thresholds, track, touched, gravity),
-        )
-        for number, (name, values) in enumerate(log.columns.items())
+        Plot(f"series-{number}", _summary(name, log.columns[name]), figure, name, caption(name))
+        for number, (name, figure) in enumerate(figures.items())
     ]
 
 

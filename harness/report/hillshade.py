@@ -68,18 +68,10 @@ def shade(ground: Heightfield) -> Hillshade:
 def map_layout(ground: Heightfield, hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
     """Returns axes of one scale over the terrain as a picture."""
     x_range, y_range = _view(track, ground)
-    picture = {
-        "source": hillshade.data_uri(),
-        "xref": "x",
-        "yref": "y",
-        "x": hillshade.west,
-        "y": hillshade.north,
-        "sizex": hillshade.size[0],
-        "sizey": hillshade.size[1],
-        "sizing": "stretch",
-        "opacity": "--ground-opacity",
-        "layer": "below",
-    }
+    place = {"xref": "x", "yref": "y", "x": hillshade.west, "y": hillshade.north}
+    size = {"sizex": hillshade.size[0], "sizey": hillshade.size[1], "sizing": "stretch"}
+    look = {"opacity": "--ground-opacity", "layer": "below"}
+    picture = {"source": hillshade.data_uri(), **place, **size, **look}
     axis = {"showgrid": False, "constrain": "domain", "automargin": False}
     return common_layout(
         images=[picture],

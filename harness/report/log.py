@@ -36,12 +36,11 @@ def describe(name: str) -> Column:
     """Returns the entry of the data dictionary; what it does not know has the unit in its name."""
     if name.startswith(SLIP):  # rovers differ in their wheels
         return slip_column(name.removeprefix(SLIP).lower().replace(" ", "_"))
+    if name in DICTIONARY:
+        return DICTIONARY[name]
     unit = re.search(r"\[(.+)\]$", name)
     meaning = "The data dictionary does not know this column."
-    unknown = Column(
-        name=name, unit=unit[1] if unit else "", meaning=meaning, formula="", source="the log"
-    )
-    return DICTIONARY.get(name, unknown)
+    return Column(name=name, unit=unit[1] if unit else "", meaning=meaning, formula="", source="the log")
 
 
 def caption(name: str) -> str:

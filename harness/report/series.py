@@ -90,10 +90,8 @@ def _samples(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
     """The range of all IMU samples, where the log has one of each second."""
     if name != "IMU Acceleration Magnitude":
         return []
-    low, high = (
-        [getattr(stretch, f"{end}_acceleration") for stretch in track] for end in ("lowest", "highest")
-    )
-    return fig.band(EVERY_SAMPLE, [stretch.time_s for stretch in track], low, high)
+    ranges = [(s.time_s, s.lowest_acceleration, s.highest_acceleration) for s in track]
+    return fig.band(EVERY_SAMPLE, *(zip(*ranges, strict=True) if ranges else ((), (), ())))
 
 
 def _truth(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
@@ -119,8 +117,8 @@ def _range(name: str, values: Sequence[float]) -> fig.Layout:
 def _levels(name: str, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
     values = {each: getattr(thresholds, each) for each in THRESHOLDS.get(name, ())}
     units = {each: fig.spelled(THRESHOLD_INFO[each].unit) for each in values}
-    drawn = [(f"{each} = {value:g} {units[each]}", value) for each, value in values.items()]
-    dashed = [(*one, dash) for one, dash in zip(drawn, ("dash", "dashdot"), strict=False)]
+    drawn = zip(values.items(), ("dash", "dashdot"), strict=False)
+    dashed = [(f"{each} = {value:g} {units[each]}", value, dash) for (each, value), dash in drawn]
     if name in WITH_GRAVITY:
         dashed.append((f"g = {gravity} m/s²", gravity, "dot"))
     across = {"xref": "paper", "x0": 0.0, "x1": 1.0}

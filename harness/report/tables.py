@@ -49,8 +49,7 @@ def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
 
 def _people(track: Sequence[Stretch]) -> list[tuple[str, ...]]:
     """How near people were; no rows of a run without any."""
-    nearest = min((stretch.nearest_person for stretch in track), default=math.inf)
-    if math.isinf(nearest):
+    if math.isinf(nearest := min((stretch.nearest_person for stretch in track), default=math.inf)):
         return []
     return [
         (f"People within {PERSONAL_SPACE:g} m", DASH, f"{len(meetings(track))} times"),

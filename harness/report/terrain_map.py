@@ -95,7 +95,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         *_others(others),
         *_path(track, gravity),
         *_ends(track),
-        *_encounters(encounters(track), world.people),
+        _encounters(encounters(track), world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
@@ -123,24 +123,20 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     top = _scale_top(rough)
     casing = line("path", *_columns([stretch.position[:2] for stretch in track]), "--casing", width=9)
     order = np.argsort(rough, kind="stable").tolist()
-    ordered = [track[index] for index in order]
+    ticks = {"tickvals": [0.0, top / 2, top], "ticktext": ["0", f"{top / 2:g}", f"{top:g} or more"]}
     marker = {
         "size": 6,
         "color": numbers([rough[index] for index in order]),
         "colorscale": "Viridis",
         "cmin": 0.0,
         "cmax": top,
-        "colorbar": {
-            **COLORBAR,
-            "tickvals": [0.0, top / 2, top],
-            "ticktext": ["0", f"{top / 2:g}", f"{top:g} or more"],
-        },
+        "colorbar": COLORBAR | ticks,
     }
     details = [
-        [round(stretch.time_s, 2), round(rough[index], 3), round(stretch.position[2], 3)]
-        for index, stretch in zip(order, ordered, strict=True)
+        [round(track[index].time_s, 2), round(rough[index], 3), round(track[index].position[2], 3)]
+        for index in order
     ]
-    points = _points([stretch.position for stretch in ordered], "path", marker, HOVER)
+    points = _points([track[index].position for index in order], "path", marker, HOVER)
     return [casing | {"showlegend": False}, points | {"showlegend": False, "customdata": details}]
 
 
@@ -168,7 +164,7 @@ def _ways(places: Mapping[str, Sequence[Vector3]], color: str) -> list[Trace]:
     return traces
 
 
-def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
+def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> Trace:
     """Lines from the rover, where the number is that the table has, to whom it met."""
     points, numbered, texts = [], [], []
     for number, one in enumerate(met, 1):
@@ -176,18 +172,15 @@ def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace
         points += [near.rover, near.person, (math.nan, math.nan)]
         numbered += [f"<b>{number}</b>", "", ""]
         texts += [f"{number}: {name}, {near.distance:.2f} m, t = {near.time_s:.1f} s"] * 3
-    trace = line(CLOSEST, *_columns(points), PERSON, hover="%{hovertext}")
-    return [
-        trace
-        | {
-            "mode": "lines+markers+text",
-            "marker": {"symbol": "diamond", "size": 8, "color": PERSON},
-            "text": numbered,
-            "textposition": "top right",
-            "textfont": {"size": 14, "color": INK},
-            "hovertext": texts,
-        }
-    ]
+    look = {
+        "mode": "lines+markers+text",
+        "marker": {"symbol": "diamond", "size": 8, "color": PERSON},
+        "text": numbered,
+        "textposition": "top right",
+        "textfont": {"size": 14, "color": INK},
+        "hovertext": texts,
+    }
+    return line(CLOSEST, *_columns(points), PERSON, hover="%{hovertext}") | look
 
 
 def _scale_top(rough: Sequence[float]) -> float:

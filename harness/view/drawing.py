@@ -58,11 +58,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         self._at_end.close()
 
     def prepare(self, run: Run) -> None:
-        """Finds out whether everything that drawing takes is there, and opens the logs of states.
-
-        Raises:
-            UsageError: The files cannot be written, a package or OpenGL is missing.
-        """
+        """Opens the logs of states; a UsageError says what drawing needs and is not there."""
         if not self.wanted:
             if self._lidar:
                 raise UsageError("--picture-lidar needs --picture or --video")
@@ -83,12 +79,9 @@ class Drawing(AbstractContextManager["Drawing"]):
         return self._writers
 
     def finish(self, show: Callable[[int, int], None]) -> list[Path]:
-        """Draws in a process of its own; returns the files written.
+        """Draws in a process of its own; returns the files written, or raises DrawingFailed.
 
         `show` is called with the number of frames drawn and of all frames; of a picture there is one.
-
-        Raises:
-            DrawingFailed: They could not be drawn.
         """
         if not self._writers:
             return []
@@ -130,7 +123,6 @@ def _call(
 
 def _working_environment(chosen: str) -> dict[str, str]:
     """The environment in which MuJoCo draws without a display; a UsageError if there is none."""
-    system = platform.system()
     known = backends(chosen)
     for backend in known:
         environment = os.environ | {"MUJOCO_GL": backend}
@@ -140,5 +132,5 @@ def _working_environment(chosen: str) -> dict[str, str]:
             continue
         return environment
     tried = " or ".join(known)
-    mend = INSTALL_OPENGL.get(system, "start it where a window could be opened")
+    mend = INSTALL_OPENGL.get(platform.system(), "start it where a window could be opened")
     raise UsageError(f"pictures need OpenGL, but MUJOCO_GL={tried} does not work here; {mend}")

@@ -69,14 +69,10 @@ class Studio(AbstractContextManager["Studio"]):
         self._lidars = [
             Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
         ]
-        self._marks = [
-            mark
-            for scene, states in self._rovers
-            for mark in (
-                *path_marks(states, world.ground),
-                *track_marks(states, world.ground, scene.rover),
-            )
-        ]
+        self._marks = list[Mark]()
+        for scene, states in self._rovers:
+            self._marks += path_marks(states, world.ground)
+            self._marks += track_marks(states, world.ground, scene.rover)
         half_height = math.tan(math.radians(0.5 * FIELD_OF_VIEW))
         self.half_width = quality.width / quality.height * half_height
         self._renderer = mujoco.Renderer(self.model, quality.height, quality.width, max_geom=MOST_GEOMS)
@@ -195,13 +191,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Draws a recorded episode; without a recording, only tries out OpenGL.",
         epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
     )
-    parser.add_argument(
-        "recordings",
-        type=Path,
-        nargs="*",
-        metavar="RECORDING",
-        help="states of a rover, as harness.view.states has them",
-    )
+    about = "states of a rover, as harness.view.states has them"
+    parser.add_argument("recordings", type=Path, nargs="*", metavar="RECORDING", help=about)
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")
     parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")

@@ -2,8 +2,7 @@
 
 One line of JSON (what the scene is made from), then rows of float64: time [s], pose of the model frame
 (position, w, x, y, z), joint positions in the order of the rover's `joints`, of each person the middle
-and the heading. They come from the samples
-that are published, so that nothing in the episode knows of it.
+and the heading. They come from the samples that are published: nothing in the episode knows of it.
 """
 
 import json
@@ -106,11 +105,7 @@ class States:
 
 
 def read_states(path: Path) -> States:
-    """Reads what a `StateWriter` wrote.
-
-    Raises:
-        UsageError: It is no recording, or no state is in it.
-    """
+    """Reads what a `StateWriter` wrote; a UsageError where that is no recording or has no state."""
     try:
         header, _, body = path.read_bytes().partition(b"\n")
         content = parse_json(header, str(path))

@@ -5,6 +5,7 @@ its work. Needs Python alone, since what is missing is reported from here.
 """
 
 import argparse
+import gc
 import re
 import signal
 import sys
@@ -65,8 +66,10 @@ def missing_ros(error: ImportError, *, is_program: bool) -> BaseException:
 def begin_program(name: str) -> None:
     """Prepares a program for loading its libraries, which takes a second.
 
-    Ctrl-C then ends it without showing where it was, and what it cannot load is one line.
+    Ctrl-C then ends it without showing where it was, and what it cannot load is one line. Garbage is
+    collected from `run_program` on: what is loaded stays, and a sixth of its time would be spent on it.
     """
+    gc.disable()
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.excepthook = partial(_end_with_a_line, name)
 
@@ -78,6 +81,9 @@ def run_program(name: str, work: Callable[[], int]) -> int:
         The exit code: that of the work or of the KnownError that ended it; 2 where a file cannot be
         used or a library is missing.
     """
+    if not gc.isenabled():
+        gc.freeze()
+        gc.enable()
     try:
         return work()
     except (KnownError, ImportError, OSError) as error:

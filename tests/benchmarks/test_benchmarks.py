@@ -1,7 +1,6 @@
 """The benchmarks still run, take turns, and write what they measured; their figures are not tested."""
 
 import re
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
@@ -84,19 +83,6 @@ def test_scan_on_small_maps_is_that_of_mujoco_to_a_hundredth_of_a_millimetre() -
     rows = [row for row in table.rows if row[against].startswith("mj_multiRay")]
     assert all(row[differing].startswith("0 of ") for row in rows)
     assert all(float(row[largest].split()[0]) <= 1e-5 for row in rows)
-
-
-def test_missing_pybullet_costs_its_rows_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pybullet", None)
-    rows = lidar.measure(SMALLEST).rows
-    skipped = [row for row in rows if row[2].startswith("skipped: ")]
-    assert len(skipped) == len(rows) / 2
-    assert {len(row) for row in rows} == {9}
-
-
-def test_tables_become_markdown() -> None:
-    table = Table(title="Speed", columns=("way", "x"), rows=(("here", "**2**"),))
-    assert markdown(table) == "### Speed\n\n| way | x |\n| --- | ---: |\n| here | **2** |\n"
 
 
 def test_readme_is_the_one_that_the_benchmarks_wrote() -> None:

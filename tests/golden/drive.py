@@ -21,6 +21,7 @@ from harness.episode.fingerprint import StreamHash
 from harness.episode.manifest import manifest
 from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
+from harness.report.recorder import RunRecorder
 from harness.robots.urdf.folder import write_folder
 from harness.spec.sensor import SensorChoice
 from tests.golden.table import GoldenRun
@@ -81,6 +82,7 @@ class Driven:
         manifest: Its JSON, parsed.
         csv: The log's text; `social` is that of the log of people, "" without any.
         stream: Hash of the stream of samples; `samples` is their number.
+        recorder: What the page of the run is made from.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Driven:
     social: str
     stream: str
     samples: int
+    recorder: RunRecorder
 
 
 class WithoutSensor(StreamHash):
@@ -165,7 +168,7 @@ def drive_through_ros(
     return [_driven(replace(result, log_path=log), observers[0])]
 
 
-Observers = tuple[WithoutSensor, SocialRecorder | None]
+Observers = tuple[WithoutSensor, RunRecorder, SocialRecorder | None]
 
 
 @contextmanager
@@ -174,7 +177,7 @@ def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outpu
     names = actor_names(options.run.world)
     folders = [options.log_dir(rover) for rover in options.run.rovers]
     people = [SocialRecorder(names, None, folder) if names else None for folder in folders]
-    watching: list[Observers] = [(WithoutSensor(sensor), recorder) for recorder in people]
+    watching: list[Observers] = [(WithoutSensor(sensor), RunRecorder(), log) for log in people]
     outputs = [
         Outputs(log_dir=folder, observers=tuple(filter(None, observers)), settings=settings)
         for folder, observers, settings in zip(folders, watching, options.settings, strict=True)
@@ -188,7 +191,7 @@ def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outpu
 
 
 def _driven(result: RunResult, observers: Observers) -> Driven:
-    stream, people = observers
+    stream, recorder, people = observers
     assert result.log_path is not None, result.failure
     social = None if people is None else people.path
     return Driven(
@@ -199,6 +202,7 @@ def _driven(result: RunResult, observers: Observers) -> Driven:
         social="" if social is None else social.read_text(),
         stream=stream.hexdigest(),
         samples=stream.samples,
+        recorder=recorder,
     )
 
 

@@ -1,5 +1,6 @@
 """What holds for every golden run. Each invariant yields a line for each thing that is not so."""
 
+import json
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -8,6 +9,7 @@ from typing import Any
 from harness.base.sim_time import period_ticks
 from harness.episode.assembly import actor_names, sensor_rows
 from harness.episode.result import RunResult
+from harness.report.content import render
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Imu, Transforms
 from harness.sensors.table import ATTITUDE
@@ -68,6 +70,23 @@ def nothing_is_missing(evidence: Evidence) -> Iterator[str]:
             rows = driven.csv.count("\n") - 1
             if rows < 1 or driven.manifest["rows"] not in (rows, 0 if way == "ROS" else rows):
                 yield f"{driven.name} {way}: {rows} rows in the log"
+
+
+def page_is_whole(evidence: Evidence) -> Iterator[str]:
+    """No null and no NaN on the page of a run, on which everything is drawn that is named."""
+    for driven in evidence.direct:
+        page = render(driven.result, driven.recorder)
+        (figures,) = re.findall(r'id="figures">(.*?)</script>', page, re.DOTALL)
+        shown = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
+        # But for a fault of that name, as in scan:nan.
+        for found in re.finditer(r".*(?<!:)\b(nan|NaN|None|null|undefined)\b.*", shown):
+            yield f"{driven.name}: on the page stands {found[0].strip()}"
+        for name, figure in json.loads(figures).items():
+            if f'id="{name}"' not in shown:
+                yield f"{driven.name}: the page has no place for {name}"
+            for trace in figure["data"]:
+                if all(y is None for y in trace["y"]):
+                    yield f"{driven.name}: {name} has an empty {trace['name']}"
 
 
 def nothing_is_lost(evidence: Evidence) -> Iterator[str]:
@@ -176,6 +195,7 @@ def nothing_is_left_behind(evidence: Evidence) -> Iterator[str]:
 
 INVARIANTS: tuple[Callable[[Evidence], Iterator[str]], ...] = (
     nothing_is_missing,
+    page_is_whole,
     nothing_is_lost,
     second_run_is_the_same,
     sensor_more_changes_nothing_else,

@@ -42,12 +42,7 @@ def arithmetic() -> str:
 
 
 def outcome(evidence: Evidence, folder: Path) -> dict[str, Any]:
-    """Returns what is kept of a run: a summary to read, its logs, and hashes of the rest.
-
-    Args:
-        evidence: The run.
-        folder: Whose name is left out of all that is hashed, as that of the repository is.
-    """
+    """Returns what is kept of a run: a summary, its logs, and hashes without the name of the folder."""
     summary, hashes, logs = dict[str, Any](), dict[str, Any](), dict[str, Any]()
     for number, driven in enumerate(evidence.direct):
         name, truth = driven.name or "rover", driven.manifest["truth"]

@@ -40,16 +40,8 @@ TF = {
     "none": ["--odom-tf", "none"],
     "3d": ["--odom-tf-3d", "--map-tf"],
 }
-OTHER_NUMBERS = [
-    "--imu-rate",
-    "100",
-    "--lidar-beams",
-    "90",
-    "--timestep",
-    "0.005",
-    "--datum",
-    "-33.9,18.4,40",
-]
+OTHER_NUMBERS = ["--imu-rate", "100", "--lidar-beams", "90", "--timestep", "0.005"]
+OTHER_NUMBERS += ["--datum", "-33.9,18.4,40"]
 PLAN: dict[str, dict[str, Any]] = {  # what no command line says
     "cmd_vel": {"commands": ((0.0, 0.4, 0.3), (1.0, -0.2, -0.5), (2.0, 0.5, 0.0))},
     "goal": {"goals": ((0.2, 2.0, 1.0, 0.0), (1.6, -1.0, 2.0, 1.5))},
@@ -95,11 +87,7 @@ class GoldenRun:
         return 5.0 if self.driver in STAGED else 3.0
 
     def words(self, files: dict[str, Path]) -> list[str]:
-        """Returns the arguments of harness.run.
-
-        Args:
-            files: What stands for the names in braces.
-        """
+        """Returns the arguments of harness.run, with these files for the names in braces."""
         robot = OWN_ROBOTS.get(self.robot, f"{{{self.robot}}}")
         words = ["--duration", str(self.duration), "--seed", str(int(self.no))]
         words += TERRAIN.get(self.terrain, ["--terrain", self.terrain])
@@ -117,9 +105,7 @@ class GoldenRun:
 
     def _fleet(self, robot: str) -> list[str]:
         if self.fleet in ("twin", "close"):
-            behind = (
-                ",x=-1.1,y=0" if self.fleet == "close" else ""
-            )  # drives to where the first one began
+            behind = ",x=-1.1,y=0" if self.fleet == "close" else ""  # to where the first one began
             return ["--rover", f"{robot}:a", "--rover", f"{robot}:b{behind}"]
         other = "rover_zero4wd" if self.robot == "leo" else "leo"
         sensors = "gnss" if self.sensors == NONE else self.sensors.replace("gnss+", "") + "+gnss"
@@ -188,12 +174,12 @@ def missing_values() -> set[str]:
     sensors = {name for value in of["sensors"] for name in value.split("+")}
     each = [fault for some in of["fault"] for fault in some.split(";")]
     faults = {fault.partition("@")[0].partition("=")[0] for fault in each}
-    drivers = of["driver"] | {"policy"}
-    return (
-        (set(TERRAINS) - of["terrain"])
-        | (set(DRIVERS) - drivers)
-        | (set(kinds()) - sensors)
-        | (set(PRESETS) - of["noise"])
-        | {kind.name for kind in OF_SENSORS} - {name.partition(":")[2] for name in faults}
-        | {f"clock:{kind.name}" for kind in OF_THE_CLOCK} - faults
-    )
+    of_clock = {f"clock:{kind.name}" for kind in OF_THE_CLOCK}
+    return {
+        *(set(TERRAINS) - of["terrain"]),
+        *(set(DRIVERS) - of["driver"] - {"policy"}),
+        *(set(kinds()) - sensors),
+        *(set(PRESETS) - of["noise"]),
+        *({kind.name for kind in OF_SENSORS} - {name.partition(":")[2] for name in faults}),
+        *(of_clock - faults),
+    }

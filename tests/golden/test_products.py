@@ -16,17 +16,7 @@ from tests.golden.drive import make_files, run_options
 from tests.golden.table import NONE, RUNS, GoldenRun
 
 WORLD = ("terrain", "terrain_size", "terrain_cell", "mesh_unit", "rock")
-SETUP = (
-    "robot",
-    "driver",
-    "noise",
-    "sensors",
-    "goal_area",
-    "lidar_beams",
-    "imu_rate",
-    "actors",
-    "datum",
-)
+SETUP = ("robot", "driver", "noise", "sensors", "goal_area", "lidar_beams", "imu_rate", "actors")
 # What no file of a scenario says: several rovers, a plan, another timestep, the way of the frames.
 PLAIN = [run for run in RUNS if not run.is_fleet and not run.plan and run.numbers == NONE]
 IDS = ("RoverHarness/PointNav-v0", "RoverHarness/RoboTerrain-v0")
@@ -35,7 +25,7 @@ IDS = ("RoverHarness/PointNav-v0", "RoverHarness/RoboTerrain-v0")
 @pytest.mark.parametrize("run", PLAIN[::2], ids=lambda run: run.name)
 def test_a_scenario_drives_as_the_run_does(run: GoldenRun, tmp_path: Path) -> None:
     fields = run_options(run, make_files(tmp_path), tmp_path).run.fields()
-    keys = {key: fields[key] for key in (*WORLD, *SETUP) if fields[key] not in (None, [], "")}
+    keys = {key: fields[key] for key in (*WORLD, *SETUP, "datum") if fields[key] not in (None, [], "")}
     path_length = kept.references()[run.name]["summary"]["rover"]["path_length"]
     slack = 1e-6 if kept.references()[kept.ARITHMETIC] == kept.arithmetic() else kept.ABSOLUTE
     bounds = {"over": "end", "min": path_length - slack, "max": path_length + slack}

@@ -140,3 +140,10 @@ def test_a_wrong_word_is_told_with_the_mend(
         parser.parse_args(words.split())
     assert end.value.code == 2
     assert capsys.readouterr().err == f"harness.x: {told}\n"
+
+
+def test_garbage_is_collected_from_the_work_on() -> None:
+    code = "import gc; from rover_metrics.errors import begin_program, run_program\n"
+    code += "begin_program('name'); print(gc.isenabled(), run_program('name', gc.isenabled))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False True\n"

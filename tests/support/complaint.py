@@ -8,13 +8,7 @@ import pytest
 def complaint(
     main: Callable[[list[str]], int], words: Sequence[str], capsys: pytest.CaptureFixture[str]
 ) -> str:
-    """Returns the one line of a command line that is refused, with exit code 2.
-
-    Args:
-        main: The command.
-        words: Its arguments.
-        capsys: Of the test.
-    """
+    """Returns the one line of a command line that is refused, with exit code 2."""
     try:
         code: object = main(list(words))
     except SystemExit as leaving:  # argparse's way

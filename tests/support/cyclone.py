@@ -85,11 +85,7 @@ class CycloneListener:
         self.moving += self._tf.take(N=100)
 
     def join_late(self, patience: float) -> None:
-        """Waits for the first message of each latched topic, which has been sent before.
-
-        Args:
-            patience: For how long [s].
-        """
+        """Waits so long [s] for the first message of each latched topic, which has been sent before."""
         readers = {
             n: self._reader(n, k, Policy.Durability.TransientLocal, 1) for n, k in LATCHED.items()
         }

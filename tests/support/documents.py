@@ -32,12 +32,7 @@ def blocks(page: str, *languages: str) -> list[Block]:
 
 
 def commands(text: str, **variables: str) -> Iterator[list[str]]:
-    """Yields the words of each command of a shell's block, those of a loop once.
-
-    Args:
-        text: The block.
-        variables: What a `$NAME` in it is.
-    """
+    """Yields the words of each command of a shell's block, those of a loop once, variables replaced."""
     for line in text.splitlines():
         words = shlex.split(line, comments=True)
         if not words or words[0] in ("for", "done"):

@@ -12,13 +12,7 @@ T = TypeVar("T")
 
 
 def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[], T]) -> T:
-    """Returns what `make` returns here, or returned in another worker of this session.
-
-    Args:
-        factory: Knows the session's folder.
-        name: Of the file that keeps the value: one for each value.
-        make: Makes it; what it returns can be pickled.
-    """
+    """Returns what `make` returns here, or returned in another worker of this session, by that name."""
     if "PYTEST_XDIST_WORKER" not in os.environ:  # there is no other
         return make()
     kept = factory.getbasetemp().parent / f"{name}.pickle"

@@ -10,12 +10,7 @@ GLANCE = 0.02  # [s]
 
 
 def wait_until(condition: Callable[[], object], patience: float = PATIENCE) -> None:
-    """Looks until another process has made a condition true.
-
-    Args:
-        condition: What is looked at, a few dozen times a second.
-        patience: Seconds of wall time after which the test fails.
-    """
+    """Looks until another process has made a condition true, so long [s] before the test fails."""
     deadline = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < deadline, "the condition did not come true"

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,7 @@ import pytest
 from tests.support.once import made_once
 from tools.mutants import __main__ as command
 from tools.mutants import scores
-from tools.mutants.journal import Journal, Outcome
+from tools.mutants.journal import Outcome
 from tools.mutants.mutant import Mutant
 from tools.mutants.scope import ROOT, changed_since, modules, room_of
 
@@ -98,11 +97,7 @@ def test_that_fails_unless_its_lines_are_traced():
 FATES = [
     ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
     ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
-    (
-        "",
-        "_HALF = 4.6875 # l",
-        "test_lack",
-    ),  # another constant, which others have imported, is made of it
+    ("", "_HALF = 4.6875 # l", "test_lack"),  # of which a constant is made that others have imported
     ("", 'KINDS = ("oilX", "water")', "test_kind[oilX]"),  # of which a test has its name
     ("", "PAIR = divmod(7)", "import"),
     ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
@@ -171,15 +166,6 @@ def test_a_test_that_fails_anyway_kills_nothing(fates: dict[tuple[str, str], str
     assert not any("that_" in killer for killer in fates.values())
 
 
-def test_what_was_found_before_an_interruption_is_not_tried_again(tmp_path: Path) -> None:
-    one, other = mutants_of("a.py", "def f(a):\n    return a + 1\n\n\ndef g(a):\n    return a > 1\n")[:2]
-    journal = Journal(tmp_path / "kept/journal")
-    assert journal.outcomes([one]) == []
-    for killer in ("test_flaky", ""):
-        journal.write(Outcome(one, killer, ("test_flaky", "test_a")))
-    assert journal.outcomes([other, one]) == [Outcome(one, "", ("test_flaky", "test_a"))]
-
-
 def test_docstrings_annotations_messages_and_words_are_left_alone() -> None:
     source = '''def f(a: "int" = None) -> "str":
     """Adds 1."""
@@ -206,14 +192,6 @@ def test_kinds_of_mutations(monkeypatch: pytest.MonkeyPatch) -> None:
     assert texts("for a in b:\n    continue\n") >= {"break"}
     assert "a = b == (d, c)" in texts("a = b == (c, d)\n")
     assert "a = b not in (d, c)" not in texts("a = b not in (c, d)\n"), "a membership has no order"
-
-
-def test_same_code_gives_the_same_mutants_few_on_a_line_wherever_it_stands() -> None:
-    line = "    return f(a + b * c, d - e / g, [h, i], j=1, k=2.0)\n"
-    one = mutants_of("a.py", f"def t():\n{line}")
-    other = mutants_of("a.py", f"import x\n\ndef t():\n{line}")
-    assert [mutant.key for mutant in one] == [mutant.key for mutant in other]
-    assert max(Counter(mutant.number for mutant in one).values()) == 3
 
 
 class Fate:
@@ -262,16 +240,6 @@ def test_each_mutant_is_in_one_draw(
     for wrong in (["--draw", "1"], ["--one-in", "2", "--draw", "-1"], ["--one-in", "0"]):
         with pytest.raises(SystemExit, match="2"):
             mutants(monkeypatch, "a.py", *wrong)
-
-
-def test_a_wrong_file_or_revision_is_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert mutants(monkeypatch, "no/such.py") == 2
-    assert mutants(monkeypatch, "--base", "no-such-revision") == 2
-    first, second, *_ = capsys.readouterr().out.splitlines()
-    assert first == "mutants: no such file: no/such.py"
-    assert second.startswith("mutants: fatal: ")
 
 
 def test_changed_are_the_files_that_differ_from_the_base(tmp_path: Path) -> None:

@@ -13,25 +13,16 @@ from harness.cli.console import RunProgress, counted, print_summary
 from harness.episode.result import CommandCount, RunResult, TopicCount
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
+from tests.harness.report.made import TRUTH
 from tests.support.snapshots import check_snapshot
 
-TRUTH = Truth(
-    time_ns=12_500_000_000,
-    path_length=3.456,
-    hazard_contacts=2,
-    rock_contacts=5,
-    scrapes=7,
-    hazard_contact_s=0.25,
-    rock_contact_s=1.5,
-    scrape_s=0.75,
-    mean_slip=0.129,
-    largest_tilt=math.radians(81.4),
-    tipped_over=True,
+TIPPED = replace(
+    TRUTH, time_ns=12_500_000_000, path_length=3.456, largest_tilt=math.radians(81.4), tipped_over=True
 )
 RESULT = RunResult(
     run=Run(),
     mode="direct",
-    truth=TRUTH,
+    truth=TIPPED,
     wall_s=2.5,
     waited_s={"/controller_server": 1.575},
     topics={"/scan": TopicCount(12_345, 12_340, 5), "/tf": TopicCount(7), "/imu": TopicCount(9, 9)},

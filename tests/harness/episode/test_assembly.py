@@ -23,9 +23,7 @@ from harness.robots import find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
-from harness.spec.world import FILE_FIELDS
 from harness.world.berths import GAP
-from harness.world.world import terrain_hash
 from tests.support.rovers import LEO
 
 FLAT = Run.of(terrain="flat")
@@ -73,15 +71,6 @@ def test_what_does_not_exist_or_fit_is_one_line_with_the_mend(wrong: dict[str, A
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("name", FILE_FIELDS)
-def test_what_only_a_file_leaves_open_is_refused_of_a_named_terrain(name: str) -> None:
-    value = {"mesh_unit": "cm", "mesh_up": "y"}.get(name, 10.0 if "terrain" in name else "0.5")
-    with pytest.raises(
-        UsageError, match=f"^--{name.replace('_', '-')} applies to .* only; leave it out"
-    ):
-        check(Run.of(**{name: value}))
-
-
 def test_a_start_of_ones_own_makes_steep_ground_a_world(tmp_path: Path) -> None:
     np.save(tmp_path / "steep.npy", np.add.outer(np.linspace(0.0, 20.0, 41), np.zeros(41)))
     steep = Run.of(terrain=str(tmp_path / "steep.npy"), terrain_size=20)
@@ -100,14 +89,6 @@ def test_a_file_that_was_written_anew_is_another_world(tmp_path: Path) -> None:
         assert np.ptp(world.ground.heights) == pytest.approx(relief)
         assert (world.ground.half_size, world.seed) == ((10.0, 15.0), 3)
     assert world_of(run) is world_of(run)
-
-
-def test_the_start_changes_nothing_else_of_a_world() -> None:
-    run = Run.of(terrain="gravel", seed=7, difficulty=0.25)
-    given, world = (world_of(run.alone(start=start)) for start in ((3.0, -4.0, 1.0), None))
-    assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
-    assert (given.start, world.start) == ((3.0, -4.0, 1.0), (0.0, 0.0, 0.0))
-    assert terrain_hash(given) == terrain_hash(world)
 
 
 def test_gravity_and_people_are_those_of_the_world(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.base.errors import RunFailed, UsageError
+from harness.base.errors import RunFailed
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
@@ -128,9 +128,3 @@ def test_without_a_log_the_drive_is_the_same_whatever_its_observers_want(tmp_pat
     logged = drive(tmp_path, terrain="posts", driver="wander", lidar_beams=60, seed=3, duration=4.0)
     unlogged = run_unlogged(logged.run, StopRequest(), set(), ())
     assert unlogged.truth.position == logged.truth.position
-
-
-def test_a_log_that_cannot_be_made_is_a_usage_error(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match="file stands where a folder"):
-        drive(tmp_path / "file")

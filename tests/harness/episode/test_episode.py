@@ -1,15 +1,10 @@
 """Episodes on small runs: what is due when, resets, plans, contacts, and what ends them."""
 
-import hashlib
-import math
 from dataclasses import replace
 from itertools import pairwise
 
-import numpy as np
 import pytest
 
-from harness.base.errors import RunFailed
-from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.robots import ROVERS
 from harness.samples import (
@@ -22,15 +17,10 @@ from harness.samples import (
     Place,
     Pose,
     Sample,
-    Transforms,
     TruthState,
     Twist,
 )
-from harness.sensors.barometer import Pressure
-from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.world.world import terrain_hash
-from tests.support.rovers import LEO
 
 LIGHT = {"terrain": "flat", "driver": "straight", "duration": 1.0, "lidar_beams": 8}
 
@@ -55,15 +45,6 @@ def test_each_tick_of_10_ms_has_the_samples_that_are_due_in_publishing_order(rob
         assert tick.stamp_ns == 10_000_000 * number
         due = [(kind, tick.stamp_ns) for kind, period in periods.items() if number % period == 0]
         assert [(type(sample), sample.stamp_ns) for sample in tick.samples] == due
-
-
-@pytest.mark.parametrize("robot", ROVERS)
-def test_rover_starts_settled_so_that_no_drop_pollutes_the_first_samples(robot: str) -> None:
-    still = config(robot=robot, driver="cmd_vel")
-    forces = [s.linear_acceleration for s in samples(still, Imu) if isinstance(s, Imu)]
-    assert max(abs(math.hypot(*force) - 9.8) for force in forces) < 0.05
-    poses = [s.position for s in samples(still, Pose) if isinstance(s, Pose)]
-    assert math.dist(poses[0], poses[-1]) < 1e-3
 
 
 @pytest.mark.parametrize(("timeout", "shortest", "longest"), [(None, 0.4, 0.7), (0.5, 0.1, 0.2)])
@@ -119,24 +100,6 @@ def test_people_begin_anew_with_a_reset_and_walk_on_when_the_rover_is_put_elsewh
     assert told(None) == [(tick, (tick - 50 if tick > 50 else tick) / 100) for tick, _ in walked]
 
 
-def test_goals_in_an_area_follow_each_other_and_are_told_with_their_batch() -> None:
-    area = (0.6, 1.0, -0.2, 0.2)
-    episode = Episode(config(driver="goal", duration=6.0, goal_area=area))
-    goals: list[tuple[Place, tuple[float, float]]] = []
-    before = (0.0, 0.0)
-    for batch in episode.batches():
-        goals += [(goal, before) for goal in batch.goals]
-        before = batch.truth.position[:2]
-    assert len(goals) > 1
-    for (goal, _), (_, place) in pairwise(goals):
-        assert math.dist((goal.x, goal.y), place) < 0.3
-    assert goals == [
-        (goal, place)
-        for goal, place in goals
-        if area[0] < goal.x < area[1] and area[2] < goal.y < area[3]
-    ]
-
-
 @pytest.mark.parametrize(("robot", "driver"), [("leo", "wander"), ("rover_zero4wd", "swing")])
 def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str, driver: str) -> None:
     episode = Episode(config(robot=robot, terrain="rocky", driver=driver, duration=1.1, seed=3))
@@ -176,18 +139,6 @@ def test_odometry_does_not_see_a_reset(robot: str) -> None:
     assert driven[True][-1].x == pytest.approx(2 * driven[True][half - 1].x, abs=0.01)
 
 
-def test_an_imu_window_that_a_reset_cuts_short_holds_what_came_after_it() -> None:
-    episode = Episode(config(driver="spin", imu_rate=10, duration=0.5))
-    batches = []
-    for batch in episode.batches():
-        batches.append(batch)
-        if len(batches) == 9:
-            episode.reset()
-    (cut_short,) = [s for s in batches[-1].ticks[-1].samples if isinstance(s, Imu)]
-    whole = samples(config(driver="spin", imu_rate=20, duration=0.05), Imu)[0]
-    assert replace(whole, stamp_ns=cut_short.stamp_ns) == cut_short
-
-
 def on_its_roof(**changes: object) -> Episode:
     """A rover that begins to scrape the ground with its body."""
     episode = Episode(config(driver="cmd_vel", **changes))
@@ -204,73 +155,3 @@ def test_an_event_that_lasts_at_the_end_is_told_with_the_last_batch() -> None:
     assert event.end_ns > lasting.end_ns
     assert last.open_events == ()
     assert last.truth.scrapes == 1
-
-
-def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
-    episode = on_its_roof(duration=1.0)
-    batches = episode.batches()
-    for _ in range(8):
-        last = next(batches)
-    assert last.open_events
-    physics = episode.simulation.physics
-    tick, called = physics.tick, list[None]()
-
-    def leave_the_map() -> None:
-        tick()
-        called.append(None)
-        if len(called) == 3:
-            raise RunFailed("left")
-
-    physics.tick = leave_the_map  # type: ignore[method-assign]
-    last = next(batches)
-    assert [one.stamp_ns for one in last.ticks] == [410_000_000, 420_000_000]
-    assert (len(last.events), last.open_events) == (1, ())
-    with pytest.raises(RunFailed, match="left"):
-        next(batches)
-
-
-@pytest.mark.parametrize("sensors", [(), ("barometer",)])
-@pytest.mark.parametrize("frames", [None, FrameOptions()])
-def test_optional_sensors_and_transforms_are_among_the_samples_where_they_are_asked_for(
-    sensors: tuple[str, ...], frames: FrameOptions | None
-) -> None:
-    episode = Episode(config(sensors=sensors or None, duration=0.1), frame_options=frames)
-    told = {type(s) for batch in episode.batches() for tick in batch.ticks for s in tick.samples}
-    assert (Pressure in told, Transforms in told) == (bool(sensors), frames is not None)
-    assert (episode.description is None) == (frames is None)
-
-
-def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
-    told = config(actors=("g=3,0/3,4",), duration=0.1)
-    for wanted, expected in ((None, True), ({ActorPoses}, True), ({Imu}, False)):
-        batches = list(Episode(told, samples=wanted).batches())
-        samples_of = [type(s) for batch in batches for tick in batch.ticks for s in tick.samples]
-        assert (ActorPoses in samples_of) is expected
-
-
-def test_an_episode_says_what_it_is_made_of() -> None:
-    made, world = Episode(config(terrain="rocky")), world_of(config(terrain="rocky"))
-    info = made.info
-    assert info.terrain_hash == terrain_hash(world)
-    assert info.model_hash == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
-    assert (info.obstacles, info.notes) == (len(world.obstacles), world.notes)
-    assert (*info.map_size, *info.start) == pytest.approx((40.0, 40.0, 0.0, 0.0, 0.0))
-
-
-def test_an_episode_begins_where_it_is_told_and_comes_back_there() -> None:
-    episode = Episode(config(start=(-7.0, 5.0, 2.0), duration=0.5))
-    assert episode.info.start == (-7.0, 5.0, 2.0)
-    begun = episode.simulation.position, episode.simulation.yaw
-    assert (*begun[0][:2], begun[1]) == pytest.approx((-7.0, 5.0, 2.0), abs=0.01)
-    poses = [s for b in episode.batches() for t in b.ticks for s in t.samples if isinstance(s, Pose)]
-    way = np.array(poses[-1].position) - poses[0].position
-    assert math.atan2(way[1], way[0]) == pytest.approx(2.0, abs=0.05)
-    episode.reset()
-    assert (episode.simulation.position, episode.simulation.yaw) == begun
-
-
-def test_the_wheels_get_faster_from_tick_to_tick_as_the_controller_of_the_rover_lets_them() -> None:
-    """Leo: 2.5 m/s^2 with wheels of 0.0625 m, for the 50 ms of a batch."""
-    episode = Episode(config(duration=0.05))
-    (_,) = episode.batches()
-    assert episode.simulation.data.ctrl == pytest.approx(2.5 * 0.05 / 0.0625)

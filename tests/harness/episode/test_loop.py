@@ -1,11 +1,9 @@
 """The loop over scripted batches: who gets what, and when; and how fast it may go."""
 
-import signal
 from dataclasses import replace
 
 import pytest
 
-from harness.base.interrupt import StopRequest
 from harness.episode.batch import Batch, later
 from harness.episode.loop import Pacer, Route, drive
 from harness.faults.injector import FaultInjector
@@ -59,14 +57,6 @@ def test_each_rovers_tick_goes_through_its_faults_to_its_sink_then_its_batch_to_
         *("3: 1", "given 3", "4: 1", "given 4", "a 4", "b 4"),
     ]
     assert other.lines == ["1: 2", "2: 2", "a 2", "3: 0", "4: 0", "a 4"]
-
-
-def test_a_stop_ends_the_drive_once_the_batch_in_hand_has_been_taken() -> None:
-    diary, stop = Diary(), StopRequest()
-    route = Route(FaultInjector((), 0), diary.sink, diary.observers)
-    for _ in drive([(batch,) for batch in BATCHES], [route], stop):
-        stop.signal = signal.SIGINT
-    assert diary.lines == ["1: 1", "2: 1", "a 2", "b 2"]
 
 
 class FakeTime:

@@ -8,10 +8,8 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode
 from harness.episode.social_recorder import SocialRecorder
 from harness.samples import ActorPoses, Place, Pose, Quaternion, Tick
-from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from rover_metrics.analysis.social.log import read_social_log
 
@@ -47,17 +45,6 @@ def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path
     assert (log.goals.reached, log.goals.goal) == (1, (9.0, 0.0))
 
 
-def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
-    for begin in (0, 100):
-        log = SocialRecorder(("a_actor", "b_actor"), tmp_path / f"{begin}.csv", tmp_path)
-        for second in range(begin, 2 * begin, 100):
-            log.take(batch(second, 0.0))
-        for second, *given in ((50, Place(9.0, 9.0, 0.0)), (207,), (208,)):
-            log.take(batch(begin + second, 0.0, *given))
-            assert log.goals.failed == (second == 208)
-        log.close()
-
-
 def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_path: Path) -> None:
     log, half = SocialRecorder(("a_actor", "b_actor"), None, tmp_path), math.sqrt(0.5)
     log.take(replace(batch(0, 2.0, Place(9.0, 9.0, 0.0)), ticks=()))  # nothing has been read yet
@@ -72,23 +59,6 @@ def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_pa
     assert log.path is not None
     assert read_social_log(log.path).goals.tolist() == [0, 1, 1]
     assert log.path.read_text().splitlines()[-1].startswith("3,3.00,2.00,0.00,")
-
-
-def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
-    actors = ("guide=3,0/3,4", "x=1,1")
-    config = Run.of(terrain="flat", duration=3.0, driver="straight", actors=actors)
-    log = SocialRecorder(("guide_actor", "x_actor"), tmp_path / "mine.csv", tmp_path / "others")
-    episode, places = Episode(config), []
-    for number, one in enumerate(episode.batches(), 1):
-        log.take(one)
-        if number % 20 == 0:
-            places.append(episode.simulation.position[:2])
-    log.close()
-    told = read_social_log(tmp_path / "mine.csv")
-    for second, (row, place) in enumerate(zip(told.distance, places, strict=True), 1):
-        expected = [math.dist(place, (3.0, float(second))), math.dist(place, (1.0, 1.0))]
-        assert row.tolist() == pytest.approx(expected, abs=0.005)
-    assert places[-1][0] > 0.3
 
 
 def test_a_log_of_that_name_is_replaced_on_request_with_the_first_row(tmp_path: Path) -> None:

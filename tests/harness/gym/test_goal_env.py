@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -5,27 +7,9 @@ from harness.samples import Pose
 from tests.harness.gym.conftest import Make
 
 
-def test_rewards_and_endings_can_be_computed_again_from_what_was_observed(make: Make) -> None:
-    env = make("PointNavGoal", goal_radius=0.5)
-    env.reset(seed=1, options={"start": (0.0, 0.0, 0.0), "goal": (0.7, 0.0)})
-    ahead, achieved, rewards, ending = np.array([0.6, 0.0], np.float32), [], [], ""
-    while not ending:
-        seen, reward, terminated, truncated, info = env.step(ahead)
-        ending, goals = info["ending"], (seen["achieved_goal"], seen["desired_goal"])
-        achieved.append(goals[0])
-        rewards.append(reward)
-        assert env.compute_reward(*goals, info) == reward
-        assert env.compute_terminated(*goals, info) is terminated
-        assert env.compute_truncated(*goals, info) is truncated
-    assert (ending, rewards[-1], set(rewards[:-1])) == ("reached", 0.0, {-1.0})
-    # In hindsight: the goal was where it stood at the fifth step.
-    batch = env.compute_reward(np.array(achieved), np.tile(achieved[4], (len(achieved), 1)), None)
-    near = np.linalg.norm(np.array(achieved) - achieved[4], axis=1) < 0.5
-    assert batch.tolist() == [0.0 if there else -1.0 for there in near]
-
-
 def test_a_step_is_judged_by_the_goals_that_are_observed_to_the_bit(make: Make) -> None:
-    env, rng, outcomes = make("PointNavGoal", goal_radius=0.75), np.random.default_rng(0), []
+    env, rng = make("PointNavGoal", goal_radius=0.75), np.random.default_rng(0)
+    outcomes, places = list[str](), list[Any]()
     env.reset(seed=1, options={"start": (0.0, 0.0, 0.0), "goal": (4.0, 0.0)})
     for angle in rng.uniform(-np.pi, np.pi, 300):
         x, y, _ = env.driven.readings[Pose].position
@@ -38,10 +22,14 @@ def test_a_step_is_judged_by_the_goals_that_are_observed_to_the_bit(make: Make) 
         assert env.compute_terminated(*goals, {}) is terminated is info["is_success"]
         assert "reward_terms" not in info
         outcomes.append(info["ending"])
+        places.append(goals[0])
         if info["ending"]:
             env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (4.0, 0.0)})
     assert {*outcomes} == {"", "reached"}
     assert env.compute_reward(np.array([0.75, 0.0]), np.zeros(2), None) == -1.0  # within, not at
+    hindsight = np.linspace(0.0, 2.0, 300)[:, None] * [0.6, 0.8] + places[4]  # many at once
+    batch = env.compute_reward(hindsight, np.tile(places[4], (300, 1)), None)
+    assert batch.tolist() == [0.0 if 2.0 * n / 299 < 0.75 else -1.0 for n in range(300)]
 
 
 @pytest.mark.parametrize(

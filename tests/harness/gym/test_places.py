@@ -42,13 +42,10 @@ def test_a_rover_does_not_pass_where_only_corners_of_cells_meet() -> None:
     assert Places(world(*blocks), tiny).middles.min(axis=0) == pytest.approx([-0.9, -0.9])
 
 
-@pytest.mark.parametrize("footprint", [(-0.2, 0.6, -0.3, 0.1), (-0.3, 0.1, -0.2, 0.6)])
-def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free(
-    footprint: tuple[float, float, float, float],
-) -> None:
-    x, y = Places(world(), LEO.but(footprint=footprint)).middles.T
-    farthest = 4.5 - math.hypot(0.6, 0.3)
-    assert farthest - 0.25 <= max(np.abs(x).max(), np.abs(y).max()) <= farthest
+def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free() -> None:
+    for footprint in ((-0.2, 0.6, -0.3, 0.1), (-0.3, 0.1, -0.2, 0.6)):
+        farthest = np.abs(Places(world(), LEO.but(footprint=footprint)).middles).max()
+        assert 4.25 <= farthest + math.hypot(0.6, 0.3) <= 4.5
 
 
 def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
@@ -69,24 +66,16 @@ def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     assert beyond == pytest.approx(1.0 - math.pi / 4, abs=0.06)
 
 
-@pytest.mark.parametrize(("distance", "box"), [((30.0, 40.0), math.inf), ((0.0, math.inf), 0.01)])
-def test_where_nothing_is_as_wanted_the_nearest_is_taken(
-    distance: tuple[float, float], box: float
-) -> None:
+def test_where_nothing_is_as_wanted_the_nearest_is_taken() -> None:
     places, rng = Places(world(), LEO), np.random.default_rng(0)
-    x, y = places.draw(rng, (0.0, 0.0), distance, box)
-    if box == math.inf:
-        assert math.hypot(x, y) > 5.0  # a corner
-    else:
-        assert max(abs(x), abs(y)) <= 0.2
-        others = [places.draw(rng, (0.0, 0.0), distance, 0.15) for _ in range(20)]
-        assert len({(x > 0.0, y > 0.0) for x, y in others}) == 4  # of its cells any
+    assert math.hypot(*places.draw(rng, (0.0, 0.0), (30.0, 40.0))) > 5.0  # a corner
+    assert np.abs(places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.01)).max() <= 0.2
+    others = [places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.15) for _ in range(20)]
+    assert len({(x > 0.0, y > 0.0) for x, y in others}) == 4  # of its cells any
     # From (3, 0) at most 0.2 m, from the axes at most 0.15 m: at 1.475 m both miss by as much.
     x, y = places.draw(rng, (3.0, 0.0), (0.0, 0.2), 0.15)
     assert x == pytest.approx(1.475, abs=0.21)
     assert abs(y) < 0.7
-    near = places.draw(rng, (0.0, 0.0), (0.0, 0.01), box)
-    assert math.hypot(*near) < 0.3
 
 
 def test_a_map_that_is_no_square_around_the_origin_has_its_places_where_it_is() -> None:
@@ -96,15 +85,11 @@ def test_a_map_that_is_no_square_around_the_origin_has_its_places_where_it_is() 
     low, high = places.middles.min(axis=0), places.middles.max(axis=0)
     assert (low + high) / 2 == pytest.approx([20.0, -7.0])
     margin = 0.5 + math.hypot(0.218, 0.214) + 0.15  # of the edge, the rover, around it
-    for side, half in zip(high - low, (7.5, 5.0), strict=True):
-        assert side == pytest.approx(2 * (half - margin), abs=0.25)
+    assert high - low == pytest.approx(2 * (np.array([7.5, 5.0]) - margin), abs=0.25)
     nearest = np.hypot(*(places.middles - (24.0, -6.0)).T).min()
     assert nearest == pytest.approx(0.2 + margin - 0.5, abs=0.2)
-    cells = (places.middles - low) / 0.2
-    assert cells == pytest.approx(cells.round(), abs=1e-9)
     rng = np.random.default_rng(0)
     drawn = np.array([places.draw(rng, (20.0, -7.0), (0.0, math.inf)) for _ in range(400)])
-    assert ((low - 0.1 <= drawn) & (drawn <= high + 0.1)).all()
     within = ((drawn - low) / 0.2 + 0.5) % 1.0 - 0.5  # of a cell, from its middle
     assert np.abs(within).mean(axis=0) == pytest.approx([0.25, 0.25], abs=0.03)  # evenly
     assert within.mean(axis=0) == pytest.approx([0.0, 0.0], abs=0.06)

@@ -19,21 +19,22 @@ from rover_metrics.core.thresholds import Thresholds
 TOUCH = ContactEvent(
     "hazard", 1_500_000_000, 1_750_000_000, "chassis", "hazard_3", 41.6, (0.2, 0.1, 0.0)
 )
+TRUTH = Truth(
+    time_ns=8_000_000_000,
+    path_length=8.0,
+    hazard_contacts=2,
+    rock_contacts=5,
+    scrapes=7,
+    hazard_contact_s=0.25,
+    rock_contact_s=1.5,
+    scrape_s=0.75,
+    mean_slip=0.129,
+    largest_tilt=math.radians(30.4),
+)
 RESULT = RunResult(
     run=Run.of(terrain="posts", actors=("ann=1,1", "bob=2,2/2,3"), start=(-1.0, 0.5, 0.3)),
     mode="direct",
-    truth=Truth(
-        time_ns=8_000_000_000,
-        path_length=8.0,
-        hazard_contacts=2,
-        rock_contacts=5,
-        scrapes=7,
-        hazard_contact_s=0.25,
-        rock_contact_s=1.5,
-        scrape_s=0.75,
-        mean_slip=0.129,
-        largest_tilt=math.radians(30.4),
-    ),
+    truth=TRUTH,
     wall_s=4.0,
     rows=8,
     topics={"/scan": TopicCount(12_000, 11_990, 10), "/tf": TopicCount(7)},

@@ -1,5 +1,7 @@
+import html
 import json
 import re
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -11,13 +13,12 @@ import pytest
 
 from harness.episode.result import RunResult, TopicCount
 from harness.page.figure import AXIS, TIMES
-from harness.report.content import content, render
+from harness.report.content import render
 from harness.report.recorder import RunRecorder
 from harness.spec.run import Run
-from rover_metrics.core.columns import COLUMNS
-from rover_metrics.extended.metrics import EXTENDED_HEADER
 from tests.harness.report.made import RESULT, recorder, stretches, write_log
 from tests.support.pages import Outline, without_plotly
+from tests.support.rovers import LEO
 from tests.support.snapshots import check_snapshot
 
 
@@ -58,46 +59,22 @@ def test_page_and_figures_of_a_run_are_as_somebody_has_checked(tmp_path: Path) -
     check_snapshot("report.html.txt", shown + "".join(lines))
 
 
-def test_every_column_has_the_caption_of_the_data_dictionary(tmp_path: Path) -> None:
-    log = tmp_path / "extended.csv"
-    headers = [name for name in EXTENDED_HEADER if name != COLUMNS[-1]]
-    rows = (",".join([str(row)] * len(headers)) for row in (1, 2))  # so that every column changes
-    log.write_text("\n".join([",".join(headers), *rows]))
-    plots = content(replace(RESULT, log_path=log), recorder())["series"]
-    captions = {plot.heading: plot.caption for plot in plots}
-    assert list(captions) == headers[1:]
-    dictionary = (Path(__file__).parents[3] / "docs" / "metrics.md").read_text(encoding="utf-8")
-    for line in re.findall(r"^\| `.+", dictionary, re.MULTILINE):
-        header, _, meaning, formula, *_ = re.split(r" (?<!\\)\| ", line.removeprefix("| "))
-        if header.strip("`") in captions:
-            entry = f"{meaning} {formula}".replace("\\|", "|").replace("^2", "²").replace("^3", "³")
-            assert captions.pop(header.strip("`")) == entry
-    assert captions == {}
-
-
 def test_no_folder_of_whoever_ran_it_is_in_the_titles_or_the_name_of_the_log(tmp_path: Path) -> None:
     heights = tmp_path / "private" / "yard.npy"
     heights.parent.mkdir()
-    np.save(heights, np.zeros((20, 20)))
+    np.save(heights, np.add.outer(np.arange(20.0), np.zeros(20)))
     config = Run.of(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
     outline = Outline(page := without_plotly(render(replace(RESULT, run=config), RunRecorder())))
     assert [text for tag, text in outline.headings if tag in ("title", "h1")] == [
         "leo on yard.npy, seed 0: failed",
         "leo on yard.npy",
     ]
+    assert f"10 m {TIMES} 10 m, heights 0.00 to 1.00 m. +x is right and +y is up" in page
+    assert "difficulty" not in page
     assert page.count("private") == 1  # among the arguments, as they were given
     log = replace(RESULT, log_path=write_log(heights.with_name("log.csv")))
     assert "private" not in (page := without_plotly(render(log, recorder())))
     assert "8 rows in log.csv" in page
-
-
-def test_page_of_a_heightmap_tells_its_size_and_no_difficulty(tmp_path: Path) -> None:
-    np.save(tmp_path / "a.npy", np.zeros((21, 41)))
-    config = Run.of(terrain=str(tmp_path / "a.npy"), terrain_size=(40.0, 20.0))
-    page = without_plotly(render(replace(RESULT, run=config), RunRecorder()))
-    assert f"40 m {TIMES} 20 m, heights 0.00 to 0.00 m. +x is right and +y is up" in page
-    assert "Seed 0, driver wander" in " ".join(page.split())
-    assert "difficulty" not in page
 
 
 def test_page_refers_to_nothing_outside_itself() -> None:
@@ -108,14 +85,17 @@ def test_page_refers_to_nothing_outside_itself() -> None:
 
 
 def test_names_from_users_are_text_and_never_markup(tmp_path: Path) -> None:
-    evil = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
-    result = replace(RESULT, failure=evil, topics={evil: TopicCount(1)}, mode=evil)
-    log = tmp_path / "evil.csv"
-    log.write_text(f"Timestamp,{evil},Notes\r\n1,2.0,{evil}\r\n")
-    page = render(replace(result, log_path=log), recorder())
+    evil = "<script>alert(1)<img src=x onerror=alert(2)>[b]$x$"
+    heights, robot, log = (tmp_path / f"{evil}{end}" for end in (".npy", "", ".csv"))
+    np.save(heights, np.zeros((20, 20)))
+    shutil.copytree(LEO.folder, robot)
+    log.write_text(f"Timestamp,{evil},Notes\r\n1,2.0,{evil}\r\n2,3.0,{evil}\r\n")
+    run = RESULT.run.alone(terrain=str(heights), terrain_size=20, robot=str(robot))
+    values = {"failure": evil, "topics": {evil: TopicCount(1)}, "mode": evil}
+    page = render(replace(RESULT, run=run, log_path=log, **values), recorder())  # type: ignore[arg-type]
     assert "<script>alert" not in page
     assert "<img" not in page
-    assert page.count("&lt;script&gt;alert(1)") >= 5
+    assert page.count(f"{html.escape(evil)}") >= 8
 
 
 @pytest.mark.parametrize(

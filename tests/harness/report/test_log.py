@@ -1,13 +1,17 @@
-"""A log read back, what its columns mean, and the events in it and in the truth."""
+"""A log read back, the events in it and in the truth, and the tables made of them."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from harness.report import encounters as module
+from harness.report.encounters import Encounter, encounters
 from harness.report.log import Log, caption, collisions, contacts, describe, read_log
-from harness.report.recorder import Stretch
-from tests.harness.report.made import stretches
+from harness.report.recorder import Approach, Stretch
+from harness.report.tables import comparisons, facts, steady_text
+from tests.harness.report.made import RESULT, stretches
 
 
 def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None:
@@ -28,13 +32,6 @@ def test_a_column_that_nobody_knows_has_the_unit_in_its_name() -> None:
     assert (describe("Heat [K]").unit, describe("Heat").unit) == ("K", "")
     assert describe("True Slip Middle Left").meaning == "Slip ratio of the middle left wheel, -1 to 1."
     assert caption("Heat [K]") == "The data dictionary does not know this column."
-
-
-def test_contacts_with_short_gaps_are_one_event() -> None:
-    touching = {"contact_s": 0.1}
-    found = contacts(stretches({}, touching, touching, {}, touching))
-    assert [(event.start_s, event.end_s) for event in found] == [(1.0, 3.0), (4.0, 5.0)]
-    assert found[0].position == (2.0, 0.0, 0.0)
 
 
 def test_logged_collisions_are_placed_where_a_scan_was_nearest() -> None:
@@ -61,8 +58,72 @@ def test_contacts_half_a_second_apart_are_one_event_and_farther_ones_two() -> No
         Stretch(time, (time, 0.0, 0.0), 0.0, contact_s=touched)
         for time, touched in ((0.5, 0.1), (1.0, 0.0), (1.5, 0.1), (2.1, 0.0), (2.5, 0.1))
     ]
-    assert [(e.start_s, e.end_s) for e in contacts(track)] == [(0.0, 1.5), (2.1, 2.5)]
+    found = contacts(track)
+    assert [(event.start_s, event.end_s) for event in found] == [(0.0, 1.5), (2.1, 2.5)]
+    assert found[0].position == (0.5, 0.0, 0.0)
+    assert collisions(Log(), track) == [], "there is no counter"
 
 
-def test_a_log_without_the_counter_has_no_collisions() -> None:
-    assert collisions(Log(), stretches({}, {})) == []
+def test_a_metric_below_the_truth_has_a_minus_and_no_truth_no_difference() -> None:
+    short = replace(RESULT, last_row={"Distance Traveled": 7.0, "Total Collisions": 0})
+    assert comparisons(short, Log(), []).rows[0][-1] == "\N{MINUS SIGN}12.5\N{NO-BREAK SPACE}%"
+    stood = replace(RESULT, truth=replace(RESULT.truth, path_length=0.0, tipped_over=True))
+    rows = comparisons(stood, Log(), []).rows
+    assert rows[0][-1] == "\N{EN DASH}"
+    assert rows[-1][2] == "30°, tipped over"
+
+
+def test_without_a_log_and_people_there_is_only_the_truth() -> None:
+    rows = comparisons(replace(RESULT, last_row=None), Log(), stretches({})).rows
+    assert [metric for _, metric, _, _ in rows] == ["\N{EN DASH}"] * 9
+    assert rows[0][2] == "8.00 m"
+
+
+def test_nested_values_become_flat_pairs_with_their_units() -> None:
+    values = {"seed": 4, "duration": 2.5, "noise": False, "a": {"b": True, "timestep": 0.0025}}
+    assert facts({**values, "empty": [], "none": None, "sizes": (1.5, 2)}) == [
+        *(("seed", "4"), ("duration", "2.5 s"), ("noise", "no")),
+        *(("a.b", "yes"), ("a.timestep", "0.0025 s")),
+        *(("empty", "\N{EN DASH}"), ("none", "\N{EN DASH}"), ("sizes", "1.5, 2")),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "text"),
+    [
+        ("VORT [m/s]", [math.nan, math.nan], "empty"),
+        ("VORT [m/s]", [math.nan, 0.25, 0.25], "0.25 m/s in 2 of 3 rows"),
+        ("Vertical Roughness", [9.8, 9.8], "9.8 m/s²"),
+        ("Scan Lost", [0.0, 0.0], "0"),
+        ("Obstacle Clearance", [math.inf], "inf m"),
+    ],
+)
+def test_a_column_that_stays_the_same_is_told_by_its_value(
+    name: str, values: list[float], text: str
+) -> None:
+    assert steady_text(name, values) == text
+
+
+def at(time_s: float, *distances: float) -> dict[str, tuple[Approach, ...]]:
+    return {"approaches": tuple(Approach(d, time_s, (time_s, 0.0), (time_s, d)) for d in distances)}
+
+
+def test_each_time_that_somebody_was_near_has_its_nearest_moment() -> None:
+    far = [3.6, 3.0, 2.0, 2.5, 9.0, 3.5, 3.6]
+    track = stretches({}, *(at(2.0 + i, d, 20.0 - i) for i, d in enumerate(far)))
+    assert [(e.person, e.nearest.distance, e.nearest.time_s, e.near_s) for e in encounters(track)] == [
+        (0, 2.0, 4.0, 3.0),
+        (0, 3.5, 7.0, 1.0),
+        (1, 14.0, 8.0, 0.0),  # never near: the nearest of the run
+    ]
+    assert encounters(stretches({}, {})) == []
+
+
+def test_of_many_the_nearest_are_kept_and_one_of_each_person(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_ENCOUNTERS", 3)
+    far = [3.0, 9.0, 1.0, 9.0, 2.0, 9.0, 2.5]
+    track = stretches(*(at(1.0 + i, d, 30.0) for i, d in enumerate(far)))
+    kept: list[Encounter] = encounters(track)
+    assert [(e.person, e.nearest.distance) for e in kept] == [(1, 30.0), (0, 1.0)]
+    monkeypatch.setattr(module, "MOST_ENCOUNTERS", 4)
+    assert [e.nearest.distance for e in encounters(track)] == [30.0, 1.0, 2.0]

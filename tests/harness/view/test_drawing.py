@@ -33,7 +33,6 @@ sys.exit(picture.main())
     ("flags", "expected"),
     [
         (["--picture", "a.jpg"], "--picture 'a.jpg': name a file that ends in .png"),
-        (["--picture", ""], "name a file that ends in .png"),
         (["--video", "a.avi"], "--video 'a.avi': name a file that ends in .mp4"),
         (["--picture-lidar"], "--picture-lidar needs --picture or --video"),
     ],
@@ -53,9 +52,7 @@ def test_impossible_picture_is_refused_before_the_run(
     [
         ("Linux", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; install libegl1"),
         ("Darwin", "", ["cgl", "glfw"], "MUJOCO_GL=cgl or glfw does not work here; start it where a wi"),
-        ("Darwin", "cgl", ["cgl"], "MUJOCO_GL=cgl does not work here; start it where a window"),
         ("Windows", "", ["glfw"], "MUJOCO_GL=glfw does not work here; start it where a window"),
-        ("FreeBSD", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; start it"),
     ],
 )
 def test_each_system_has_its_opengl(
@@ -122,7 +119,7 @@ def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
     monkeypatch.setattr(Drawing, "finish", told)
     words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "4", "--log-dir"]
     assert main([*words, str(tmp_path / "plain")]) == 0
-    picture, video = tmp_path / "a.png", tmp_path / "a.mp4"
+    picture, video = tmp_path / "<script>[b]$x$.png", tmp_path / "a.mp4"
     flags = ["--picture", str(picture), "--picture-lidar", "--video", str(video)]
     assert main([*words, str(tmp_path / "drawn"), *flags]) == 0
     (plain,), (drawn,) = ((tmp_path / name).glob("*.csv") for name in ("plain", "drawn"))

@@ -1,0 +1,172 @@
+"""What a picture shows of a run, and from where."""
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from PIL import ImageDraw
+
+from harness.episode.assembly import world_of
+from harness.episode.episode import Episode
+from harness.physics.scene import build_scene
+from harness.view.camera import best_view, chase_view
+from harness.view.caption import captioned
+from harness.view.ground import MOST_HALVED, drawn
+from harness.view.marks import beam_marks, path_marks, track_marks
+from harness.world.heightfield import Heightfield
+from harness.world.world import build_world
+from tests.harness.view.recorded import CONFIG, recorded
+from tests.support.rovers import LEO
+
+
+def test_best_view_shows_the_path_and_stands_over_the_ground(tmp_path: Path) -> None:
+    states = recorded(tmp_path / "states")
+    world = world_of(CONFIG)
+    episode = Episode(CONFIG)
+    model = build_scene(world, LEO, 0.0025).model
+    view = best_view(model, episode.simulation.data, states.path, states.yaw[-1], 0.7)
+    assert view.sees(states.path, 0.7).all()
+    assert view.eye[2] > world.ground.height_at(*view.eye[:2])
+
+
+def test_chase_view_looks_where_the_rover_heads_from_above() -> None:
+    view = chase_view(np.zeros(3), 0.0)
+    assert view.direction[0] > 0.7
+    assert view.direction[2] == pytest.approx(-math.sin(math.radians(24.0)))
+    assert view.eye[0] < 0.0 < view.eye[2]
+
+
+@pytest.mark.parametrize("wall", [0.0, 1.0])
+def test_the_view_is_from_the_front_unless_something_stands_there(wall: float) -> None:
+    """The rover heads to +y, where a wall of 2 m may stand before the camera."""
+    box = f'<geom type="box" pos="0 {1.2 + 20 * (1 - wall)} 1" size="10 .1 1"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><worldbody><geom type="plane" size="50 50 1"/>{box}</worldbody></mujoco>'
+    )
+    mujoco.mj_forward(model, data := mujoco.MjData(model))
+    eye = best_view(model, data, np.zeros((1, 3)), np.pi / 2, 0.7).eye
+    assert (eye[1] > 1.2) == (not wall)
+
+
+def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:
+    states = recorded(tmp_path / "states")
+    ground = world_of(CONFIG).ground
+    marks = path_marks(states, ground)
+    assert len(marks) > 5
+    for mark in marks:
+        assert abs(mark.position[2] - ground.height_at(*mark.position[:2])) < 0.02
+    times = [mark.since for mark in marks]
+    assert times == sorted(times)
+    assert 0.0 < times[0] < times[-1] <= 2.0
+
+
+def test_tracks_are_as_far_apart_as_the_wheels(tmp_path: Path) -> None:
+    states = recorded(tmp_path / "states")
+    left, right, *_ = track_marks(states, world_of(CONFIG).ground, LEO)
+    across = LEO.track * np.array([-np.sin(states.yaw[0]), np.cos(states.yaw[0])])
+    assert (left.position - right.position)[:2] == pytest.approx(across, abs=0.02)
+
+
+def test_only_beams_that_hit_are_drawn() -> None:
+    directions = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+    marks = beam_marks(np.zeros(3), directions, np.array([2.0, np.inf, -np.inf], np.float32))
+    hit, beam = marks
+    np.testing.assert_allclose(hit.position, (2.0, 0.0, 0.0))
+    assert beam.end is not None
+    np.testing.assert_allclose([*beam.position, *beam.end], (0.0, 0.0, 0.0, 2.0, 0.0, 0.0))
+
+
+def test_many_beams_hide_nothing_every_hit_is_shown_and_few_lines() -> None:
+    angles = np.linspace(-np.pi, np.pi, 640, endpoint=False)
+    directions = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(640)])
+    ranges = np.full(640, 3.0, np.float32)
+    marks = beam_marks(np.zeros(3), directions, ranges)
+    ends = np.array([mark.end for mark in marks if mark.end is not None])
+    assert len(marks) - len(ends) == 640
+    assert 36 <= len(ends) <= 72
+    bearings = np.arctan2(ends[:, 1], ends[:, 0])
+    np.testing.assert_allclose(np.diff(bearings), np.diff(bearings)[0], atol=1e-6)  # evenly spread
+
+
+CELL = 0.2
+X, Y = np.meshgrid(np.arange(-60, 61) * CELL, np.arange(-50, 51) * CELL)
+RADIUS = 6.0
+
+
+def crater(cell: float = CELL) -> Heightfield:
+    """A rim 3 m high: round, but its vertices are not."""
+    r = np.hypot(X, Y) / CELL * cell
+    return Heightfield(np.where(r < RADIUS, 3 * (r / RADIUS) ** 4, 3 * np.exp((RADIUS - r) / 0.6)), cell)
+
+
+def rim(ground: Heightfield) -> np.ndarray:
+    angles = np.linspace(0.0, 2 * np.pi, 2000)
+    points = zip(RADIUS * np.cos(angles), RADIUS * np.sin(angles), strict=True)
+    return np.array([ground.height_at(x, y) for x, y in points])
+
+
+def test_a_sharp_crest_loses_its_teeth_and_little_of_its_height() -> None:
+    raw, shown = rim(crater()), rim(drawn(crater()))
+    assert np.ptp(raw) > 0.4
+    assert np.ptp(shown) < 0.25 * np.ptp(raw)
+    assert shown.mean() == pytest.approx(raw.mean(), abs=0.3)
+
+
+def test_away_from_crests_the_ground_is_where_it_was() -> None:
+    ground, shown = crater(), drawn(crater())
+    assert (shown.cell, *shown.half_size) == pytest.approx((CELL / 2, *ground.half_size))
+    away = abs(np.hypot(X, Y) - RADIUS) > 1.0
+    np.testing.assert_allclose(shown.heights[::2, ::2][away], ground.heights[away], atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["rocky", "gravel", "washboard"])
+def test_grain_and_gentle_ground_are_shown_as_they_are_driven(name: str) -> None:
+    ground = build_world(name, 1, 1.0).ground
+    assert drawn(ground) is ground
+
+
+def test_cells_of_a_large_map_stay_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert crater().heights.size < MOST_HALVED
+    monkeypatch.setattr("harness.view.ground.MOST_HALVED", crater().heights.size - 1)
+    shown = drawn(crater())
+    assert (shown.cell, shown.heights.shape) == (CELL, crater().heights.shape)
+    assert np.ptp(rim(shown)) < 0.4 * np.ptp(rim(crater()))
+
+
+FRAME = np.full((480, 960, 3), 200, np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("time", "speed", "rate", "words"),
+    [
+        (0.04, 0.004, 1, ["0.0 s", "0.00 m/s", ""]),
+        (59.96, 1.237, 6, ["60.0 s", "1.24 m/s", "played 6\N{MULTIPLICATION SIGN} as fast"]),
+    ],
+)
+def test_caption_tells_time_speed_and_how_fast_it_plays(
+    time: float, speed: float, rate: int, words: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[str] = []
+    draw = ImageDraw.ImageDraw.text
+
+    def text(self: ImageDraw.ImageDraw, place: object, text: str, **style: object) -> None:
+        written.append(text)
+        draw(self, place, text, **style)  # type: ignore[arg-type]  # as it was called
+
+    monkeypatch.setattr(ImageDraw.ImageDraw, "text", text)
+    captioned(FRAME, time, speed, rate)
+    assert written == words
+
+
+def test_caption_covers_a_corner_and_nothing_else() -> None:
+    frame = captioned(FRAME, 1234.5, 0.25, 12)
+    rows, columns = np.nonzero((frame != FRAME).any(axis=2))
+    assert frame.shape == FRAME.shape
+    assert 420 < rows.min() < rows.max() < 480
+    assert 0 < columns.min() < columns.max() < 480
+    panel = frame[rows.min() : rows.max(), columns.min() : columns.max()]
+    assert panel.min() < 110  # a darkened ground
+    assert panel.max() > 250  # and white on it
+    assert not (panel[:, -9:] > 230).any(), "the text ends within the panel"
