@@ -6,7 +6,7 @@ to be seen where there are none. To the models that ship it changes nothing.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Mapping
 from pathlib import Path
 
 import mujoco
@@ -89,7 +89,7 @@ def free_root(spec: mujoco.MjSpec, path: Path) -> None:
     world = spec.worldbody
     for thing in [*world.geoms, *world.sites, *world.lights, *world.cameras]:  # a floor, a lamp
         spec.delete(thing)
-    bodies = list(_children(world))
+    bodies = list(world.bodies)
     if len(bodies) != 1:
         names = ", ".join(body.name or "one without a name" for body in bodies) or "none"
         raise UsageError(f"{path}: the world must hold the rover's root body alone; it holds {names}")
@@ -113,7 +113,7 @@ def sort_geoms(spec: mujoco.MjSpec) -> None:
 
 def show_what_collides(spec: mujoco.MjSpec) -> None:
     """Gives a body of which nothing is to be seen the shapes by which it collides."""
-    for body in _descendants(spec.worldbody):
+    for body in spec.bodies[1:]:
         if any(geom.group == SEEN_GROUP for geom in body.geoms):
             continue
         for geom in list(body.geoms):
@@ -128,7 +128,7 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
     if any(site.name == name for site in spec.sites):
         return
     mount = mount or Mount(xyz=(0.0, 0.0, _top(spec, path) + ABOVE))
-    bodies = {body.name: body for body in _descendants(spec.worldbody)}
+    bodies = {body.name: body for body in spec.bodies[1:]}
     if mount.body and mount.body not in bodies:
         raise UsageError(
             f"{path.parent / 'rover.yaml'}: {name}: body '{mount.body}' does not exist in {path.name}; "
@@ -144,10 +144,9 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
 def _top(spec: mujoco.MjSpec, path: Path) -> float:
     """The highest point of what collides, in the root body's frame, while all joints are at 0 [m]."""
     model = compiled(spec.copy(), path)
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
+    data = at_origin(model)
     _, high = extent(model, data, np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist())
-    return float(high[2] - data.xpos[1, 2]) if np.isfinite(high).all() else 0.0
+    return float(high[2]) if np.isfinite(high).all() else 0.0
 
 
 def extent(
@@ -169,11 +168,11 @@ def extent(
     return low, high
 
 
-def _children(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
-    child = body.first_body()
-    while child is not None:
-        yield child
-        child = body.next_body(child)
+def by_side(places: Mapping[str, np.ndarray]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Returns the wheels on the left and those on the right, each front to rear, by their places [m]."""
+    ordered = sorted(places, key=lambda name: -places[name][0])
+    left = tuple(name for name in ordered if places[name][1] > 0)
+    return left, tuple(name for name in ordered if name not in left)
 
 
 def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
@@ -184,12 +183,6 @@ def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
             raise UsageError(f"{path}: the name '{name}' is the world's; give another")
 
 
-def _descendants(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
-    for child in _children(body):
-        yield child
-        yield from _descendants(child)
-
-
 def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Returns a rover's model without a world, and its state at the origin, all joints at 0.
 
@@ -197,7 +190,12 @@ def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
         UsageError: The model is not valid.
     """
     model = compiled(read_model(rover), rover.model_path)
+    return model, at_origin(model)
+
+
+def at_origin(model: mujoco.MjModel) -> mujoco.MjData:
+    """Returns the state of a rover's model with its root at the origin and all joints at 0."""
     data = mujoco.MjData(model)
     data.qpos[:], data.qpos[3] = 0.0, 1.0
     mujoco.mj_kinematics(model, data)
-    return model, data
+    return data

@@ -1,5 +1,6 @@
 """Writes the folder of a rover: model, meshes, and a rover.yaml that says what was guessed."""
 
+import json
 import re
 import shutil
 import tempfile
@@ -123,24 +124,14 @@ def _with_meshes_beside(text: str, spec: mujoco.MjSpec, folder: Path) -> str:
 
 def _loose(spec: mujoco.MjSpec, joints: Joints) -> list[str]:
     """Joints that nothing drives, holds or ties to another."""
-    tied = {equality.name1 for equality in spec.equalities} | {
-        equality.name2 for equality in spec.equalities
-    }
+    tied = {name for tie in spec.equalities for name in (tie.name1, tie.name2)}
     moved = {motor.target for motor in spec.actuators} | tied | set(joints.wheels)
-    hinges = [joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
-    return [
-        f"joint '{joint.name}' has no motor and moves freely"
-        for joint in hinges
-        if joint.name not in moved
-    ]
+    names = [joint.name for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+    return [f"joint '{name}' has no motor and moves freely" for name in names if name not in moved]
 
 
 def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
     """The keys that the URDF states."""
-
-    def names(of: tuple[str, ...]) -> str:
-        return "[" + ", ".join(f'"{joint}"' for joint in of) + "]"
-
     lines = [
         f"# yaml-language-server: $schema={SCHEMA}",
         f"# {name}: what {name}.xml cannot say; made of {urdf.name}. Metres, radians, seconds.",
@@ -148,23 +139,22 @@ def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
         "",
         f"model: {name}.xml",
     ]
-    if "model: tyres" in equipment.guesses:
-        lines += [
+    lines += [
+        *(
             f"# guess in the model, {key[7:]}: {guess}"
             for key, guess in equipment.guesses.items()
             if ": " in key
-        ]
-    lines += [
+        ),
         "drive:",
         f"  kind: {ACKERMANN if joints.steering else SKID}",
-        f"  left: {names(joints.left)}  # front to rear, by their places",
-        f"  right: {names(joints.right)}",
-        f"  driven: {names(equipment.driven)}",
+        f"  left: {json.dumps(joints.left)}  # front to rear, by their places",
+        f"  right: {json.dumps(joints.right)}",
+        f"  driven: {json.dumps(equipment.driven)}",
     ]
     if joints.steering:
         guess = "  # guess" if "drive" in equipment.guesses else ""
         lines += [
-            f"  steering: {names(joints.steering)}",
+            f"  steering: {json.dumps(joints.steering)}",
             f"  steering_rate: {equipment.steering_rate:g}{guess}",
         ]
     lines += [f"{key}: {value:g}  # a plugin of the URDF" for key, value in equipment.beliefs.items()]

@@ -48,8 +48,7 @@ def read_urdf(path: Path, *, trust_xacro: bool = False) -> Source:
     robot = _parsed(_text(path, trust_xacro=trust_xacro), path)
     notes: list[str] = []
     for link in robot.iter("link"):
-        notes += _without_missing_visuals(link, path)
-        _find_collision_meshes(link, path)
+        notes += _find_meshes(link, path)
         notes += _implausible_inertia(link, path)
     for extension in robot.findall("mujoco"):
         robot.remove(extension)
@@ -112,32 +111,23 @@ def _parsed(text: str, path: Path) -> ET.Element:
     return robot
 
 
-def _without_missing_visuals(link: ET.Element, path: Path) -> Iterator[str]:
-    """Drops what is only to be seen and cannot be; finds the other meshes."""
-    for visual in link.findall("visual"):
-        mesh = visual.find("geometry/mesh")
+def _find_meshes(link: ET.Element, path: Path) -> Iterator[str]:
+    """Puts in where the meshes of a link are; drops what is only to be seen and cannot be."""
+    for shape in (*link.findall("visual"), *link.findall("collision")):
+        mesh = shape.find("geometry/mesh")
         if mesh is None:
             continue
         file, name_in_file = _file(mesh, path)
-        if file is None or file.suffix.lower() not in READABLE:
-            link.remove(visual)
-            why = "is not there" if file is None else f"is no {' or '.join(READABLE)}"
-            yield f"link '{link.get('name')}': visual mesh {name_in_file} {why}; dropped"
-        else:
+        if file is not None and file.suffix.lower() in READABLE:
             mesh.set("filename", str(file))
-
-
-def _find_collision_meshes(link: ET.Element, path: Path) -> None:
-    for mesh in link.findall("collision/geometry/mesh"):
-        file, name_in_file = _file(mesh, path)
-        where = f"{path}: link '{link.get('name')}': collision mesh {name_in_file}"
-        if file is None:
-            raise UsageError(
-                f"{where} is not there; put its package beside the file or above it, or give a shape"
-            )
-        if file.suffix.lower() not in READABLE:
-            raise UsageError(f"{where} is no {' or '.join(READABLE)}; convert it, or give a shape")
-        mesh.set("filename", str(file))
+            continue
+        why = "is not there" if file is None else f"is no {' or '.join(READABLE)}"
+        problem = f"link '{link.get('name')}': {shape.tag} mesh {name_in_file} {why}"
+        if shape.tag == "collision":
+            mend = "put its package beside the file or above it" if file is None else "convert it"
+            raise UsageError(f"{path}: {problem}; {mend}, or give a shape")
+        link.remove(shape)
+        yield f"{problem}; dropped"
 
 
 def _file(mesh: ET.Element, path: Path) -> tuple[Path | None, str]:

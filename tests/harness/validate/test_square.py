@@ -19,7 +19,6 @@ def test_a_journey_adds_up_the_true_way_and_the_one_that_the_wheels_believe(robo
     journey, places, yaws = Journey(rig), [rig.simulation.position[:2]], [rig.simulation.yaw]
     angles = [rig.joint_angles(rover.wheel_joints)]
     rig.observers += [
-        journey.observe,
         lambda: places.append(rig.simulation.position[:2]),
         lambda: yaws.append(rig.simulation.yaw),
         lambda: turned.append(float(data.qvel[5]) * 0.01),
