@@ -33,7 +33,6 @@ STILL = at_most(1.0, "real: 0; E: what MuJoCo's regularised friction may leave")
 class Balance:
     """Where the weight of a standing rover acts; horizontal distances from its centre of mass [m]."""
 
-    weight: float  # [N]
     height: float  # of the centre of mass over the ground [m]
     front: float  # to the front axle
     rear: float  # to the rear axle
@@ -58,7 +57,6 @@ def balance(rig: Rig) -> Balance:
     wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
     left, right = np.split(wheels, 2)
     return Balance(
-        weight=float(model.body_mass.sum()) * rig.rover.gravity,
         height=z - float(wheels[:, 2].mean()) + rig.rover.wheel_radius,
         front=float(left[0, 0] + right[0, 0]) / 2 - x,
         rear=x - float(left[-1, 0] + right[-1, 0]) / 2,
