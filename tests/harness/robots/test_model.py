@@ -9,7 +9,6 @@ import pytest
 from harness.base.errors import UsageError
 from harness.robots import ROVERS, RoverSpec, read_rover
 from harness.robots.model import compiled_alone, read_model
-from tests.support.rovers import LEO
 
 WHEEL = (
     '<body name="{0}" pos="{1} {2} 0.1"><joint name="{0}" axis="0 1 0"/>'
@@ -138,10 +137,3 @@ def test_a_model_that_is_no_rover_is_told_of_in_one_line(
     assert told in str(error.value)
     assert "car.xml" in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_a_rover_that_is_moved_is_the_same(tmp_path: Path) -> None:
-    one, other = (read_rover(brought_along(tmp_path / name)) for name in ("car", "lorry"))
-    same = other.but(name=one.name, folder=one.folder)
-    assert same == one
-    assert one != LEO

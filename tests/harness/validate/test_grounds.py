@@ -32,8 +32,9 @@ def test_a_floor_is_even_a_ramp_bends_up_and_a_saddle_lifts_the_diagonal_wheels(
     slope = math.tan(math.radians(30.0)) * np.clip((along - 0.6) / 0.8, 0.0, 1.0)
     profile = np.concatenate([[0.0], np.cumsum((slope[1:] + slope[:-1]) / 2 * np.diff(along))])
     for aside in (-1.5, 1.5):
-        x, y = (turned := (along + 1j * aside) * cmath.exp(1j * course.heading)).real, turned.imag
-        assert course.world.ground.heights_at(x, y) == pytest.approx(profile, abs=0.004)
+        places = (complex(x, aside) * cmath.exp(1j * course.heading) for x in along.tolist())
+        heights = [course.world.ground.height_at(place.real, place.imag) for place in places]
+        assert heights == pytest.approx(profile, abs=0.004)
     twisted = saddle(seed, 1.0)
     corners = [
         (x, y, twisted.world.ground.height_at(0.2 * x, 0.2 * y)) for x in (-1, 1) for y in (-1, 1)

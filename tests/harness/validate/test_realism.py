@@ -136,7 +136,7 @@ def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> Non
         title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))
     }
     measured = {column: distances(logs["ours"], (logs["a"], logs["b"]), column) for column in COLUMNS}
-    assert measured["Vertical Roughness"] == Distances((pytest.approx(1.0), pytest.approx(2.0)), 1.0)
+    assert measured["Vertical Roughness"].ours == pytest.approx((1.0, 2.0))
     measured["Current Velocity"] = Distances((1.0, 4.1), 2.0)
     comparison, text = Comparison(logs, measured), io.StringIO()
     print_comparison(Console(file=text, width=140), comparison)
