@@ -141,10 +141,12 @@ def build_scenes(
         _add_truth_sensors(spec, prefix, root, rover, moving)
     if world.gravity is not None:
         spec.option.gravity = [0.0, 0.0, -world.gravity]
-    if world.friction is not None:  # the rover's geoms decide, by their priority
+    if world.friction is not None:
+        # The lesser of the two, as in Gazebo. MuJoCo takes the larger, unless one has priority.
         for geom in spec.geoms:
-            if not geom.contype & GROUND_CONTACT["contype"]:
-                geom.friction = [min(geom.friction[0], world.friction), *geom.friction[1:]]
+            is_ground = geom.contype & GROUND_CONTACT["contype"]
+            friction = 0.0 if is_ground else min(geom.friction[0], world.friction)
+            geom.friction = [friction, *geom.friction[1:]]
     if dress is not None:
         dress(spec)
     model = spec.compile()

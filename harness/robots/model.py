@@ -6,6 +6,7 @@ to be seen where there are none. To the models that ship it changes nothing.
 """
 
 import math
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import numpy as np
 from harness.base.errors import UsageError
 from harness.robots.sections import Mount
 from harness.robots.spec import RoverSpec
+from harness.robots.strangers import check_files, check_quantities, inside
 
 SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4
 COLLIDING = (1, 2)  # contype, conaffinity; the world has 2 and 1, so that no part touches another
@@ -35,9 +37,10 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
     Raises:
         UsageError: It cannot be read, the file of one of its meshes is not there, or it is no rover's.
     """
-    path = rover.model_path
+    path = inside(rover.model_path, rover.folder, f"{rover.folder / 'rover.yaml'}: key 'model'")
     if not path.is_file():
         raise UsageError(f"{path}, the rover's model, does not exist; put it there, or mend key 'model'")
+    check_files(path, rover.folder)
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (OSError, ValueError, mujoco.FatalError) as error:
@@ -65,14 +68,17 @@ def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     """Returns a model, compiled alone.
 
     Raises:
-        UsageError: MuJoCo does not take it; the message says why.
+        UsageError: MuJoCo does not take it, or no rover can be so; the message says why.
     """
     try:
-        return spec.compile()
+        with warnings.catch_warnings(action="ignore"):  # of what check_quantities tells better
+            model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).removeprefix("Error: ").split())
         mend = "; give its body an <inertial> with a mass above 0" if "mjMINVAL" in reason else ""
         raise UsageError(f"{path} is no valid model: {reason}{mend}") from error
+    check_quantities(model, path)
+    return model
 
 
 def root_of(spec: mujoco.MjSpec) -> str:

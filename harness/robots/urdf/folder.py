@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -53,6 +54,7 @@ def write_folder(
     *,
     left: tuple[str, ...] = (),
     right: tuple[str, ...] = (),
+    folders: Sequence[Path] = (),
     trust_xacro: bool = False,
 ) -> Written:
     """Makes a rover of a URDF.
@@ -63,6 +65,7 @@ def write_folder(
         folder: To be made; must not exist.
         left: Joints of the wheels on the left, front to rear; sorted by their places if left out.
         right: Joints of the wheels on the right.
+        folders: With meshes and packages that are not beside the URDF or above it.
         trust_xacro: Whether the file may be xacro.
 
     Raises:
@@ -72,7 +75,7 @@ def write_folder(
         raise UsageError(f"name '{name}' is not valid; give letters, digits, '_', '-' or '.'")
     if folder.exists():
         raise UsageError(f"{folder} exists already, not overwriting; choose another NAME or --out")
-    source = read_urdf(urdf, trust_xacro=trust_xacro)
+    source = read_urdf(urdf, folders, trust_xacro=trust_xacro)
     spec, notes = source.spec, list(source.notes)
     free_root(spec, urdf)
     sort_geoms(spec)
@@ -171,8 +174,13 @@ def _derived(rover: RoverSpec, equipment: Equipment) -> str:
     lines = ["", "# Derived from the model, or guessed; take the # away to set another value."]
     for key in SHOWN:
         value = getattr(rover, key)
-        rounded = [round(v, 4) for v in value] if isinstance(value, tuple) else value
-        text = f"{rounded:.4g}" if isinstance(rounded, float) else f"{rounded}"
+        if isinstance(value, tuple):
+            value = [_rounded(number, 4) for number in value]
+        text = f"{_rounded(value, 6):.4g}" if isinstance(value, float) else f"{value}"
         if key not in equipment.beliefs:
             lines.append(f"# {key}: {text}{'  # guess' if key in GUESSED else ''}")
     return "\n".join([*lines, ""])
+
+
+def _rounded(value: float, digits: int) -> float:
+    return round(value, digits) or 0.0  # never -0.0

@@ -157,7 +157,19 @@ def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> N
     assert (hazard.contype[0], deck.contype[0], deck.conaffinity[0]) == (2, 0, 0)
     assert model.body(int(hazard.bodyid[0])).name == "hazards"
     assert hazard.rgba.tolist() == list(red)
-    rover = model.geom_contype == 1
-    assert rover.any()
-    assert model.geom_friction[rover, 0].max() == 0.25
-    assert model.geom_friction[~rover, 0].max() == 1.0
+
+
+@pytest.mark.parametrize("priority", [0, 1])
+def test_the_lesser_of_the_worlds_friction_and_the_rovers_counts(priority: int, tmp_path: Path) -> None:
+    """Of wheels with 1 and a body with 0.3, as MuJoCo has it in their contacts."""
+    shutil.copytree(LEO.folder, tmp_path / LEO.name)
+    copied = LEO.but(folder=tmp_path / LEO.name)
+    text = copied.model_path.read_text().replace('priority="1"', f'priority="{priority}"')
+    copied.model_path.write_text(text)
+    world = World("w", Heightfield(np.zeros((5, 5)), 2.0), (), 0, None, friction=0.5)
+    model = build_scene(world, copied, 0.002).model
+    data = mujoco.MjData(model)
+    data.qpos[2] = -0.1  # deep in the ground
+    mujoco.mj_forward(model, data)
+    kinds = {model.geom(contact.geom[1]).name[:5]: contact.friction[0] for contact in data.contact}
+    assert kinds == {"body_": 0.3, "wheel": 0.5}

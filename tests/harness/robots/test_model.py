@@ -120,7 +120,44 @@ MISTAKES = {
         "no name",
     ),
     "the world's name": ({'name="hull"': 'name="terrain"'}, "the name 'terrain' is the world's"),
-    "no XML": ({"<mujoco>": "<mujoco"}, "is no model that MuJoCo reads"),
+    "no XML": ({"<mujoco>": "<mujoco"}, "is not valid XML"),
+    "no MJCF": ({"plane": "plain"}, "is no model that MuJoCo reads"),
+    "entities": ({"<mujoco>": "<!DOCTYPE m><mujoco>"}, "declares entities"),
+    "friction": ({'name="hull"': 'name="hull" friction="-5"'}, "friction -5 of geom 'hull'"),
+    "endless friction": ({'name="hull"': 'name="hull" friction="1e30"'}, "give 0 to 100"),
+    "mass": ({'name="hull"': 'name="hull" mass="1e30"'}, "mass 1e+30 kg of body 'car'"),
+    "size": ({'size="0.25': 'size="9e9'}, "size 9e+09 m of geom 'hull'"),
+    "damping": ({'name="d" axis': 'name="d" damping="-1" axis'}, "damping -1 of joint 'd'"),
+    "dry friction": ({'name="d" axis': 'name="d" frictionloss="-1" axis'}, "friction -1 of joint 'd'"),
+    "stiffness": ({'name="d" axis': 'name="d" stiffness="1e99" axis'}, "give 0 to 1e+09"),
+    "a heightfield": (
+        {"<worldbody>": '<asset><hfield nrow="30000" ncol="30000"/></asset><worldbody>'},
+        "<hfield>: 30000 x 30000 cells are more than 4,194,304",
+    ),
+    "a picture": (
+        {"<worldbody>": '<asset><hfield name="h" file="big.png" size="1 1 1 1"/></asset><worldbody>'},
+        "big.png: 30000 x 30000 cells",
+    ),
+    "copies": (
+        {"<worldbody>": '<worldbody><replicate count="99"><replicate count="99"/></replicate>'},
+        "<replicate> makes 9801 copies",
+    ),
+    "an include": (
+        {"<worldbody>": '<include file="../x.xml"/><worldbody>'},
+        "is not in the rover's folder",
+    ),
+    "an include of itself": (
+        {"<worldbody>": '<include file="car.xml"/><worldbody>'},
+        "more than 100 files",
+    ),
+    "a mesh elsewhere": (
+        {"<worldbody>": '<asset><mesh file="/etc/x.stl"/></asset><worldbody>'},
+        "<mesh>: /etc/x.stl is not in the rover's folder",
+    ),
+    "meshes elsewhere": (
+        {"<worldbody>": '<compiler meshdir="../"/><asset><mesh file="x.stl"/></asset><worldbody>'},
+        "is not in the rover's folder",
+    ),
     "no mesh": (
         {"<worldbody>": '<asset><mesh file="x.stl"/></asset><worldbody>'},
         "x.stl, which does not exist",
@@ -132,8 +169,12 @@ MISTAKES = {
 def test_a_model_that_is_no_rover_is_told_of_in_one_line(
     words: dict[str, str], told: str, tmp_path: Path
 ) -> None:
+    folder = brought_along(tmp_path / "car", **words)
+    (tmp_path / "x.xml").write_text("<mujocoinclude/>")
+    (tmp_path / "x.stl").touch()
+    (folder / "big.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(8) + 2 * (30000).to_bytes(4, "big"))
     with pytest.raises(UsageError) as error:
-        read_rover(brought_along(tmp_path / "car", **words))
+        read_rover(folder)
     assert told in str(error.value)
     assert "car.xml" in str(error.value)
     assert "\n" not in str(error.value)

@@ -149,6 +149,7 @@ def test_wheels_may_be_named(tmp_path: Path) -> None:
     assert written(tmp_path, HUSKY.urdf, **sides).rover.wheel_joints == (*sides["left"], *sides["right"])
 
 
+ELSEWHERE = '<geometry><mesh filename="package://p/../../b.stl"/></geometry>'
 MESH = '<geometry><mesh filename="package://p/{}"/></geometry>'
 MISTAKES = {
     "not XML": ("<robot", "is not valid XML"),
@@ -165,11 +166,24 @@ MISTAKES = {
         HUSKY.urdf.replace('mass value="2.637"', 'mass value="x"'),
         "a mass and an inertia in numbers",
     ),
+    "damping": (
+        HUSKY.urdf.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><dynamics damping="-5"/>', 1),
+        "damping -5 of joint 'front_left_wheel_joint' is not valid; give 0 to",
+    ),
+    "a mass": (
+        HUSKY.urdf.replace('mass value="2.637"', 'mass value="1e30"', 1),
+        "mass 1e+30 kg of body 'front_left_wheel'",
+    ),
+    "endless": (HUSKY.urdf + " " * 20_000_000, "has more than 20 MB"),
     "no mesh": (
         HUSKY.urdf.replace(
             "<collision>", f"<collision>{MESH.format('a.stl')}</collision><collision>", 1
         ),
         "collision mesh package://p/a.stl is not there",
+    ),
+    "a mesh elsewhere": (
+        HUSKY.urdf.replace("<collision>", f"<collision>{ELSEWHERE}</collision><collision>", 1),
+        "is outside of the URDF's folder; name its folder by --resource-path",
     ),
     "DAE": (
         HUSKY.urdf.replace(
@@ -182,12 +196,14 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("urdf", "told"), MISTAKES.values(), ids=MISTAKES)
 def test_a_urdf_that_is_no_rover_is_reported_in_one_line(urdf: str, told: str, tmp_path: Path) -> None:
-    (tmp_path / "a.dae").touch()
+    (tmp_path / "b.stl").touch()
+    (folder := tmp_path / "p" / "q").mkdir(parents=True)
+    (folder / "a.dae").touch()
     with pytest.raises(UsageError) as error:
-        written(tmp_path, urdf)
+        written(folder, urdf)
     assert told in str(error.value)
     assert "\n" not in str(error.value)
-    assert not list(tmp_path.glob("*made*"))  # no half a folder stays
+    assert not list(folder.glob("*made*"))  # no half a folder stays
 
 
 def test_xacro_is_not_evaluated_unless_it_is_trusted(
