@@ -50,7 +50,7 @@ class Measures(Drivetrain):
         """Returns what rover.yaml may leave out, by its keys."""
         places = self._boxes.mean(axis=1)
         left, right = np.split(places, [len(self.drive.left)])
-        rest_height = self._radius - float(places[:, 2].min())
+        rest_height = float((np.ptp(self._boxes, axis=1)[:, 2] / 2 - places[:, 2]).max())
         track = float(left[:, 1].mean() - right[:, 1].mean())
         top_speed = self.wheel_speed_limit * self._radius
         cruise = min(MODEST * top_speed, CRUISE)
