@@ -146,15 +146,32 @@ def support(
     return float(data.geom_xpos[geom] @ np.array(way) + reach[shapes(model.geom_type[geom])])
 
 
-def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
-    """What RoverSpec is to say, from the file's model with its root at the origin and its joints at 0."""
-    model = mujoco.MjModel.from_xml_path(str(rover.model_path))
+def at_the_origin(path: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """A model's file with the root body at the origin and all joints at 0."""
+    model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
-    mujoco.mj_resetData(model, data)
     model.body_pos[1], model.body_quat[1] = 0.0, (1.0, 0.0, 0.0, 0.0)
     if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE:
         data.qpos[:7] = 0, 0, 0, 1, 0, 0, 0
     mujoco.mj_forward(model, data)
+    return model, data
+
+
+def steering_ends(model: mujoco.MjModel, names: tuple[str, ...]) -> list[float]:
+    """How far joints and their servos turn, to either side [rad]."""
+    ends: list[float] = []
+    for name in names:
+        joint = model.joint(name).id
+        ends += np.abs(model.jnt_range[joint]).tolist() if model.jnt_limited[joint] else []
+        for motor in np.flatnonzero(model.actuator_trnid[:, 0] == joint):
+            if model.actuator_ctrllimited[motor]:
+                ends += np.abs(model.actuator_ctrlrange[motor]).tolist()
+    return ends
+
+
+def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
+    """What RoverSpec is to say, from the model of the file alone."""
+    model, data = at_the_origin(rover.model_path)
     wheels = {name: int(model.joint(name).bodyid[0]) for name in known.left + known.right}
     solid = np.flatnonzero((model.geom_contype | model.geom_conaffinity) * (model.geom_bodyid > 0) > 0)
     tyres = {
@@ -165,7 +182,7 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
     def reach(geoms: list[int], axis: int, sign: float = 1.0) -> float:
         way = [0.0, 0.0, 0.0]
         way[axis] = sign
-        return sign * sign * max(support(model, data, geom, (way[0], way[1], way[2])) for geom in geoms)
+        return max(support(model, data, geom, (way[0], way[1], way[2])) for geom in geoms)
 
     box = {n: [(-reach(t, axis, -1.0), reach(t, axis)) for axis in range(3)] for n, t in tyres.items()}
     middle = {n: [sum(ends) / 2 for ends in sides] for n, sides in box.items()}
@@ -182,18 +199,8 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
             ]
     driven = tuple(name for name in wheels if name in velocity)
     limit = min(velocity[name] for name in driven)
-    angles, carrying = [], set()
-    for name in known.steering:
-        joint = model.joint(name)
-        carrying.add(int(joint.bodyid[0]))
-        angles += [*np.abs(joint.range)] if model.jnt_limited[joint.id] else []
-        servo = [m for m in range(model.nu) if model.actuator_trnid[m, 0] == joint.id]
-        angles += [
-            a
-            for m in servo
-            if model.actuator_ctrllimited[m]
-            for a in np.abs(model.actuator_ctrlrange[m])
-        ]
+    angles = steering_ends(model, known.steering)
+    carrying = {int(model.joint(name).bodyid[0]) for name in known.steering}
     steered_wheels = tuple(n for n, b in wheels.items() if int(model.body_parentid[b]) in carrying)
     ahead = {name: place[0] for name, place in middle.items()}
     wheelbase = (max(ahead.values()) - min(ahead.values())) or 2 * radius

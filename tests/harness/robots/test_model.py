@@ -1,6 +1,5 @@
 """Models that know nothing of the house's rules are made to fit; those that ship stay as they are."""
 
-import math
 from pathlib import Path
 
 import mujoco
@@ -73,33 +72,6 @@ def test_mounts_of_rover_yaml_place_sensors_that_the_model_lacks(tmp_path: Path)
     model, data = compiled_alone(rover)
     assert data.site("imu").xpos == pytest.approx((0.2, 0.2, 0.2))
     assert model.sensor("imu_gyro").objid[0] == model.site("imu").id
-
-
-def test_a_rover_is_as_fast_as_its_slowest_motor(tmp_path: Path) -> None:
-    slow = {'joint="a" kv="5" ctrlrange="-10 10"': 'joint="a" kv="5" ctrlrange="-3 3"'}
-    rover = read_rover(brought_along(tmp_path / "car", **slow))
-    assert rover.wheel_speed_limit == 3.0
-    assert rover.top_speed == pytest.approx(0.3)
-
-
-def test_the_wheelbase_of_who_steers_is_from_the_steered_axle_to_the_middle_of_the_others(
-    tmp_path: Path,
-) -> None:
-    """Six wheels: the front ones steer; the middle and the rear ones do not."""
-    rear = "".join(WHEEL.format(name, -0.5, y) for name, y in (("e", 0.2), ("f", -0.2)))
-    motors = "".join(map(MOTOR.format, "ef"))
-    steer = '<body name="s{0}" pos="{1} {2} 0.1"><joint name="s{0}" axis="0 0 1" range="-30 20"/>'
-    words = {"</actuator>": f'{motors}<position joint="sa"/><position joint="sc"/></actuator>'}
-    for name, y in (("a", 0.2), ("c", -0.2)):
-        wheel, turned = WHEEL.format(name, 0.2, y), WHEEL.format(name, 0, 0).replace('0.1"><j', '0"><j')
-        hinge = '<inertial mass="0.1" pos="0 0 0" diaginertia="1e-3 1e-3 1e-3"/>'
-        words[wheel] = f"{steer.format(name, 0.2, y)}{hinge}{turned}</body>"
-    folder = brought_along(tmp_path / "car", rear, **words)
-    (folder / "rover.yaml").write_text("drive: {kind: ackermann, steering: [sa, sc]}\n")
-    rover = read_rover(folder)
-    assert rover.steered_wheels == ("a", "c")
-    assert rover.wheelbase == pytest.approx(0.2 - (-0.2 - 0.5) / 2)
-    assert rover.drive.steering_limit == pytest.approx(math.radians(20))
 
 
 MISTAKES = {
