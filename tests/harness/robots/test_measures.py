@@ -173,7 +173,11 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
     """What RoverSpec is to say, from the model of the file alone."""
     model, data = at_the_origin(rover.model_path)
     wheels = {name: int(model.joint(name).bodyid[0]) for name in known.left + known.right}
-    solid = np.flatnonzero((model.geom_contype | model.geom_conaffinity) * (model.geom_bodyid > 0) > 0)
+    solid = [
+        geom
+        for geom in np.flatnonzero(model.geom_contype | model.geom_conaffinity).tolist()
+        if model.geom_bodyid[geom] > 0
+    ]
     tyres = {
         n: [g for g in solid if model.body_weldid[model.geom_bodyid[g]] == b] for n, b in wheels.items()
     }
@@ -215,8 +219,7 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
     turning = min(1.0, limit * radius / track)
     if known.steering:
         turning = cruise / (wheelbase / math.tan(min(angles)) + track / 2)
-    all_solid = solid.tolist()
-    lidar = known.lidar or (0.0, 0.0, reach(all_solid, 2) + 0.05, 0.0)
+    lidar = known.lidar or (0.0, 0.0, reach(solid, 2) + 0.05, 0.0)
     if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, "lidar") >= 0:
         site = data.site("lidar")
         lidar = (*site.xpos, math.atan2(site.xmat[3], site.xmat[0]))
@@ -245,7 +248,7 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
         "track": track,
         "controller_radius": radius,
         "controller_separation": track,
-        "footprint": tuple(s * reach(all_solid, a, s) for a in (0, 1) for s in (-1.0, 1.0)),
+        "footprint": tuple(s * reach(solid, a, s) for a in (0, 1) for s in (-1.0, 1.0)),
         "clearance": max(0.01, rest - reach(body, 2, -1.0)) if body else radius,
         "cruise_speed": cruise,
         "cruise_yaw_rate": turning,
@@ -266,8 +269,8 @@ CORNERS = ("fl", "rl", "fr", "rr")
 
 def rover_of(name: str, folder: Path, foreign: Foreign) -> tuple[RoverSpec, Known]:
     if name in FOREIGN:
-        known = FOREIGN[name]
-        return foreign(name), Known("", known.left, known.right, steering=STEERED.get(name, ()))
+        left, right = FOREIGN[name].left, FOREIGN[name].right
+        return foreign(name), Known("", left, right, steering=STEERED.get(name, ()))
     if name == "4wd_like":
         (folder / "robot.urdf").write_text(ROVER_4WD_LIKE)
         joints = [f"{corner}_wheel_to_chassis" for corner in CORNERS]
