@@ -117,7 +117,7 @@ def _parser() -> argparse.ArgumentParser:
     for side in ("left", "right"):
         about = f"joints of the wheels on the {side}, front to rear; found by their places if left out"
         new.add_argument(f"--{side}", default="", metavar="J1,J2,...", help=about)
-    about = "holds meshes, or packages of them, that are not beside the URDF or above it; repeatable"
+    about = "holds meshes, or packages of them, that are not beside the URDF or above it; default: none"
     new.add_argument(
         "--resource-path", action="append", type=Path, default=[], metavar="DIR", help=about
     )

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable
 
+import mujoco
 import numpy as np
 import pytest
 
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
 
 MakeSimulation = Callable[..., Simulation]
 PASSES = "g=1,1/1,-1"
@@ -43,6 +46,29 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
         again.append(tuple(simulation.data.body("s_actor").xpos))
     np.testing.assert_allclose(again, social, atol=1e-3)  # the rover has crept a little
     assert simulation.data.body("g_actor").xpos[1] == pytest.approx(0.5)
+
+
+def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> None:
+    simulation = make_simulation("leo", actors=(*STANDS, PASSES))
+    model, data = simulation.model, simulation.data
+    spec = LidarSpec(beams=360)
+    lidar, site = Lidar(model, spec), model.site("lidar").id
+    hits = 0
+    for _ in range(30):
+        simulation.tick()
+        mujoco.mj_kinematics(model, data)
+        ours = lidar.scan(data)
+        level = np.column_stack([np.cos(spec.angles), np.sin(spec.angles), np.zeros(360)])
+        beams = level @ data.site_xmat[site].reshape(3, 3).T
+        geoms, theirs = np.zeros(360, np.int32), np.zeros(360)
+        groups, origin = np.array([1, 1, 0, 0, 0, 0], np.uint8), data.site_xpos[site]
+        mujoco.mj_multiRay(
+            model, data, origin, beams.ravel(), groups, 1, -1, geoms, theirs, None, 360, 10.0
+        )
+        theirs[(theirs < 0.0) | (theirs > spec.range_max)] = np.inf
+        np.testing.assert_allclose(ours, theirs, atol=1e-5)
+        hits += int(np.isfinite(theirs).sum())
+    assert hits > 30 * 60
 
 
 def driven_into(

@@ -1,17 +1,18 @@
 import math
+from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.base.errors import UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import DROP_HEIGHT, check_room, check_start, spawn_pose
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.world import Start, World
+from harness.world.world import Start, World, starting_at
 from tests.support.rovers import ROVER_ZERO4WD
 
 CELL, FINE, TIMESTEP_NS = 0.2, 0.02, 5_000_000
@@ -86,3 +87,19 @@ def test_a_start_where_it_slides_or_tips_over_is_refused(
         return
     with pytest.raises(UsageError, match=f"no rover can stand at start 0,0,0: .*{told}"):
         check_start(simulation.scene, simulation.data)
+
+
+@pytest.mark.parametrize(("x", "y"), [(7.49, 0.0), (-7.49, 0.0), (0.0, 3.49), (7.49, -3.49)])
+def test_a_start_just_within_the_edge_of_the_map_is_one_and_at_it_is_none(x: float, y: float) -> None:
+    """The edge is half a metre wide; a rover that faces it stands on the ground, and goes no further."""
+    ground, yaw = Heightfield(np.full_like(X, 0.7), CELL), math.atan2(y, x)
+    world = starting_at(World("bench", ground, (), 0, None), (x, y, yaw))
+    simulation = Simulation(build_scene(world, ROVER_ZERO4WD, TIMESTEP_NS / 1e9), TIMESTEP_NS)
+    assert simulation.position == pytest.approx((x, y, 0.7 + ROVER_ZERO4WD.rest_height), abs=5e-3)
+    simulation.tick()
+    simulation.command_wheels(np.full(4, 5.0))
+    with pytest.raises(RunFailed, match="the rover reached the edge of the map at t = "):
+        deque((simulation.tick() for _ in range(100)), maxlen=0)
+    beyond = (x + math.copysign(0.01, x) * bool(x), y + math.copysign(0.01, y) * bool(y), yaw)
+    with pytest.raises(UsageError, match=r"at its edge; give x between -7\.5 and 7\.5 m, y betw"):
+        starting_at(world, beyond)
