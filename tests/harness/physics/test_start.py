@@ -1,5 +1,4 @@
 import math
-from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -89,6 +88,11 @@ def test_a_start_where_it_slides_or_tips_over_is_refused(
         check_start(simulation.scene, simulation.data)
 
 
+def drive_on(simulation: Simulation) -> None:
+    for _ in range(100):
+        simulation.tick()
+
+
 @pytest.mark.parametrize(("x", "y"), [(7.49, 0.0), (-7.49, 0.0), (0.0, 3.49), (7.49, -3.49)])
 def test_a_start_just_within_the_edge_of_the_map_is_one_and_at_it_is_none(x: float, y: float) -> None:
     """The edge is half a metre wide; a rover that faces it stands on the ground, and goes no further."""
@@ -99,7 +103,7 @@ def test_a_start_just_within_the_edge_of_the_map_is_one_and_at_it_is_none(x: flo
     simulation.tick()
     simulation.command_wheels(np.full(4, 5.0))
     with pytest.raises(RunFailed, match="the rover reached the edge of the map at t = "):
-        deque((simulation.tick() for _ in range(100)), maxlen=0)
+        drive_on(simulation)
     beyond = (x + math.copysign(0.01, x) * bool(x), y + math.copysign(0.01, y) * bool(y), yaw)
     with pytest.raises(UsageError, match=r"at its edge; give x between -7\.5 and 7\.5 m, y betw"):
         starting_at(world, beyond)
