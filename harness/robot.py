@@ -52,7 +52,12 @@ def _new(options: argparse.Namespace, console: Console) -> int:
     folder = options.out or Path(options.name)
     sides = {side: tuple(filter(None, getattr(options, side).split(","))) for side in ("left", "right")}
     written = write_folder(
-        options.name, options.source, folder, trust_xacro=options.trust_xacro, **sides
+        options.name,
+        options.source,
+        folder,
+        folders=options.resource_path,
+        trust_xacro=options.trust_xacro,
+        **sides,
     )
     _print(written, console)
     return 0
@@ -113,6 +118,10 @@ def _parser() -> argparse.ArgumentParser:
     for side in ("left", "right"):
         about = f"joints of the wheels on the {side}, front to rear; found by their places if left out"
         new.add_argument(f"--{side}", default="", metavar="J1,J2,...", help=about)
+    about = "holds meshes, or packages of them, that are not beside the URDF or above it; default: none"
+    new.add_argument(
+        "--resource-path", action="append", type=Path, default=[], metavar="DIR", help=about
+    )
     about = "take xacro too, which runs Python of whoever wrote it and what it includes (extra [xacro])"
     new.add_argument("--trust-xacro", action="store_true", help=about)
     check = commands.add_parser(

@@ -13,25 +13,19 @@ import numpy as np
 from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, Scene, body_geoms
 from harness.samples import ContactKind
 
+COUNTED = ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT
 BODY_PREFIX = "body_"  # of the names of geoms that are not wheels, in the models that ship
 KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
 
 
 class Touch(NamedTuple):
-    """One contact point in one physics step.
+    """One contact point in one physics step."""
 
-    Attributes:
-        force: Normal force [N].
-        part: Geom of the rover; `other` is that of the obstacle, the other rover or the ground.
-        position: In the world [m].
-        pose: The rover's then: position [m] and w, x, y, z.
-    """
-
-    force: float
-    part: int
-    other: int
-    position: list[float]
-    pose: list[float]
+    force: float  # along the normal [N]
+    part: int  # geom of the rover
+    other: int  # geom of the obstacle, the other rover or the ground
+    position: list[float]  # in the world [m]
+    pose: list[float]  # the rover's then: position [m] and w, x, y, z
 
 
 class ContactWatch:
@@ -50,7 +44,8 @@ class ContactWatch:
         scene, *others = scenes
         model = scene.model
         self._model, self._data = model, data
-        self.counts = data.sensordata[_contact_counts(scene)]
+        counts = [at for name, at in scene.sensors().items() if name.startswith(COUNTED)]
+        self.counts = data.sensordata[counts[0].start : counts[-1].stop]  # one next to the other
         self._pose = data.qpos[scene.qpos_at : scene.qpos_at + 7]
         self._prefix, self._own = scene.prefix, set(scene.geoms())
         self._obstacles: dict[int, ContactKind] = {
@@ -99,11 +94,3 @@ class ContactWatch:
         if (whose := self._whose.get(geom)) is not None:
             return f"{whose.name}/{name.removeprefix(whose.prefix).removeprefix(BODY_PREFIX)}"
         return name.removeprefix(self._prefix).removeprefix(BODY_PREFIX)
-
-
-def _contact_counts(scene: Scene) -> slice:
-    """Where in the sensor data the contact counts stand: one next to the other."""
-    model, counted = scene.model, scene.all_own((ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT))
-    sensors = [model.sensor(i) for i in range(model.nsensor)]
-    places = [int(s.adr[0]) for s in sensors if s.name.startswith(counted)]
-    return slice(min(places), max(places) + 1)

@@ -42,9 +42,7 @@ class Crowd:
         self._geoms = [int(model.geom(actor.name).id) for actor in self.actors]
         solid = (model.geom_contype | model.geom_conaffinity) != 0
         self._parts = [[geom for geom in scene.geoms() if solid[geom]] for scene in scenes]
-        self._began_ns = 0
-        self.places = [Place(*actor.begin, 0.0) for actor in self.actors]
-        self.move(0)
+        self.restart(0)
 
     def restart(self, time_ns: int) -> None:
         """Lets all walks begin anew at a simulation time."""

@@ -81,7 +81,13 @@ class Leap:
         physics.step_count += self._ticks * physics.steps_per_tick
         physics.check()
         physics.step_count = begun
-        yield from self._show()
+        qpos, qvel, total = physics.data.qpos, physics.data.qvel, physics.tick_sum
+        # Of axis 1, which numpy adds one step after the other, as Simulation.tick does.
+        sums = self._ticks_sensors.sum(axis=1)
+        for tick, (end, values) in enumerate(zip(self._ends, sums, strict=True)):
+            qpos[:], qvel[:], total[:] = end[: qpos.size], end[qpos.size :], values
+            physics.step_count += physics.steps_per_tick
+            yield tick
 
     def _set_out(self, leg: slice) -> None:
         """Makes everything ready for some of the ticks."""
@@ -106,13 +112,3 @@ class Leap:
             state=self._states[:, steps],
             sensordata=self._sensors[:, steps],
         )
-
-    def _show(self) -> Iterator[int]:
-        simulation, size = self._simulation, self._simulation.model.nq
-        qpos, qvel, tick_sum = simulation.data.qpos, simulation.data.qvel, simulation.tick_sum
-        # Of axis 1, which numpy adds one step after the other, as Simulation.tick does.
-        sums = self._ticks_sensors.sum(axis=1)
-        for tick, (end, total) in enumerate(zip(self._ends, sums, strict=True)):
-            qpos[:], qvel[:], tick_sum[:] = end[:size], end[size:], total
-            simulation.physics.step_count += simulation.steps_per_tick
-            yield tick

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS
@@ -160,16 +159,14 @@ class Physics:
             return
         for warning, quantity in HEALTH_WARNINGS.items():
             if self.data.warning[warning].number:
-                speeds = [_violence(rover) for rover in self.rovers]
-                rover = self.rovers[speeds.index(max(speeds))]
-                names = (
-                    r.scene.name for r, v in zip(self.rovers, speeds, strict=True) if v == max(speeds)
-                )
-                whose = " or ".join(filter(None, names))  # what is no number soon spreads to all
+                fastest = max(map(_violence, self.rovers))
+                wild = [rover for rover in self.rovers if _violence(rover) == fastest]
+                whose = " or ".join(filter(None, (rover.scene.name for rover in wild)))
+                pose, twist = wild[0].pose[:3], wild[0].twist[:3]  # what is no number soon spreads
                 raise Diverged(
                     f"{whose and whose + ': '}the simulation diverged at t = {self._now()} "
-                    f"(NaN, infinite or huge {quantity}); position {_rounded(rover.pose[:3])} m, "
-                    f"velocity {_rounded(rover.twist[:3])} m/s; try a smaller --timestep"
+                    f"(NaN, infinite or huge {quantity}); position {pose.round(3).tolist()} m, "
+                    f"velocity {twist.round(3).tolist()} m/s; try a smaller --timestep"
                 )
 
     def _now(self) -> str:
@@ -180,7 +177,3 @@ def _violence(rover: Rover) -> float:
     """How fast anything of a rover moves; infinite where that is no number."""
     fastest = float(np.abs(rover.velocities).max())
     return fastest if math.isfinite(fastest) else math.inf
-
-
-def _rounded(values: NDArray[np.float64]) -> list[float]:
-    return [round(float(v), 3) for v in values]

@@ -17,7 +17,6 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
-from harness.world.actors.actor import Actor
 from harness.world.berths import Member
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
@@ -40,28 +39,21 @@ SHAPES = {
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
 }
 
+SUBTREE, BODY = mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY
+
 Dress = Callable[[mujoco.MjSpec], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A rover in a compiled model, which others may share.
+    """A rover in a compiled model, which others may share."""
 
-    Attributes:
-        model: Of the world and all its rovers.
-        world: What they drive in, with the start of this one.
-        rover: Which rover.
-        name: What it is called among others; empty of a single one.
-        prefix: Of the names that its parts have in the model.
-        root: Its root body.
-    """
-
-    model: mujoco.MjModel
-    world: World
+    model: mujoco.MjModel  # of the world and all its rovers
+    world: World  # what they drive in, with the start of this one
     rover: RoverSpec
-    name: str = ""
-    prefix: str = ""
-    root: int = ROOT_ID
+    name: str = ""  # among others; empty of a single one
+    prefix: str = ""  # of the names that its parts have in the model
+    root: int = ROOT_ID  # its root body
 
     @property
     def qpos_at(self) -> int:
@@ -80,6 +72,16 @@ class Scene:
     def all_own(self, names: Sequence[str]) -> tuple[str, ...]:
         """Returns the names in the model of some parts."""
         return tuple(map(self.own, names))
+
+    def sensors(self) -> dict[str, slice]:
+        """Returns where the values of the rover's sensors stand among MuJoCo's, by its own names."""
+        sensors = (self.model.sensor(index) for index in range(self.model.nsensor))
+        own = {s.name.removeprefix(self.prefix): s for s in sensors if s.name.startswith(self.prefix)}
+        return {
+            name: slice(int(s.adr[0]), int(s.adr[0] + s.dim[0]))
+            for name, s in own.items()
+            if not name.startswith("/")  # another rover's
+        }
 
     def geoms(self) -> list[int]:
         """Returns all geoms of the rover."""
@@ -123,10 +125,6 @@ def build_scenes(
     ]
     prefixes = ["", *(f"/{member.name}/" for member in fleet[1:])]
     roots = [prefix + root_of(spec) for prefix, spec in zip(prefixes, specs, strict=True)]
-    parts = [
-        {prefix + body.name for body in spec.bodies[1:]}
-        for prefix, spec in zip(prefixes, specs, strict=True)
-    ]
     for number, one in enumerate(specs):
         _let_meet(one, number, len(specs))
     spec = specs[0]
@@ -137,13 +135,18 @@ def build_scenes(
     for prefix, other in zip(prefixes[1:], specs[1:], strict=True):
         spec.attach(other, prefix=prefix, frame=spec.worldbody.add_frame())
     _keep_constraints_soft(spec, timestep)
-    for prefix, root, own, rover in zip(prefixes, roots, parts, rovers, strict=True):
-        others = [other for other in roots if other != root]
-        _add_truth_sensors(spec, (prefix, root, own), rover, (world.people, others))
+    solid = [(BODY, actor.name) for actor in world.people if actor.spec.options.push]
+    for prefix, root, rover in zip(prefixes, roots, rovers, strict=True):
+        moving = [*solid, *((SUBTREE, other) for other in roots if other != root)]
+        _add_truth_sensors(spec, prefix, root, rover, moving)
     if world.gravity is not None:
         spec.option.gravity = [0.0, 0.0, -world.gravity]
     if world.friction is not None:
-        _limit_friction(spec, world.friction)
+        # The lesser of the two, as in Gazebo. MuJoCo takes the larger, unless one has priority.
+        for geom in spec.geoms:
+            is_ground = geom.contype & GROUND_CONTACT["contype"]
+            friction = 0.0 if is_ground else min(geom.friction[0], world.friction)
+            geom.friction = [friction, *geom.friction[1:]]
     if dress is not None:
         dress(spec)
     model = spec.compile()
@@ -222,8 +225,13 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
     bodies[ObstacleKind.DECK] = spec.worldbody  # as the terrain is
     for index, obstacle in enumerate(obstacles):
         name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", bool(obstacle.corners)
-        if is_mesh:
-            _add_mesh(spec, name, obstacle)
+        if is_mesh:  # a convex hull, or a surface that need not be closed
+            spec.add_mesh(
+                name=name,
+                uservert=np.ravel(obstacle.corners).tolist(),
+                userface=np.ravel(obstacle.faces).astype(int).tolist(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
         bodies[obstacle.kind].add_geom(
             name=name,
             meshname=name if is_mesh else "",
@@ -237,23 +245,6 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         )
 
 
-def _add_mesh(spec: mujoco.MjSpec, name: str, obstacle: Obstacle) -> None:
-    """Adds a convex hull, or a surface that need not be closed."""
-    spec.add_mesh(
-        name=name,
-        uservert=np.ravel(obstacle.corners).tolist(),
-        userface=np.ravel(obstacle.faces).astype(int).tolist(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-
-
-def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:
-    """Takes the lesser of two frictions, as Gazebo does: the rover's geoms decide, by their priority."""
-    for geom in spec.geoms:
-        if not geom.contype & GROUND_CONTACT["contype"]:
-            geom.friction = [min(geom.friction[0], friction), *geom.friction[1:]]
-
-
 def _add_actors(spec: mujoco.MjSpec, world: World) -> None:
     for actor in world.people:
         options = actor.spec.options
@@ -265,43 +256,25 @@ def _add_actors(spec: mujoco.MjSpec, world: World) -> None:
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             size=[options.radius, 0.5 * options.height - options.radius, 0.0],
             group=OBSTACLE_GROUP,
-            **(GROUND_CONTACT if options.push else {"contype": 0, "conaffinity": 0}),
+            **(GROUND_CONTACT if options.push else UNTOUCHED),
         )
 
 
 def _add_truth_sensors(
-    spec: mujoco.MjSpec,
-    whose: tuple[str, str, set[str]],
-    rover: RoverSpec,
-    moving: tuple[Sequence[Actor], Sequence[str]],
+    spec: mujoco.MjSpec, prefix: str, root: str, rover: RoverSpec, moving: Sequence[tuple[int, str]]
 ) -> None:
-    """Contact counts of a whole rover with rocks and whatever moves, of its body with the ground.
-
-    Args:
-        spec: The world with all rovers.
-        whose: Prefix, root body and all bodies of the rover.
-        rover: Which it is.
-        moving: Who else moves: people, and the root bodies of other rovers.
-    """
-    subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
-    prefix, root, parts = whose
-    counts = [
-        (ROCK_CONTACT, (subtree, root), (body, "rocks")),
-        (HAZARD_CONTACT, (subtree, root), (body, "hazards")),
-    ]
-    actors, others = moving
-    solid = (actor.name for actor in actors if actor.spec.options.push)
-    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root), (body, name)) for name in solid]
-    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root), (subtree, name)) for name in others]
+    """Counts contacts of a whole rover with rocks and whatever moves, of its body with the ground."""
+    whole = SUBTREE, root
+    counts = {ROCK_CONTACT: (whole, (BODY, "rocks")), HAZARD_CONTACT: (whole, (BODY, "hazards"))}
+    counts |= {f"{HAZARD_CONTACT}_{name}": (whole, (kind, name)) for kind, name in moving}
     wheels = {prefix + name for name in rover.wheel_joints}
-    scraping = (part for part in spec.bodies if part.name in parts and _scrapes(part, wheels))
     has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
-    ground = (body, "world") if has_decks else (geom, TERRAIN)
-    counts += [
-        (f"{SCRAPE_CONTACT}_{b.name.removeprefix(prefix)}", (body, b.name), ground) for b in scraping
-    ]
+    ground = (BODY, "world") if has_decks else (mujoco.mjtObj.mjOBJ_GEOM, TERRAIN)
+    for part in (spec.body(root), *spec.body(root).find_all(BODY)):
+        if _scrapes(part, wheels):
+            counts[f"{SCRAPE_CONTACT}_{part.name.removeprefix(prefix)}"] = (BODY, part.name), ground
     count, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
-    for name, (kind, one), (other_kind, other) in counts:
+    for name, ((kind, one), (other_kind, other)) in counts.items():
         spec.add_sensor(
             name=prefix + name,
             type=mujoco.mjtSensor.mjSENS_CONTACT,

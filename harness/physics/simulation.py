@@ -25,8 +25,8 @@ class Simulation:
         model: The compiled scene.
         data: MuJoCo's state.
         pose: Position [m] and w, x, y, z of the model frame, a view into MuJoCo's state.
-        twist: Its linear velocity [m/s] in the world and angular velocity [rad/s] in its own axes,
-            likewise.
+        twist: Its linear velocity [m/s] in the world and angular velocity [rad/s] in its own axes, a
+            view into MuJoCo's state.
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
         contacts: What the rover touched in the last tick.
@@ -44,7 +44,7 @@ class Simulation:
         self.steps_per_tick, self.tick_sum = physics.steps_per_tick, physics.tick_sum
         self.motors = np.array(motors_of(self.model, scene.all_own(scene.rover.motors)))
         self.driven = len(scene.rover.drive.driven)
-        self._felt = _own_sensors(scene)
+        self._felt = scene.sensors()
         self._start = self._rover.state()
 
     @property
@@ -93,9 +93,7 @@ class Simulation:
 
     def summed(self, sensor: str) -> NDArray[np.float64]:
         """Returns a view onto the entries of `tick_sum` that belong to one sensor of the rover."""
-        place = self.model.sensor(self.scene.own(sensor))
-        start, size = int(place.adr[0]), int(place.dim[0])
-        return self.tick_sum[start : start + size]
+        return self.tick_sum[self._felt[sensor]]
 
     def command_wheels(self, commands: NDArray[np.float64]) -> None:
         """Sets the speeds [rad/s] of the driven wheels, then the angles [rad] of the steering.
@@ -118,7 +116,8 @@ class Simulation:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         self._rover.restore(self._start)
         self.command_wheels(self.data.ctrl[self.motors])
-        self.tick_sum[self._felt] = 0.0
+        for place in self._felt.values():
+            self.tick_sum[place] = 0.0
         self.contacts.begin()
 
     def put(self, x: float, y: float, yaw: float) -> None:
@@ -141,17 +140,3 @@ def simulations(scenes: Sequence[Scene], timestep_ns: int) -> tuple[Simulation, 
     """Returns each rover of a world."""
     physics = Physics(scenes, timestep_ns)
     return tuple(Simulation(scene, timestep_ns, physics) for scene in scenes)
-
-
-def _own_sensors(scene: Scene) -> NDArray[np.intp]:
-    """Where the values of MuJoCo's sensors on a rover stand."""
-    sensors = [scene.model.sensor(index) for index in range(scene.model.nsensor)]
-    return np.array(
-        [
-            place
-            for sensor in sensors
-            if (sensor.name.startswith(scene.prefix) if scene.prefix else sensor.name[:1] != "/")
-            for place in range(sensor.adr[0], sensor.adr[0] + sensor.dim[0])
-        ],
-        dtype=np.intp,
-    )

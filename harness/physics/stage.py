@@ -30,21 +30,13 @@ SKY = (224, 208, 188)  # RGB, 0..255
 
 @dataclass(frozen=True, kw_only=True)
 class Quality:
-    """What an image may cost.
+    """What an image may cost."""
 
-    Attributes:
-        width: Of the image [pixels].
-        height: Of the image [pixels].
-        samples: Per pixel, against jagged edges.
-        shadow_map: Width of the shadows' map, which spans twice `SHADOW_REACH` [pixels].
-        slices: Of everything round.
-    """
-
-    width: int
-    height: int
-    samples: int
-    shadow_map: int
-    slices: int
+    width: int  # [pixels]
+    height: int  # [pixels]
+    samples: int  # per pixel, against jagged edges
+    shadow_map: int  # width of the shadows' map, which spans twice `SHADOW_REACH` [pixels]
+    slices: int  # of everything round
 
 
 def dress(spec: mujoco.MjSpec, quality: Quality) -> None:

@@ -40,7 +40,8 @@ def check_room(scene: Scene, fleet: Sequence[Scene] = ()) -> None:
         UsageError: An obstacle or another rover is in the way.
     """
     if names := _in_the_way(scene, fleet or (scene,)):
-        raise UsageError(f"{_label(scene)} is inside {', '.join(names)}; choose another {_mend(scene)}")
+        start, mend = _named(scene)
+        raise UsageError(f"{start} is inside {', '.join(names)}; choose another {mend}")
 
 
 def check_start(scene: Scene, settled: mujoco.MjData) -> None:
@@ -58,19 +59,17 @@ def check_start(scene: Scene, settled: mujoco.MjData) -> None:
     w, x, y, z = pose[3:].tolist()
     tilt = math.acos(min(1.0, w * w - x * x - y * y + z * z))
     if slid > MOST_SLID or tilt > MOST_TILTED:
+        start, mend = _named(scene)
         raise UsageError(
-            f"no rover can stand at {_label(scene)}: it slid {slid:.1f} m and leans by "
-            f"{math.degrees(tilt):.0f} deg; choose another {_mend(scene)}, on gentler ground"
+            f"no rover can stand at {start}: it slid {slid:.1f} m and leans by "
+            f"{math.degrees(tilt):.0f} deg; choose another {mend}, on gentler ground"
         )
 
 
-def _label(scene: Scene) -> str:
-    start = "start " + ",".join(f"{value:g}" for value in scene.world.start)
-    return f"{start} of {scene.name}" if scene.name else start
-
-
-def _mend(scene: Scene) -> str:
-    return f"x and y for {scene.name}" if scene.name else "--start"
+def _named(scene: Scene) -> tuple[str, str]:
+    """What a start is called, and what to choose another of."""
+    start, name = "start " + ",".join(f"{value:g}" for value in scene.world.start), scene.name
+    return (f"{start} of {name}", f"x and y for {name}") if name else (start, "--start")
 
 
 def _in_the_way(scene: Scene, fleet: Sequence[Scene]) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, unknown
-from harness.robots.model import COLLIDING_GROUP, compiled_alone, extent
+from harness.robots.model import COLLIDING_GROUP, by_side, compiled_alone, extent
 from harness.robots.sections import Drive
 from harness.robots.spec import RoverSpec
 
@@ -41,9 +41,9 @@ class Drivetrain:
     @property
     def passive_joints(self) -> tuple[str, ...]:
         """Joints that are neither wheels nor steering nor the root's."""
-        model = self._model
-        names = (model.joint(joint).name for joint in range(1, model.njnt))
-        return tuple(name for name in names if name not in (*self._wheels, *self.drive.steering))
+        driving = {*self._wheels, *self.drive.steering}
+        names = (self._model.joint(joint).name for joint in range(1, self._model.njnt))
+        return tuple(name for name in names if name not in driving)
 
     @property
     def steered_wheels(self) -> tuple[str, ...]:
@@ -64,13 +64,8 @@ class Drivetrain:
             limits.append(float(self._model.actuator_ctrlrange[motor, 1]))
         return min(limits)
 
-    def _place(self, joint: str) -> NDArray[np.float64]:
-        """The centre of the box around the geoms of a wheel that collide [m], shape (3,)."""
-        low, high = extent(self._model, self._data, self._geoms(joint))
-        return np.asarray((low + high) / 2)
-
-    def _geoms(self, joint: str) -> list[int]:
-        """The geoms of a wheel that collide."""
+    def _box(self, joint: str) -> NDArray[np.float64]:
+        """Lowest and highest x, y, z of the geoms of a wheel that collide [m], shape (2, 3)."""
         model = self._model
         body = int(model.joint(joint).bodyid[0])
         of_wheel = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)
@@ -79,7 +74,7 @@ class Drivetrain:
             raise UsageError(
                 f"{self._path}: wheel '{joint}' has no geom that collides; give its body one"
             )
-        return geoms
+        return np.array(extent(model, self._data, geoms))
 
     def _above(self, joint: str) -> list[int]:
         """The bodies from a joint's up to the root."""
@@ -91,12 +86,12 @@ class Drivetrain:
 
     def _named_hinges(self) -> list[str]:
         model = self._model
-        hinges = [joint for joint in range(1, model.njnt) if model.jnt_type[joint] == HINGE]
-        for joint in range(1, model.njnt):
-            if not model.joint(joint).name:
-                body = model.body(model.jnt_bodyid[joint]).name
+        joints = [model.joint(joint) for joint in range(1, model.njnt)]
+        for joint in joints:
+            if not joint.name:
+                body = model.body(joint.bodyid[0]).name
                 raise UsageError(f"{self._path}: a joint of body '{body}' has no name; give it one")
-        return [model.joint(joint).name for joint in hinges]
+        return [joint.name for joint in joints if joint.type[0] == HINGE]
 
     def _servos(self) -> dict[str, tuple[str, int]]:
         """Each joint's servo: what it controls, and its actuator."""
@@ -122,10 +117,8 @@ class Drivetrain:
         ]
         left, right = stated.left, stated.right
         if not (left and right):
-            sides = {name: self._place(name) for name in driving}
-            ordered = sorted(sides, key=lambda name: -sides[name][0])
-            left = left or tuple(name for name in ordered if sides[name][1] > 0)
-            right = right or tuple(name for name in ordered if sides[name][1] <= 0)
+            on_left, on_right = by_side({name: self._box(name).mean(axis=0) for name in driving})
+            left, right = left or on_left, right or on_right
         if len(left) != len(right):
             raise UsageError(
                 f"{self._where}: drive: {len(left)} wheels left and {len(right)} right are not valid; "
@@ -133,15 +126,8 @@ class Drivetrain:
             )
         driven = stated.driven or tuple(name for name in (*left, *right) if name in driving)
         self._check_motors(stated, driven, driving, left and right)
-        return Drive(
-            kind=stated.kind,
-            left=left,
-            right=right,
-            driven=driven,
-            steering=stated.steering,
-            steering_limit=stated.steering_limit or self._steering_limit(stated),
-            steering_rate=stated.steering_rate,
-        )
+        limit = stated.steering_limit or self._steering_limit(stated)
+        return stated.but(left=left, right=right, driven=driven, steering_limit=limit)
 
     def _check_motors(
         self, stated: Drive, driven: tuple[str, ...], driving: list[str], sides: object
@@ -188,10 +174,9 @@ class Drivetrain:
             (self.drive.steering, 2, "+z"),
         ):
             for name in names:
-                along = float(self._data.xaxis[self._model.joint(name).id][axis])
-                if along < STRAIGHT:
+                its = self._data.xaxis[self._model.joint(name).id]
+                if its[axis] < STRAIGHT:
                     raise UsageError(
                         f"{self._path}: joint '{name}' must turn about {about}; its axis is "
-                        f"{np.round(self._data.xaxis[self._model.joint(name).id], 3).tolist()} in the "
-                        "root body's frame: turn it"
+                        f"{np.round(its, 3).tolist()} in the root body's frame: turn it"
                     )

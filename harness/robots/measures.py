@@ -4,7 +4,6 @@ Everything is measured in the frame of the root body while all joints are at 0.
 """
 
 import math
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from harness.base.errors import UsageError
 from harness.robots.drivetrain import Drivetrain
 from harness.robots.model import COLLIDING_GROUP, extent
+from harness.robots.spec import RoverSpec
 
 MODEST = 0.5  # of the top speed: what the scripted drivers command, at most CRUISE
 CRUISE, TURNING = 1.0, 1.0  # [m/s], [rad/s]
@@ -22,46 +22,37 @@ LOWEST = 0.01  # [m]: less clearance is none
 class Measures(Drivetrain):
     """Looks at the model of a rover; raises as Drivetrain does."""
 
-    @property
-    def wheel_radius(self) -> float:
-        """Radius of the largest wheel [m]."""
-        return max(float(self._wheel_size(name)[[0, 2]].max()) / 2 for name in self._wheels)
+    def __init__(self, rover: RoverSpec) -> None:
+        super().__init__(rover)
+        self._boxes = np.array([self._box(name) for name in self._wheels])
+        sizes = np.ptp(self._boxes, axis=1)
+        self._radius, self._width = float(sizes[:, [0, 2]].max()) / 2, float(sizes[:, 1].max())
+        self._lidar = self._data.site("lidar")
 
-    @property
-    def wheel_width(self) -> float:
-        """Width of the widest wheel [m]."""
-        return float(max(self._wheel_size(name)[1] for name in self._wheels))
-
-    @property
-    def gravity(self) -> float:
-        """Gravity of the model, downwards [m/s^2]."""
-        return -float(self._model.opt.gravity[2])
-
-    @property
-    def lidar_x(self) -> float:
-        """Position of the lidar ahead of the root body's origin [m]."""
-        return float(self._lidar[0][0])
-
-    @property
-    def lidar_y(self) -> float:
-        """Position of the lidar to the left of the root body's origin [m]."""
-        return float(self._lidar[0][1])
-
-    @property
-    def lidar_yaw(self) -> float:
-        """Yaw of the lidar in the root body's frame [rad]."""
-        axes = self._lidar[1]
-        yaw = math.atan2(axes[1, 0], axes[0, 0])
-        return math.pi if math.pi - abs(yaw) < EXACTLY_BACKWARD else yaw
+    def facts(self) -> dict[str, object]:
+        """Returns what only the model says, by the fields of RoverSpec."""
+        x_x, _, _, y_x, *_ = self._lidar.xmat
+        yaw = math.atan2(y_x, x_x)
+        return {
+            "drive": self.drive,
+            "passive_joints": self.passive_joints,
+            "steered_wheels": self.steered_wheels,
+            "wheel_radius": self._radius,
+            "wheel_width": self._width,
+            "wheel_speed_limit": self.wheel_speed_limit,
+            "gravity": -float(self._model.opt.gravity[2]),
+            "lidar_x": float(self._lidar.xpos[0]),
+            "lidar_y": float(self._lidar.xpos[1]),
+            "lidar_yaw": math.pi if math.pi - abs(yaw) < EXACTLY_BACKWARD else yaw,
+        }
 
     def derived(self) -> dict[str, object]:
         """Returns what rover.yaml may leave out, by its keys."""
-        places = np.array([self._place(name) for name in self._wheels])
-        left = places[: len(self.drive.left)]
-        right = places[len(self.drive.left) :]
-        rest_height = self.wheel_radius - float(places[:, 2].min())
+        places = self._boxes.mean(axis=1)
+        left, right = np.split(places, [len(self.drive.left)])
+        rest_height = float((np.ptp(self._boxes, axis=1)[:, 2] / 2 - places[:, 2]).max())
         track = float(left[:, 1].mean() - right[:, 1].mean())
-        top_speed = self.wheel_speed_limit * self.wheel_radius
+        top_speed = self.wheel_speed_limit * self._radius
         cruise = min(MODEST * top_speed, CRUISE)
         mass = float(self._model.body_mass.sum())
         kind = "Ackermann steering" if self.drive.steering else "skid steer"
@@ -76,7 +67,7 @@ class Measures(Drivetrain):
             "rest_height": rest_height,
             "wheelbase": wheelbase,
             "track": track,
-            "controller_radius": self.wheel_radius,
+            "controller_radius": self._radius,
             "controller_separation": track,
             "footprint": self._footprint(),
             "linear_acceleration": 2.5,
@@ -85,15 +76,15 @@ class Measures(Drivetrain):
             "cruise_yaw_rate": turning,
             "encoder_ticks": 4096.0,
             "odometry_rate": 50,
-            "lidar_height": float(self._lidar[0][2]) + rest_height,
+            "lidar_height": float(self._lidar.xpos[2]) + rest_height,
             "clearance": self._clearance(rest_height),
-            "step_limit": self.wheel_radius / 2,
+            "step_limit": self._radius / 2,
         }
 
     def _wheelbase(self, places: NDArray[np.float64]) -> float:
         ahead = places[:, 0]
         if not self.steered_wheels:
-            return float(np.ptp(ahead)) or 2 * self.wheel_radius  # of one axle: what it needs of ground
+            return float(np.ptp(ahead)) or 2 * self._radius  # of one axle: what it needs of ground
         steered = np.isin(self._wheels, self.steered_wheels)
         if steered.all():
             raise UsageError(
@@ -101,30 +92,21 @@ class Measures(Drivetrain):
             )
         return float(ahead[steered].mean() - ahead[~steered].mean())
 
-    def _footprint(self) -> tuple[float, float, float, float]:
-        model = self._model
-        geoms = np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist()
-        low, high = extent(model, self._data, geoms)
+    def _footprint(self) -> tuple[float, ...]:
+        low, high = extent(self._model, self._data, self._colliding())
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+
+    def _colliding(self) -> list[int]:
+        return np.flatnonzero(self._model.geom_group == COLLIDING_GROUP).tolist()
 
     def _clearance(self, rest_height: float) -> float:
         model = self._model
         wheels = [int(model.joint(name).bodyid[0]) for name in self._wheels]
-        colliding = np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist()
-        rest = [geom for geom in colliding if model.body_weldid[model.geom_bodyid[geom]] not in wheels]
+        bodies = model.body_weldid[model.geom_bodyid]
+        rest = [geom for geom in self._colliding() if bodies[geom] not in wheels]
         if not rest:
-            return self.wheel_radius
+            return self._radius
         return max(LOWEST, float(extent(model, self._data, rest)[0][2]) + rest_height)
-
-    @cached_property
-    def _lidar(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Position [m] and axes of the lidar in the root body's frame, shapes (3,) and (3, 3)."""
-        site = self._data.site("lidar")
-        return np.array(site.xpos), np.array(site.xmat).reshape(3, 3)
-
-    def _wheel_size(self, joint: str) -> NDArray[np.float64]:
-        low, high = extent(self._model, self._data, self._geoms(joint))
-        return np.asarray(high - low)
 
 
 def frame_name(body: str) -> str:

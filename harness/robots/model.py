@@ -6,7 +6,8 @@ to be seen where there are none. To the models that ship it changes nothing.
 """
 
 import math
-from collections.abc import Iterator
+import warnings
+from collections.abc import Mapping
 from pathlib import Path
 
 import mujoco
@@ -15,6 +16,7 @@ import numpy as np
 from harness.base.errors import UsageError
 from harness.robots.sections import Mount
 from harness.robots.spec import RoverSpec
+from harness.robots.strangers import check_files, check_quantities, inside
 
 SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4
 COLLIDING = (1, 2)  # contype, conaffinity; the world has 2 and 1, so that no part touches another
@@ -35,9 +37,10 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
     Raises:
         UsageError: It cannot be read, the file of one of its meshes is not there, or it is no rover's.
     """
-    path = rover.model_path
+    path = inside(rover.model_path, rover.folder, f"{rover.folder / 'rover.yaml'}: key 'model'")
     if not path.is_file():
         raise UsageError(f"{path}, the rover's model, does not exist; put it there, or mend key 'model'")
+    check_files(path, rover.folder)
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (OSError, ValueError, mujoco.FatalError) as error:
@@ -65,14 +68,17 @@ def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     """Returns a model, compiled alone.
 
     Raises:
-        UsageError: MuJoCo does not take it; the message says why.
+        UsageError: MuJoCo does not take it, or no rover can be so; the message says why.
     """
     try:
-        return spec.compile()
+        with warnings.catch_warnings(action="ignore"):  # of what check_quantities tells better
+            model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).removeprefix("Error: ").split())
         mend = "; give its body an <inertial> with a mass above 0" if "mjMINVAL" in reason else ""
         raise UsageError(f"{path} is no valid model: {reason}{mend}") from error
+    check_quantities(model, path)
+    return model
 
 
 def root_of(spec: mujoco.MjSpec) -> str:
@@ -89,7 +95,7 @@ def free_root(spec: mujoco.MjSpec, path: Path) -> None:
     world = spec.worldbody
     for thing in [*world.geoms, *world.sites, *world.lights, *world.cameras]:  # a floor, a lamp
         spec.delete(thing)
-    bodies = list(_children(world))
+    bodies = list(world.bodies)
     if len(bodies) != 1:
         names = ", ".join(body.name or "one without a name" for body in bodies) or "none"
         raise UsageError(f"{path}: the world must hold the rover's root body alone; it holds {names}")
@@ -113,7 +119,7 @@ def sort_geoms(spec: mujoco.MjSpec) -> None:
 
 def show_what_collides(spec: mujoco.MjSpec) -> None:
     """Gives a body of which nothing is to be seen the shapes by which it collides."""
-    for body in _descendants(spec.worldbody):
+    for body in spec.bodies[1:]:
         if any(geom.group == SEEN_GROUP for geom in body.geoms):
             continue
         for geom in list(body.geoms):
@@ -128,7 +134,7 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
     if any(site.name == name for site in spec.sites):
         return
     mount = mount or Mount(xyz=(0.0, 0.0, _top(spec, path) + ABOVE))
-    bodies = {body.name: body for body in _descendants(spec.worldbody)}
+    bodies = {body.name: body for body in spec.bodies[1:]}
     if mount.body and mount.body not in bodies:
         raise UsageError(
             f"{path.parent / 'rover.yaml'}: {name}: body '{mount.body}' does not exist in {path.name}; "
@@ -144,10 +150,9 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
 def _top(spec: mujoco.MjSpec, path: Path) -> float:
     """The highest point of what collides, in the root body's frame, while all joints are at 0 [m]."""
     model = compiled(spec.copy(), path)
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
+    data = at_origin(model)
     _, high = extent(model, data, np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist())
-    return float(high[2] - data.xpos[1, 2]) if np.isfinite(high).all() else 0.0
+    return float(high[2]) if np.isfinite(high).all() else 0.0
 
 
 def extent(
@@ -169,11 +174,11 @@ def extent(
     return low, high
 
 
-def _children(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
-    child = body.first_body()
-    while child is not None:
-        yield child
-        child = body.next_body(child)
+def by_side(places: Mapping[str, np.ndarray]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Returns the wheels on the left and those on the right, each front to rear, by their places [m]."""
+    ordered = sorted(places, key=lambda name: -places[name][0])
+    left = tuple(name for name in ordered if places[name][1] > 0)
+    return left, tuple(name for name in ordered if name not in left)
 
 
 def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
@@ -184,12 +189,6 @@ def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
             raise UsageError(f"{path}: the name '{name}' is the world's; give another")
 
 
-def _descendants(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
-    for child in _children(body):
-        yield child
-        yield from _descendants(child)
-
-
 def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Returns a rover's model without a world, and its state at the origin, all joints at 0.
 
@@ -197,7 +196,12 @@ def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
         UsageError: The model is not valid.
     """
     model = compiled(read_model(rover), rover.model_path)
+    return model, at_origin(model)
+
+
+def at_origin(model: mujoco.MjModel) -> mujoco.MjData:
+    """Returns the state of a rover's model with its root at the origin and all joints at 0."""
     data = mujoco.MjData(model)
     data.qpos[:], data.qpos[3] = 0.0, 1.0
     mujoco.mj_kinematics(model, data)
-    return model, data
+    return data

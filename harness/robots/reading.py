@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 from harness.base.documents import read_mapping
 from harness.base.errors import UsageError
 from harness.robots.mjcf import stated_by_mjcf
-from harness.robots.spec import ModelFacts, RoverFile, RoverSpec
+from harness.robots.spec import RoverFile, RoverSpec
 from harness.spec.value import made
 
 MODELS_DIR = next(
@@ -68,10 +68,7 @@ def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
 
     facts = {"name": folder.name, "folder": folder, "model": stated.model or _only_model(folder)}
     measures = Measures(RoverSpec.model_construct(**stated.__dict__ | facts))
-    facts |= {
-        key: getattr(measures, key) for key in ("drive", *ModelFacts.model_fields) if key not in facts
-    }
-    return made(RoverSpec, measures.derived() | values | facts, str(path))
+    return made(RoverSpec, measures.derived() | values | facts | measures.facts(), str(path))
 
 
 def _shipped(folder: Path) -> dict[str, Any]:

@@ -85,33 +85,19 @@ class RoverFile(Value):
 
 
 class ModelFacts(Value):
-    """What only the model says of a rover.
+    """What only the model says of a rover; places are those while all joints are at 0."""
 
-    Attributes:
-        name: The folder's name.
-        folder: Where the rover's files are.
-        passive_joints: Joints in /joint_states that are neither driven nor wheels.
-        steered_wheels: Joints of the wheels that the steering turns.
-        wheel_radius: Of the largest wheel [m].
-        wheel_width: Of the widest wheel [m].
-        wheel_speed_limit: Largest speed of the slowest motor [rad/s].
-        gravity: Downwards [m/s^2].
-        lidar_x: Position of the lidar ahead in the model frame while all joints are at 0 [m].
-        lidar_y: Position of the lidar to the left [m].
-        lidar_yaw: Direction in which the lidar looks, from the model frame's x [rad].
-    """
-
-    name: str
+    name: str  # the folder's
     folder: Path
-    passive_joints: tuple[str, ...]
-    steered_wheels: tuple[str, ...] = ()
-    wheel_radius: Positive
-    wheel_width: Positive
-    wheel_speed_limit: Positive
-    gravity: Positive
-    lidar_x: Number
-    lidar_y: Number = 0.0
-    lidar_yaw: Number = math.pi
+    passive_joints: tuple[str, ...]  # in /joint_states, neither driven nor wheels
+    steered_wheels: tuple[str, ...] = ()  # joints of the wheels that the steering turns
+    wheel_radius: Positive  # of the largest wheel [m]
+    wheel_width: Positive  # of the widest wheel [m]
+    wheel_speed_limit: Positive  # largest speed of the slowest motor [rad/s]
+    gravity: Positive  # downwards [m/s^2]
+    lidar_x: Number  # of the lidar ahead in the model frame [m]
+    lidar_y: Number = 0.0  # of the lidar to the left [m]
+    lidar_yaw: Number = math.pi  # in which the lidar looks, from the model frame's x [rad]
 
 
 class RoverSpec(RoverFile, ModelFacts):

@@ -33,7 +33,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _validate(options: argparse.Namespace, console: Console) -> int:
-    _check(options)
+    if options.seed < 0:
+        raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
+    if options.realism and options.robot is None:
+        raise UsageError("--realism needs --robot, the rover that the logs are of")
     misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
         print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
@@ -42,29 +45,21 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
 
 def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
-    results = {}
+    misses = []
     for rover in rovers:
         with console.status(f"driving {rover.name}"):
-            results[rover.name] = validate(rover, options.seed)
-        print_table(console, rover.name, results[rover.name])
-    checked = [(robot, check) for robot, checks in results.items() for check in checks]
-    return [f"{robot}: {check.quantity}" for robot, check in checked if not check.passed]
+            checks = validate(rover, options.seed)
+        print_table(console, rover.name, checks)
+        misses += [f"{rover.name}: {check.quantity}" for check in checks if not check.passed]
+    return misses
 
 
 def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
+    find_rover(options.robot)
     with console.status(f"driving {options.robot} for ten minutes"):
         comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return comparison.missed
-
-
-def _check(options: argparse.Namespace) -> None:
-    if options.robot is not None:
-        find_rover(options.robot)
-    if options.seed < 0:
-        raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
-    if options.realism and options.robot is None:
-        raise UsageError("--realism needs --robot, the rover that the logs are of")
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -85,20 +85,19 @@ def _twisted(rover: RoverSpec, seed: int, angle: float, rockers: tuple[str, ...]
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """Kerbs and ramps; each limit is found by bisection, one drive per try."""
     stand = balance(Rig(rover, floor(seed)))
-    pulled_up = Span(
-        kerb_limit(rover, stand), math.inf, "D: statics of the rear wheels, mu 1, no run-up"
-    )
-    yield Check("kerb climbed, head-on", "m", pulled_up, _kerb(rover, seed, one_side=False))
-    expected = rover.expected
-    yield Check("kerb climbed, one side", "m", expected.kerb_one_side, _kerb(rover, seed, one_side=True))
+    statics = "D: statics of the rear wheels, mu 1, no run-up"
+    for way, aside, span in (
+        ("head-on", 0.0, Span(kerb_limit(rover, stand), math.inf, statics)),
+        ("one side", KERB_HALF + 0.05, rover.expected.kerb_one_side),
+    ):
+        yield Check(f"kerb climbed, {way}", "m", span, _kerb(rover, seed, aside))
     limit = math.degrees(steepest_stand(stand))
-    source = f"{expected.ramp_source}D: atan(mu = 1) or the tip angle, whichever is less"
+    source = f"{rover.expected.ramp_source}D: atan(mu = 1) or the tip angle, whichever is less"
     span = Span(limit - 3.0, limit + 1.5, source)
     yield Check("slope climbed, 0.4 m/s commanded", "deg", span, _ramp(rover, seed), digits=0)
 
 
-def _kerb(rover: RoverSpec, seed: int, *, one_side: bool) -> float:
-    aside = KERB_HALF + 0.05 if one_side else 0.0
+def _kerb(rover: RoverSpec, seed: int, aside: float) -> float:
     ahead = max(KERB_AT, rover.footprint[1] + CLOSE)
     passed = ahead + rover.wheelbase / 2 + rover.wheel_radius + 0.05
 

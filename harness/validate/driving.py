@@ -49,22 +49,14 @@ def at_rest(rig: Rig, rate: int, seconds: float) -> tuple[Magnitudes, Magnitudes
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """Everything that a level floor can tell of driving."""
-    yield from _speeds(rover, seed)
-    yield _stopping(rover, seed)
-    yield from _turning(rover, seed)
-
-
-def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
     expected, rig = rover.expected, Rig(rover, floor(seed))
-    slow, source = expected.speed_ratio, expected.speed_ratio.source
-    for commanded, span in (
-        (0.1, Span(0.1 * slow.low, 0.1 * slow.high, source)),
-        (0.3, Span(0.3 * slow.low, 0.3 * slow.high, source)),
-        (CRUISE, expected.at_half),
-        (TOP, expected.at_top),
-    ):
+    slow = expected.speed_ratio
+    spans = {v: Span(v * slow.low, v * slow.high, slow.source) for v in (0.1, 0.3)}
+    for commanded, span in (spans | {CRUISE: expected.at_half, TOP: expected.at_top}).items():
         speed, _ = straight(rig, commanded)
         yield Check(f"speed at {commanded:g} m/s commanded", "m/s", span, speed, digits=4)
+    yield _stopping(rover, seed)
+    yield from _turning(rover, seed)
 
 
 def straight(
@@ -95,11 +87,8 @@ def _stopping(rover: RoverSpec, seed: int) -> Check:
     rig.command(0.0)
     rig.run(MEASURING)
     braking = speed**2 / (2 * rover.linear_acceleration)
-    span = Span(
-        braking - speed * TICK,
-        braking + 2 * speed * TICK,
-        f"D: v^2 / 2a, a = {rover.linear_acceleration:g} m/s2 (SDF), and a tick or two",
-    )
+    source = f"D: v^2 / 2a, a = {rover.linear_acceleration:g} m/s2 (SDF), and a tick or two"
+    span = Span(braking - speed * TICK, braking + 2 * speed * TICK, source)
     distance = rig.stance.ahead - start
     return Check(f"stopping distance from {CRUISE:g} m/s commanded", "m", span, distance, digits=4)
 
@@ -108,25 +97,16 @@ def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
     rig = Rig(rover, floor(seed))
     if rover.steers:
         follows = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
-        yield Check(
-            "yaw ratio in a curve, 0.3 m/s", "", follows, yaw_ratio(rig, ARC_SPEED, _curve(rover))
-        )
+        curve = yaw_ratio(rig, ARC_SPEED, 0.5 * ARC_SPEED / rover.tightest_turn)
+        yield Check("yaw ratio in a curve, 0.3 m/s", "", follows, curve)
         return
     in_place = yaw_ratio(rig, 0.0)
     yield Check("yaw ratio in place, 1 rad/s commanded", "", rover.expected.yaw_ratio, in_place)
     calm = at_most(0.3, "facts: no contact chatter, which no real rover has")
     yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, shaking(rig, TURNING))
-    constant = Span(
-        0.9 * in_place,
-        1.1 * in_place,
-        "D: in place +-10 %, as centres of rotation hardly move (Mandow et al. 2007)",
-    )
+    source = "D: in place +-10 %, as centres of rotation hardly move (Mandow et al. 2007)"
+    constant = Span(0.9 * in_place, 1.1 * in_place, source)
     yield Check("yaw ratio in an arc, 0.3 m/s", "", constant, yaw_ratio(rig, ARC_SPEED))
-
-
-def _curve(rover: RoverSpec) -> float:
-    """The yaw rate of half the tightest curve, at the speed of arcs [rad/s]."""
-    return 0.5 * ARC_SPEED / rover.tightest_turn
 
 
 def yaw_ratio(rig: Rig, speed: float, yaw_rate: float = YAW_RATE, turning: float = TURNING) -> float:

@@ -4,18 +4,20 @@ What counts is the shape: how the values of a CSV row are spread. The yardstick 
 logs lie apart, for they too come from different places and drives.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.table import Column, Table
 from scipy.stats import wasserstein_distance
 
 from harness.spec.run import Run
 from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.sheet import Sheet
 
 ROUGH = DEFAULT_THRESHOLDS.rough_terrain_threshold  # [m/s2]
 WITHIN = 2.0  # times the yardstick
@@ -41,16 +43,10 @@ class Distances:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Our run and two recorded ones.
+    """Our run and two recorded ones."""
 
-    Attributes:
-        logs: By title, ours first.
-        distances: By column.
-        run: Ours.
-    """
-
-    logs: dict[str, Log]
-    distances: dict[str, Distances]
+    logs: dict[str, Log]  # by title, ours first
+    distances: dict[str, Distances]  # by column
     run: Run = RUN
 
     @property
@@ -89,9 +85,8 @@ def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
         recorded: The two logs.
         column: Name of the column.
     """
-    values, (first, second) = ours[column], (log[column] for log in recorded)
-    pairs = ((values, first), (values, second), (first, second))
-    near, far, between = (float(wasserstein_distance(*pair)) for pair in pairs)
+    logs = [log[column] for log in (ours, *recorded)]
+    near, far, between = (float(wasserstein_distance(*pair)) for pair in combinations(logs, 2))
     return Distances((near, far), between)
 
 
@@ -102,39 +97,33 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         f"ours: {run.rover.robot} on {run.world.terrain}, difficulty {run.world.difficulty:g}, noise "
         f"{run.rover.noise}, {run.duration:.0f} s, speeds as recorded (harness/validate/run_log.py)"
     )
-    console.print(_spread_table(comparison))
-    console.print(_distance_table(comparison))
+    sheets = Sheet.of(_spread(comparison), "How the rows are spread"), _distances(comparison)
+    console.print(*terminal(sheets, console.width), sep="\n", highlight=False)
 
 
-def _spread_table(comparison: Comparison) -> Table:
-    figures = (Column(name, justify="right") for name in ("p5", "p50", "p95", f"above {ROUGH:g}"))
-    table = Table("column", "log", *figures, title="How the rows are spread", title_justify="left")
+def _spread(comparison: Comparison) -> Iterator[dict[str, str]]:
     for column, unit in COLUMNS.items():
         for title, log in comparison.logs.items():
-            values = log[column]
-            spread = (f"{p:.2f}" for p in np.percentile(values, (5, 50, 95)))
-            share = f"{100 * np.mean(values > ROUGH):.1f} %" if unit == "m/s2" else ""
-            table.add_row(f"{column}, {unit}", title, *spread, share)
-    return table
+            p5, p50, p95 = (f"{p:.2f}" for p in np.percentile(log[column], (5, 50, 95)))
+            share = f"{100 * np.mean(log[column] > ROUGH):.1f} %" if unit == "m/s2" else ""
+            about = {"column": f"{column}, {unit}", "log": title, "p5": p5, "p50": p50, "p95": p95}
+            yield about | {f"above {ROUGH:g}": share}
 
 
-def _distance_table(comparison: Comparison) -> Table:
+def _distances(comparison: Comparison) -> Sheet:
     first, second = list(comparison.logs)[1:]
-    headings = ("recorded", "ours, 1st", "ours, 2nd", "ratio")
-    table = Table(
-        "column",
-        *(Column(heading, justify="right") for heading in headings),
-        "verdict",
-        title="Wasserstein distances",
-        title_justify="left",
-        caption=f"recorded: from {first} (1st) to {second} (2nd); ratio: of the farther one of ours to "
-        f"that, at most {WITHIN:g}",
+    rows = (
+        {
+            "column": column,
+            "recorded": f"{of.recorded:.3f}",
+            "ours, 1st": f"{of.ours[0]:.3f}",
+            "ours, 2nd": f"{of.ours[1]:.3f}",
+            "ratio": f"{of.ratio:.2f}",
+            "verdict": "ok" if of.passed else "MISS",
+        }
+        for column, of in comparison.distances.items()
     )
-    for column, distances in comparison.distances.items():
-        table.add_row(
-            column,
-            *(f"{distance:.3f}" for distance in (distances.recorded, *distances.ours)),
-            f"{distances.ratio:.2f}",
-            "ok" if distances.passed else "MISS",
-        )
-    return table
+    caption = (
+        f"recorded: from {first} (1st) to {second} (2nd); ratio: of the farther one of ours to that"
+    )
+    return Sheet.of(rows, "Wasserstein distances", caption=f"{caption}, at most {WITHIN:g}")

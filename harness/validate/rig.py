@@ -50,7 +50,9 @@ class Rig:
         self._drive = base_controller(rover, TICK)
         self._rocks = self.simulation.summed(ROCK_CONTACT)
         self.wheel_geoms = [self._wheel_geom(joint) for joint in rover.wheel_joints]
-        self._yaw = self._face(course.heading)
+        attitude = self.simulation.data.qpos[3:7]
+        mujoco.mju_mulQuat(attitude, np.array(orientation(course.heading)), attitude.copy())
+        self._yaw = self.simulation.yaw
         self.run(SETTLING)
 
     def command(self, linear: float = 0.0, angular: float = 0.0) -> None:
@@ -128,11 +130,6 @@ class Rig:
         model = self.simulation.model
         geoms = np.flatnonzero(model.geom_bodyid == model.joint(joint).bodyid[0])
         return next(int(geom) for geom in geoms if model.geom_contype[geom])
-
-    def _face(self, heading: float) -> float:
-        attitude = self.simulation.data.qpos[3:7]
-        mujoco.mju_mulQuat(attitude, np.array(orientation(heading)), attitude.copy())
-        return self.simulation.yaw
 
 
 def largest_passing(passes: Callable[[float], bool], low: float, high: float, step: float) -> float:

@@ -60,8 +60,7 @@ def read_log(path: Path) -> Log:
         log = read_metrics_log(path, _METRICS)
     except UnreadableLog as error:
         raise UsageError(f"{path}: {error}; --realism takes two logs") from error
-    lacking = [column for column in COLUMNS if column not in log.columns]
-    if lacking:
+    if lacking := [column for column in COLUMNS if column not in log.columns]:
         raise UsageError(f"{path} has no column {', '.join(lacking)}")
     values: Values = np.array([log.columns[column] for column in COLUMNS], np.float64)
     return _complete(values.T, str(path))

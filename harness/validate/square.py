@@ -22,15 +22,12 @@ PAUSE, PATIENCE = 0.5, 20.0  # [s]
 
 
 class Journey:
-    """What odometry states and what is true; an observer of a rig.
+    """Follows a rig: what odometry states of its way, and what is true.
 
     Attributes:
-        stated_path: Distance along the heading, by odometry [m].
-        true_path: The true distance [m].
-        stated_yaw: Turn by odometry, full turns counted [rad].
-        true_yaw: The true turn [rad].
-        stated_place: Position relative to the start by odometry, x + iy [m].
-        true_place: The true position [m].
+        stated_path, true_path: Distance along the heading [m].
+        stated_yaw, true_yaw: Turn, full turns counted [rad].
+        stated_place, true_place: Position relative to the start, x + iy [m].
     """
 
     def __init__(self, rig: Rig) -> None:
@@ -41,9 +38,9 @@ class Journey:
         self._ticks = 0
         self.stated_path = self.true_path = self.stated_yaw = self.true_yaw = 0.0
         self.stated_place = self.true_place = 0j
+        rig.observers.append(self._observe)
 
-    def observe(self) -> None:
-        """Follows one tick."""
+    def _observe(self) -> None:
         last, now = self._last, self._rig.stance
         moved = complex(now.ahead - last.ahead, now.aside - last.aside)
         self.true_path += (moved * cmath.exp(1j * (self._rig.heading - last.yaw))).real
@@ -65,11 +62,8 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
         return
     journey = _drive_square(Rig(rover, floor(seed)))
     ratio = rover.expected.yaw_ratio
-    wide = Span(
-        1 / ratio.high,
-        1 / ratio.low if ratio.low > 0.0 else math.inf,
-        f"D: 1 / yaw ratio; {ratio.source}",
-    )
+    widest = 1 / ratio.low if ratio.low > 0.0 else math.inf
+    wide = Span(1 / ratio.high, widest, f"D: 1 / yaw ratio; {ratio.source}")
     widening = journey.stated_yaw / (journey.true_yaw or math.nan)
     yield Check("odometry over a square, yaw told / true", "", wide, widening, digits=2)
     believed = rover.controller_radius / rover.wheel_radius
@@ -86,19 +80,17 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 def _circle(rover: RoverSpec, seed: int) -> Iterator[Check]:
     rig = Rig(rover, floor(seed))
     journey = Journey(rig)
-    rig.observers.append(journey.observe)
     rate = 0.5 * SPEED / rover.tightest_turn
     _drive(rig, SPEED, rate, lambda: journey.true_yaw, math.tau)
     span = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
-    turned = journey.stated_yaw / journey.true_yaw if journey.true_yaw else math.nan
+    turned = journey.stated_yaw / (journey.true_yaw or math.nan)
     yield Check("odometry in a circle, yaw told / true", "", span, turned, digits=2)
-    rolled = journey.stated_path / journey.true_path if journey.true_path else math.nan
+    rolled = journey.stated_path / (journey.true_path or math.nan)
     yield Check("odometry in a circle, path told / true", "", span, rolled)
 
 
 def _drive_square(rig: Rig) -> Journey:
     journey = Journey(rig)
-    rig.observers.append(journey.observe)
     braking = YAW_RATE / (2 * rig.rover.angular_acceleration)  # [s] of the yaw rate's mean
     for corner in range(1, 5):
         _drive(rig, SPEED, 0.0, lambda: journey.true_path, journey.true_path + SIDE)

@@ -31,23 +31,13 @@ STILL = at_most(1.0, "real: 0; E: what MuJoCo's regularised friction may leave")
 
 @dataclass(frozen=True, slots=True)
 class Balance:
-    """Where the weight of a standing rover acts.
+    """Where the weight of a standing rover acts; horizontal distances from its centre of mass [m]."""
 
-    Attributes:
-        weight: [N].
-        height: Of the centre of mass over the ground [m].
-        front: Horizontal distance from the centre of mass to the front axle [m].
-        rear: To the rear axle [m].
-        left: To the middle of the left wheels [m].
-        right: To the middle of the right wheels [m].
-    """
-
-    weight: float
-    height: float
-    front: float
-    rear: float
-    left: float
-    right: float
+    height: float  # of the centre of mass over the ground [m]
+    front: float  # to the front axle
+    rear: float  # to the rear axle
+    left: float  # to the middle of the left wheels
+    right: float  # to the middle of the right wheels
 
     @property
     def arms(self) -> dict[str, float]:
@@ -67,7 +57,6 @@ def balance(rig: Rig) -> Balance:
     wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
     left, right = np.split(wheels, 2)
     return Balance(
-        weight=float(model.body_mass.sum()) * rig.rover.gravity,
         height=z - float(wheels[:, 2].mean()) + rig.rover.wheel_radius,
         front=float(left[0, 0] + right[0, 0]) / 2 - x,
         rear=x - float(left[-1, 0] + right[-1, 0]) / 2,
@@ -119,11 +108,8 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     directions = ((math.pi, rear), (0.0, front), (-math.pi / 2, right), (math.pi / 2, left))
     for (name, arm), (uphill, wheels) in zip(stand.arms.items(), directions, strict=True):
         limit = tip_angle(arm, stand.height)
-        span = around(
-            math.degrees(limit),
-            1.5,
-            f"D: atan({1e3 * arm:.0f} / {1e3 * stand.height:.0f} mm) of the centre of mass",
-        )
+        source = f"D: atan({1e3 * arm:.0f} / {1e3 * stand.height:.0f} mm) of the centre of mass"
+        span = around(math.degrees(limit), 1.5, source)
         measured = math.degrees(_tips(rover, seed, uphill, wheels, limit))
         yield Check(f"static tip angle {name}", "deg", span, measured, digits=1)
     yield from _held(rover, seed, stand)

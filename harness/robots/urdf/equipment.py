@@ -58,18 +58,17 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
         joints: Its wheels and steering.
         mass: Of the whole rover [kg].
     """
-    equipment = Equipment(beliefs=_beliefs(robot))
     option = spec.option
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025
     option.gravity = [0.0, 0.0, -GRAVITY]
-    limits = {joint.get("name", ""): joint.find("limit") for joint in robot.findall("joint")}
-    for name in joints.backwards:
-        _turn_around(spec.joint(name))
-    equipment.driven = _driven(robot, joints)
-    _fit_tyres(spec, joints, equipment)
-    _fit_wheel_motors(spec, joints, limits, mass, equipment)
-    _fit_steering(spec, joints, limits, mass, equipment)
+    for joint in map(spec.joint, joints.backwards):
+        joint.axis, joint.range = -np.array(joint.axis), -np.array(joint.range)[::-1]
+    workshop = _Workshop(spec, robot, joints, mass)
+    workshop.fit_tyres()
+    workshop.fit_wheel_motors()
+    workshop.fit_steering()
+    equipment = workshop.equipment
     for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
         if link := _link(spec, pattern):
             setattr(equipment, name, link)
@@ -80,87 +79,90 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     return equipment
 
 
-def _turn_around(joint: mujoco.MjsJoint) -> None:
-    joint.axis = -np.array(joint.axis)
-    joint.range = -np.array(joint.range)[::-1]
+class _Workshop:
+    """Fits wheels and steering out, and notes what it guesses."""
 
+    def __init__(self, spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> None:
+        self._spec, self._joints, self._mass = spec, joints, mass
+        self._limits = {joint.get("name", ""): joint.find("limit") for joint in robot.findall("joint")}
+        self.equipment = Equipment(beliefs=_beliefs(robot), driven=_driven(robot, joints))
 
-def _fit_tyres(spec: mujoco.MjSpec, joints: Joints, equipment: Equipment) -> None:
-    wheels = {spec.joint(name).parent.name for name in joints.wheels}
-    shapes = mujoco.mjtGeom
-    for geom in spec.geoms:
-        if geom.contype == 0:
-            if geom.parent.name in wheels and np.allclose(geom.rgba, DEFAULT_COLOR):
-                geom.rgba = RUBBER
-            continue
-        if geom.parent.name not in wheels:
-            geom.priority, geom.friction = 1, [SCRAPING, 0.005, 0.0001]
-            continue
-        for key, value in TYRE.items():
-            setattr(geom, key, value)
-        geom.friction = [GRIP, 0.005, 0.0001]
-        if geom.type == shapes.mjGEOM_CYLINDER:
-            geom.type, geom.size = shapes.mjGEOM_ELLIPSOID, [geom.size[0], geom.size[0], geom.size[1]]
-    equipment.guesses["model: tyres"] = (
-        f"friction {GRIP:g} of wheels, {SCRAPING:g} of all else; cylinders as ellipsoids"
-    )
+    def fit_tyres(self) -> None:
+        spec = self._spec
+        wheels = {spec.joint(name).parent.name for name in self._joints.wheels}
+        for geom in spec.geoms:
+            if geom.contype == 0:
+                if geom.parent.name in wheels and np.allclose(geom.rgba, DEFAULT_COLOR):
+                    geom.rgba = RUBBER
+                continue
+            if geom.parent.name not in wheels:
+                geom.priority, geom.friction = 1, [SCRAPING, 0.005, 0.0001]
+                continue
+            for key, value in TYRE.items():
+                setattr(geom, key, value)
+            geom.friction = [GRIP, 0.005, 0.0001]
+            if geom.type == mujoco.mjtGeom.mjGEOM_CYLINDER:
+                radius, half_width, _ = geom.size
+                geom.type, geom.size = mujoco.mjtGeom.mjGEOM_ELLIPSOID, [radius, radius, half_width]
+        self.equipment.guesses["model: tyres"] = (
+            f"friction {GRIP:g} of wheels, {SCRAPING:g} of all else; cylinders as ellipsoids"
+        )
 
+    def fit_wheel_motors(self) -> None:
+        driven, guesses = self.equipment.driven, self.equipment.guesses
+        for name in self._joints.wheels:
+            radius = self._joints.radius[name]
+            self._weigh_rotor(name, radius)
+            if name not in driven:
+                continue
+            effort, speed = self._limit(name, "effort"), self._limit(name, "velocity")
+            if not effort:
+                effort = round(GRIP * self._mass * GRAVITY * radius / len(driven), 3)
+                guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
+            if not speed:
+                speed = round(TOP_SPEED / radius, 2)
+                guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
+            motor = self._motor(name, effort, [-speed, speed])
+            motor.set_to_velocity(kv=effort / (STIFFNESS * speed))
 
-def _fit_wheel_motors(
-    spec: mujoco.MjSpec,
-    joints: Joints,
-    limits: dict[str, ET.Element | None],
-    mass: float,
-    equipment: Equipment,
-) -> None:
-    share = mass / len(joints.wheels)
-    for name in joints.wheels:
-        radius, joint = joints.radius[name], spec.joint(name)
+    def fit_steering(self) -> None:
+        """Adds position servos that turn the wheels of a car that stands, or hold them straight."""
+        joints, equipment = self._joints, self.equipment
+        for name in joints.steering + joints.held:
+            radius = max(joints.radius.values())
+            self._weigh_rotor(name, radius)
+            effort = GRIP * self._mass * GRAVITY * radius
+            limits = np.array(self._spec.joint(name).range).tolist()
+            if not limits[0] < 0 < limits[1]:
+                limits = [-STEERING_LIMIT, STEERING_LIMIT]
+                equipment.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
+            stiffness = effort / 0.1  # all of it 0.1 rad off
+            self._motor(name, effort, limits).set_to_position(kp=stiffness, kv=0.1 * stiffness)
+        rates = [self._limit(name, "velocity") for name in joints.steering]
+        if rates and all(rates):
+            equipment.steering_rate = min(rates)
+        elif joints.steering:
+            equipment.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
+
+    def _weigh_rotor(self, name: str, radius: float) -> None:
+        joint, share = self._spec.joint(name), self._mass / len(self._joints.wheels)
         joint.armature = ROTOR * share * radius**2
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE  # its motor has that limit
-        if name not in equipment.driven:
-            continue
-        effort, speed = _limit(limits.get(name), "effort"), _limit(limits.get(name), "velocity")
-        if not effort:
-            effort = round(GRIP * mass * GRAVITY * radius / len(equipment.driven), 3)
-            equipment.guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
-        if not speed:
-            speed = round(TOP_SPEED / radius, 2)
-            equipment.guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
-        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        motor.set_to_velocity(kv=effort / (STIFFNESS * speed))
-        motor.ctrllimited = motor.forcelimited = True
-        motor.ctrlrange, motor.forcerange = [-speed, speed], [-effort, effort]
 
+    def _motor(self, name: str, effort: float, limits: list[float]) -> mujoco.MjsActuator:
+        motor = self._spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.forcelimited = motor.ctrllimited = True
+        motor.forcerange, motor.ctrlrange = [-effort, effort], limits
+        return motor
 
-def _fit_steering(
-    spec: mujoco.MjSpec,
-    joints: Joints,
-    limits: dict[str, ET.Element | None],
-    mass: float,
-    equipment: Equipment,
-) -> None:
-    """Position servos that turn the wheels of a car that stands, or hold them straight."""
-    for name in joints.steering + joints.held:
-        radius = max(joints.radius.values())
-        effort = GRIP * mass * GRAVITY * radius
-        joint = spec.joint(name)
-        joint.armature = ROTOR * mass / len(joints.wheels) * radius**2
-        joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
-        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        stiffness = effort / 0.1  # all of it 0.1 rad off
-        motor.set_to_position(kp=stiffness, kv=0.1 * stiffness)
-        motor.forcelimited, motor.forcerange = True, [-effort, effort]
-        low, high = np.array(joint.range).tolist()
-        if not low < 0 < high:
-            low, high = -STEERING_LIMIT, STEERING_LIMIT
-            equipment.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
-        motor.ctrllimited, motor.ctrlrange = True, [low, high]
-    rates = [_limit(limits.get(name), "velocity") for name in joints.steering]
-    if rates and all(rates):
-        equipment.steering_rate = min(rates)
-    elif joints.steering:
-        equipment.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
+    def _limit(self, name: str, key: str) -> float:
+        """A limit of a joint; 0 without one, or with one that means none."""
+        limit = self._limits.get(name)
+        try:
+            value = float(limit.get(key, "0")) if limit is not None else 0.0
+        except ValueError:
+            return 0.0
+        return value if 0 < value < 1e4 else 0.0
 
 
 def _driven(robot: ET.Element, joints: Joints) -> tuple[str, ...]:
@@ -190,15 +192,6 @@ def _beliefs(robot: ET.Element) -> dict[str, float]:
             if value > 0:
                 matches.setdefault(key, value / 2 if "iameter" in element.tag else value)
     return matches
-
-
-def _limit(limit: ET.Element | None, key: str) -> float:
-    """A limit of a joint; 0 without one, or with one that means none."""
-    try:
-        value = float(limit.get(key, "0")) if limit is not None else 0.0
-    except ValueError:
-        return 0.0
-    return value if 0 < value < 1e4 else 0.0
 
 
 def _link(spec: mujoco.MjSpec, pattern: re.Pattern[str]) -> str:

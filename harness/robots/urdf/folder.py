@@ -1,8 +1,10 @@
 """Writes the folder of a rover: model, meshes, and a rover.yaml that says what was guessed."""
 
+import json
 import re
 import shutil
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -52,6 +54,7 @@ def write_folder(
     *,
     left: tuple[str, ...] = (),
     right: tuple[str, ...] = (),
+    folders: Sequence[Path] = (),
     trust_xacro: bool = False,
 ) -> Written:
     """Makes a rover of a URDF.
@@ -62,6 +65,7 @@ def write_folder(
         folder: To be made; must not exist.
         left: Joints of the wheels on the left, front to rear; sorted by their places if left out.
         right: Joints of the wheels on the right.
+        folders: With meshes and packages that are not beside the URDF or above it.
         trust_xacro: Whether the file may be xacro.
 
     Raises:
@@ -71,7 +75,7 @@ def write_folder(
         raise UsageError(f"name '{name}' is not valid; give letters, digits, '_', '-' or '.'")
     if folder.exists():
         raise UsageError(f"{folder} exists already, not overwriting; choose another NAME or --out")
-    source = read_urdf(urdf, trust_xacro=trust_xacro)
+    source = read_urdf(urdf, folders, trust_xacro=trust_xacro)
     spec, notes = source.spec, list(source.notes)
     free_root(spec, urdf)
     sort_geoms(spec)
@@ -123,24 +127,14 @@ def _with_meshes_beside(text: str, spec: mujoco.MjSpec, folder: Path) -> str:
 
 def _loose(spec: mujoco.MjSpec, joints: Joints) -> list[str]:
     """Joints that nothing drives, holds or ties to another."""
-    tied = {equality.name1 for equality in spec.equalities} | {
-        equality.name2 for equality in spec.equalities
-    }
+    tied = {name for tie in spec.equalities for name in (tie.name1, tie.name2)}
     moved = {motor.target for motor in spec.actuators} | tied | set(joints.wheels)
-    hinges = [joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
-    return [
-        f"joint '{joint.name}' has no motor and moves freely"
-        for joint in hinges
-        if joint.name not in moved
-    ]
+    names = [joint.name for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+    return [f"joint '{name}' has no motor and moves freely" for name in names if name not in moved]
 
 
 def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
     """The keys that the URDF states."""
-
-    def names(of: tuple[str, ...]) -> str:
-        return "[" + ", ".join(f'"{joint}"' for joint in of) + "]"
-
     lines = [
         f"# yaml-language-server: $schema={SCHEMA}",
         f"# {name}: what {name}.xml cannot say; made of {urdf.name}. Metres, radians, seconds.",
@@ -148,23 +142,22 @@ def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
         "",
         f"model: {name}.xml",
     ]
-    if "model: tyres" in equipment.guesses:
-        lines += [
+    lines += [
+        *(
             f"# guess in the model, {key[7:]}: {guess}"
             for key, guess in equipment.guesses.items()
             if ": " in key
-        ]
-    lines += [
+        ),
         "drive:",
         f"  kind: {ACKERMANN if joints.steering else SKID}",
-        f"  left: {names(joints.left)}  # front to rear, by their places",
-        f"  right: {names(joints.right)}",
-        f"  driven: {names(equipment.driven)}",
+        f"  left: {json.dumps(joints.left)}  # front to rear, by their places",
+        f"  right: {json.dumps(joints.right)}",
+        f"  driven: {json.dumps(equipment.driven)}",
     ]
     if joints.steering:
         guess = "  # guess" if "drive" in equipment.guesses else ""
         lines += [
-            f"  steering: {names(joints.steering)}",
+            f"  steering: {json.dumps(joints.steering)}",
             f"  steering_rate: {equipment.steering_rate:g}{guess}",
         ]
     lines += [f"{key}: {value:g}  # a plugin of the URDF" for key, value in equipment.beliefs.items()]
@@ -181,8 +174,13 @@ def _derived(rover: RoverSpec, equipment: Equipment) -> str:
     lines = ["", "# Derived from the model, or guessed; take the # away to set another value."]
     for key in SHOWN:
         value = getattr(rover, key)
-        rounded = [round(v, 4) for v in value] if isinstance(value, tuple) else value
-        text = f"{rounded:.4g}" if isinstance(rounded, float) else f"{rounded}"
+        if isinstance(value, tuple):
+            value = [_rounded(number, 4) for number in value]
+        text = f"{_rounded(value, 6):.4g}" if isinstance(value, float) else f"{value}"
         if key not in equipment.beliefs:
             lines.append(f"# {key}: {text}{'  # guess' if key in GUESSED else ''}")
     return "\n".join([*lines, ""])
+
+
+def _rounded(value: float, digits: int) -> float:
+    return round(value, digits) or 0.0  # never -0.0

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, unknown
-from harness.robots.model import extent
+from harness.robots.model import at_origin, by_side, extent
 
 ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis
 NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
@@ -53,9 +53,7 @@ def find_joints(
     Raises:
         UsageError: There are no wheels on one of the sides, or a named one is no hinge.
     """
-    data = mujoco.MjData(model)
-    data.qpos[:], data.qpos[3] = 0.0, 1.0
-    mujoco.mj_kinematics(model, data)
+    data = at_origin(model)
     hinges = [j for j in range(1, model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE]
     names = {model.joint(j).name: j for j in hinges}
     for name in (*left, *right):
@@ -63,10 +61,8 @@ def find_joints(
             raise UsageError(f"{where}: {unknown('hinge', name, names)}")
     boxes = {name: _box(model, data, j) for name, j in names.items()}
     wheels = [*left, *right] or _rolling(model, data, names, boxes)
-    centre = {name: boxes[name].mean(axis=0) for name in wheels}
-    order = sorted(wheels, key=lambda name: -centre[name][0])
-    left = left or tuple(name for name in order if centre[name][1] > 0)
-    right = right or tuple(name for name in order if centre[name][1] <= 0)
+    on_left, on_right = by_side({name: boxes[name].mean(axis=0) for name in wheels})
+    left, right = left or on_left, right or on_right
     if not (left and right):
         raise UsageError(
             f"{where}: no wheels were found on both sides; name their joints by --left and --right, "

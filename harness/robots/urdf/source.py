@@ -4,7 +4,7 @@ A URDF is data. xacro is a program: it evaluates Python expressions of whoever w
 is only expanded where the user says that it is trusted.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -14,9 +14,9 @@ import mujoco
 import numpy as np
 
 from harness.base.errors import UsageError
+from harness.robots.strangers import parsed, read_text
 
 READABLE = (".stl", ".obj", ".msh")
-MOST_BYTES = 20_000_000
 XACRO = "xmlns:xacro"
 
 
@@ -35,21 +35,25 @@ class Source:
     notes: list[str] = field(default_factory=list)
 
 
-def read_urdf(path: Path, *, trust_xacro: bool = False) -> Source:
+def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = False) -> Source:
     """Returns a URDF as a model.
 
     Args:
         path: Of the file.
+        folders: With meshes and packages, beside its own and those of packages above it.
         trust_xacro: Whether it may be xacro, which runs what its author wrote.
 
     Raises:
         UsageError: It cannot be read, is not URDF, or a mesh that collides is missing.
     """
-    robot = _parsed(_text(path, trust_xacro=trust_xacro), path)
+    robot = parsed(_text(path, trust_xacro=trust_xacro), path)
+    if robot.tag != "robot":
+        raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
+    if robot.find("link") is None:
+        raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
     notes: list[str] = []
     for link in robot.iter("link"):
-        notes += _without_missing_visuals(link, path)
-        _find_collision_meshes(link, path)
+        notes += _find_meshes(link, path, folders)
         notes += _implausible_inertia(link, path)
     for extension in robot.findall("mujoco"):
         robot.remove(extension)
@@ -70,12 +74,7 @@ def read_urdf(path: Path, *, trust_xacro: bool = False) -> Source:
 
 
 def _text(path: Path, *, trust_xacro: bool) -> str:
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise UsageError(f"{path} has more than {MOST_BYTES // 1_000_000} MB; give a robot's URDF")
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+    text = read_text(path)
     if XACRO not in text and path.suffix != ".xacro":
         return text
     if not trust_xacro:
@@ -98,63 +97,49 @@ def _expanded(path: Path) -> str:
         raise UsageError(f"xacro refuses {path}: {' '.join(str(error).split())}") from error
 
 
-def _parsed(text: str, path: Path) -> ET.Element:
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise UsageError(f"{path} declares entities, which no URDF needs; take <!DOCTYPE ...> out")
-    try:
-        robot = ET.fromstring(text)  # noqa: S314 - without entities
-    except ET.ParseError as error:
-        raise UsageError(f"{path} is not valid XML: {error}") from error
-    if robot.tag != "robot":
-        raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
-    if robot.find("link") is None:
-        raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
-    return robot
-
-
-def _without_missing_visuals(link: ET.Element, path: Path) -> Iterator[str]:
-    """Drops what is only to be seen and cannot be; finds the other meshes."""
-    for visual in link.findall("visual"):
-        mesh = visual.find("geometry/mesh")
+def _find_meshes(link: ET.Element, path: Path, folders: Sequence[Path]) -> Iterator[str]:
+    """Puts in where the meshes of a link are; drops what is only to be seen and cannot be."""
+    for shape in (*link.findall("visual"), *link.findall("collision")):
+        mesh = shape.find("geometry/mesh")
         if mesh is None:
             continue
-        file, name_in_file = _file(mesh, path)
-        if file is None or file.suffix.lower() not in READABLE:
-            link.remove(visual)
-            why = "is not there" if file is None else f"is no {' or '.join(READABLE)}"
-            yield f"link '{link.get('name')}': visual mesh {name_in_file} {why}; dropped"
-        else:
+        file, why, mend = _file(mesh.get("filename", ""), path, folders)
+        if file is not None:
             mesh.set("filename", str(file))
+            continue
+        problem = f"link '{link.get('name')}': {shape.tag} mesh {mesh.get('filename')} {why}"
+        if shape.tag == "collision":
+            raise UsageError(f"{path}: {problem}; {mend}, or give a shape")
+        link.remove(shape)
+        yield f"{problem}; dropped"
 
 
-def _find_collision_meshes(link: ET.Element, path: Path) -> None:
-    for mesh in link.findall("collision/geometry/mesh"):
-        file, name_in_file = _file(mesh, path)
-        where = f"{path}: link '{link.get('name')}': collision mesh {name_in_file}"
-        if file is None:
-            raise UsageError(
-                f"{where} is not there; put its package beside the file or above it, or give a shape"
-            )
-        if file.suffix.lower() not in READABLE:
-            raise UsageError(f"{where} is no {' or '.join(READABLE)}; convert it, or give a shape")
-        mesh.set("filename", str(file))
+def _file(name_in_file: str, path: Path, folders: Sequence[Path]) -> tuple[Path | None, str, str]:
+    """Where a mesh is, or why it is not taken, with the mend.
 
-
-def _file(mesh: ET.Element, path: Path) -> tuple[Path | None, str]:
-    """Where a mesh is, and what the file calls it; packages are looked for beside and above it."""
-    name_in_file = mesh.get("filename", "")
-    url = urlparse(name_in_file)
-    name = unquote(url.path)
+    Packages are looked for in the folders, and beside and above the file; no name leads out of them.
+    """
+    url, above = urlparse(name_in_file), path.resolve().parents
+    name, own = unquote(url.path), (*folders, above[0])
     if url.scheme == "package":
-        inside = name.lstrip("/")
-        above = path.resolve().parents
-        places = [folder / url.netloc / inside for folder in above]
-        places += [folder / inside for folder in above if folder.name == url.netloc] + [
-            above[0] / inside
-        ]
+        packages = [folder / url.netloc for folder in (*folders, *above) if url.netloc]
+        packages += [folder for folder in above if folder.name == url.netloc]
+        places = [(package, package / name.lstrip("/")) for package in (*packages, above[0])]
     else:
-        places = [path.resolve().parent / name]
-    return next((place for place in places if place.is_file()), None), name_in_file
+        places = [(folder, folder / name) for folder in own]
+    there = [(root, place) for root, place in places if place.is_file()]
+    if not there:
+        return None, "is not there", "put its package beside the file or above it"
+    inside = (
+        place
+        for root, place in there
+        if any(place.resolve().is_relative_to(of.resolve()) for of in (root, *folders))
+    )
+    if (file := next(inside, None)) is None:
+        return None, "is outside of the URDF's folder", "name its folder by --resource-path"
+    if file.suffix.lower() not in READABLE:
+        return None, f"is no {' or '.join(READABLE)}", "convert it"
+    return file, "", ""
 
 
 def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:

@@ -49,12 +49,6 @@ def test_speed_and_yaw_rate_rise_and_fall_by_their_limits_and_then_hold(
     np.testing.assert_allclose(after(drive, 1000), 0.0, atol=1e-12)
 
 
-def test_the_limits_are_of_time_not_of_calls() -> None:
-    drive = base_controller(LEO, 0.02)
-    drive.command(Twist(1.0, 0.0))
-    assert drive.wheel_speeds()[0] * LEO.controller_radius == pytest.approx(0.02 * 2.5)
-
-
 @pytest.mark.parametrize("name", ["leo", "buggy"])
 @pytest.mark.parametrize("bad", [(math.nan, 0.0), (0.0, math.inf), (-math.inf, math.nan)])
 def test_a_command_that_is_not_finite_is_refused_and_the_previous_one_stays(

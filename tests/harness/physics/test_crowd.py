@@ -1,28 +1,16 @@
 """People in the physics: where they are, who is touched, and that nobody is pushed unless told."""
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
 import pytest
 
-from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
-from harness.physics.scene import build_scenes
-from harness.physics.simulation import Simulation, simulations
-from harness.samples import Place
+from harness.physics.simulation import Simulation
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.world.actors.actor import Actor
-from harness.world.actors.social_force import SocialForceWalker
-from harness.world.berths import Member
-from harness.world.heightfield import Heightfield
-from harness.world.world import World, with_actors
-from tests.support.rovers import LEO, ROVER_ZERO4WD
-from tests.support.words import parse_actors
 
 MakeSimulation = Callable[..., Simulation]
 PASSES = "g=1,1/1,-1"
@@ -58,78 +46,6 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
         again.append(tuple(simulation.data.body("s_actor").xpos))
     np.testing.assert_allclose(again, social, atol=1e-3)  # the rover has crept a little
     assert simulation.data.body("g_actor").xpos[1] == pytest.approx(0.5)
-
-
-def fleet(*actors: str) -> tuple[Simulation, ...]:
-    """Leo at the origin and rover_zero4wd at x = 3 m, among people."""
-    bare = World("bare", Heightfield(np.zeros((81, 81)), 0.1), (), seed=0, difficulty=0.0)
-    world = with_actors(bare, parse_actors(actors))
-    members = (Member("a", LEO, (0.0, 0.0, 0.0)), Member("b", ROVER_ZERO4WD, (3.0, 0.0, 0.0)))
-    return simulations(build_scenes(world, members, TICK_NS / 4e9), TICK_NS // 4)
-
-
-def test_a_social_walker_keeps_out_of_the_way_of_all_rovers_and_of_all_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Each is given all discs but their own, the others where they were before anybody moved."""
-    given: list[tuple[float, float, list[tuple[float, float, float]]]] = []
-    walk = SocialForceWalker.walk
-
-    def noted(
-        way: SocialForceWalker, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
-    ) -> Place:
-        given.append((time_s, seconds, bodies))
-        return walk(way, time_s, seconds, bodies)
-
-    monkeypatch.setattr(SocialForceWalker, "walk", noted)
-    one, other = fleet(
-        "x=1.5,-1.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
-    )
-    one.tick()
-    del given[:]
-    before = [(p.x, p.y, a.spec.options.radius) for p, a in zip(*_people(one), strict=True)]
-    poses = [(*simulation.position[:2], simulation.scene.rover.reach) for simulation in (one, other)]
-    crowd(one).move(2 * TICK_NS)
-    for place, (time_s, seconds, bodies) in zip((1, 3), given, strict=True):
-        assert (time_s, seconds) == pytest.approx((0.02, 0.01))
-        others = before[:place] + before[place + 1 :]
-        np.testing.assert_allclose(bodies, [*poses, *others])
-
-
-def _people(simulation: Simulation) -> tuple[list[Place], Sequence[Actor]]:
-    return crowd(simulation).places, crowd(simulation).actors
-
-
-@pytest.mark.parametrize(("gap", "touches"), [(-0.002, True), (0.002, False)])
-def test_a_touch_is_that_of_the_rover_whose_colliding_part_meets_a_person(
-    gap: float, touches: bool
-) -> None:
-    one, other = fleet("far=-3,3", "x=3,1:radius=0.25")
-    model, data = one.model, one.data
-    geoms = [g for g in other.scene.geoms() if model.geom_group[g] == 3]
-    person, span, people = model.geom("x_actor").id, np.zeros(6), crowd(one)
-    y, nearest = 1.0, 1.0
-    while nearest > 1e-6:  # as near as they come without touching
-        data.mocap_pos[model.body("x_actor").mocapid[0], 1] = y
-        mujoco.mj_forward(model, data)
-        nearest = min(mujoco.mj_geomDistance(model, data, g, person, 5.0, span) for g in geoms)
-        y -= nearest
-    y += gap
-    people.places[1] = replace(people.places[1], y=y)
-    data.mocap_pos[model.body("x_actor").mocapid[0], 1] = y
-    mujoco.mj_forward(model, data)
-    for simulation in (one, other):
-        simulation.contacts.begin()
-    people.look([one.contacts, other.contacts])
-    assert one.contacts.strongest == {}
-    assert ("hazard" in other.contacts.strongest) == touches
-    if touches:
-        touch = other.contacts.strongest["hazard"]
-        assert (touch.force, other.contacts.name_of(touch.other)) == (0.0, "x_actor")
-        assert touch.part in geoms
-        x_touch, y_touch, _ = touch.position
-        assert math.hypot(x_touch - 3.0, y_touch - y) == pytest.approx(0.25, abs=0.02)
-        assert touch.pose == other.pose.tolist()
 
 
 def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> None:

@@ -1,6 +1,5 @@
 """What a parked rover does, against raw states of MuJoCo; what drives is as the model says."""
 
-import copy
 import math
 from collections.abc import Callable
 
@@ -8,11 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.physics.parking import ParkingHold
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from tests.harness.conftest import MakeSimulation
-from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 STANDING = np.zeros(4)
@@ -63,31 +60,6 @@ def test_what_drives_again_is_to_the_bit_as_it_was(rover: RoverSpec, simulate: M
     assert driving != parked
     simulation.return_to_start()
     assert friction_of(simulation.model) == parked
-
-
-@pytest.mark.parametrize(("torque", "holds"), [(4.0, True), (0.2, True), (0.1, False), (None, True)])
-def test_wheels_hold_with_the_torque_of_their_motors(
-    torque: float | None, holds: bool, simulate: MakeSimulation
-) -> None:
-    """On 30 degrees each of Leo's has to hold 5.495 kg x 9.8 m/s^2 x sin 30 x 0.0625 m / 4 = 0.42 N m.
-
-    Its bearings alone hold 0.3125; a motor without a limit holds whatever comes.
-    """
-    model = copy.copy(simulate(LEO).model)
-    dofs = [int(model.joint(name).dofadr[0]) for name in LEO.wheel_joints]
-    model.dof_frictionloss[dofs] = 0.3125
-    model.actuator_forcelimited[:] = torque is not None
-    model.actuator_forcerange[:] = (-(torque or 0.0), torque or 0.0)
-    model.actuator_gainprm[:, 0] = model.actuator_biasprm[:, 2] = 0.0
-    model.opt.impratio = 100.0
-    ParkingHold(model, LEO.wheel_joints).hold(True)
-    assert model.opt.impratio == 100.0
-    data = mujoco.MjData(model)
-    data.qpos[:] = simulate(LEO).data.qpos
-    model.opt.gravity[:] = -4.9, 0.0, -9.8 * math.cos(math.radians(30.0))
-    mujoco.mj_step(model, data, 400)
-    turned = np.abs(data.qvel[dofs]).max()
-    assert turned < 1e-2 if holds else turned > 0.1
 
 
 def test_who_only_steers_is_parked(

@@ -9,7 +9,6 @@ import pytest
 from harness.base.errors import Diverged, RunFailed
 from harness.physics.scene import build_scene, build_scenes
 from harness.physics.simulation import Simulation, simulations
-from harness.truth.wheels import Wheels
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -125,17 +124,6 @@ def test_what_one_touches_is_not_told_of_the_other_that_touches_something_else_m
         if all(told):
             break
     assert told == [{"hazard"}, {"scrape"}]
-
-
-def test_the_slip_of_one_does_not_depend_on_where_the_other_is(
-    pair: tuple[Simulation, Simulation],
-) -> None:
-    one, other = pair
-    one.twist[:] = 0.1, 0.0, 0.0, 0.0, 0.0, 0.8
-    near = [wheel.slip for wheel in Wheels(one).motion()]
-    other.pose[:2] += 1.0
-    assert [wheel.slip for wheel in Wheels(one).motion()] == pytest.approx(near, abs=1e-9)
-    assert any(near)
 
 
 def test_a_reset_is_of_one_alone(pair: tuple[Simulation, Simulation]) -> None:

@@ -3,7 +3,6 @@
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -13,15 +12,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import Diverged, RunFailed
-from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import world_of
-from harness.physics.physics import Physics
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
 from harness.spec.run import Run
-from harness.world.obstacles import Obstacle, ObstacleKind
-from tests.harness.conftest import TIMESTEP_NS
 
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different
@@ -103,21 +98,6 @@ def test_back_at_its_start_it_drives_as_at_first_while_time_goes_on(simulation: 
     assert simulation.time_ns == 10 * TICK_NS
 
 
-def test_what_was_touched_is_reported_for_one_tick_only(make_simulation: Make) -> None:
-    wall = Obstacle(ObstacleKind.HAZARD, "box", (0.05, 0.6, 0.3), (0.6, 0.0, 0.3))
-    simulation = make_simulation(obstacles=(wall,))
-    for leave in ("drive away", "reset"):
-        simulation.data.qpos[:3] = 0.33, 0.0, 0.01
-        simulation.tick()
-        assert set(simulation.contacts.strongest) == {"hazard"}
-        if leave == "reset":
-            simulation.return_to_start()
-        else:
-            simulation.data.qpos[0] = -0.5
-            simulation.tick()
-        assert simulation.contacts.strongest == {}
-
-
 @pytest.mark.parametrize(
     ("warning", "quantity"),
     [
@@ -150,15 +130,6 @@ def test_a_divergence_leaves_no_file_of_mujocos_behind(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_a_model_switches_off_stays_off(simulation: Simulation) -> None:
-    """And a diverged state is not reset, which would hide it."""
-    switched_off, reset = mujoco.mjtDisableBit.mjDSBL_WARMSTART, mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    scene = replace(simulation.scene, model=copy.copy(simulation.model))
-    scene.model.opt.disableflags = int(switched_off)
-    flags = Simulation(scene, simulation.timestep_ns).model.opt.disableflags
-    assert flags == int(switched_off) | int(reset)
-
-
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_half_a_metre_before_the_edge_of_the_map_the_run_ends(
@@ -179,26 +150,6 @@ def test_half_a_metre_before_the_edge_of_the_map_the_run_ends(
 EPISODE_TIMESTEP_NS = 5_000_000
 
 
-@pytest.mark.parametrize(("terrain", "shortest", "longest"), [("flat", 0.0, 1.0), ("slope", 1.0, 1.5)])
-def test_a_rover_settles_within_a_second_and_on_a_slope_once_it_is_held(
-    terrain: str, shortest: float, longest: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """On a slope the rover creeps until its wheels are held, after a second."""
-    steps, step = [], mujoco.mj_step
-
-    def counted(model: object, data: object) -> None:
-        steps.append(data)
-        step(model, data)
-
-    world = world_of(Run.of(terrain=terrain))
-    scene = build_scene(world, ROVERS["leo"], EPISODE_TIMESTEP_NS / NANOSECONDS)
-    monkeypatch.setattr(mujoco, "mj_step", counted)
-    settled = Simulation(scene, EPISODE_TIMESTEP_NS)
-    assert shortest < len(steps) * EPISODE_TIMESTEP_NS / NANOSECONDS <= longest
-    assert abs(settled.data.qvel).max() < 2e-3
-    assert settled.time_ns == 0
-
-
 @pytest.mark.parametrize("robot", ROVERS)
 def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_heading(robot: str) -> None:
     world = world_of(Run.of(terrain="rolling", seed=2))
@@ -217,14 +168,3 @@ def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_headi
     assert not simulation.tick_sum.any()
     simulation.return_to_start()
     assert simulation.position[:2] == pytest.approx((0.0, 0.0), abs=0.1)
-
-
-def test_a_rover_that_began_on_the_move_is_put_down_at_rest(make_simulation: Make) -> None:
-    first = make_simulation()
-    (rover,) = first.physics.rovers
-    state = rover.state()
-    state[1][:2] = 5.0  # of its velocities
-    physics = Physics((first.scene,), TIMESTEP_NS, settled=[state])
-    simulation = Simulation(first.scene, TIMESTEP_NS, physics)
-    simulation.put(0.5, -0.5, 0.0)
-    assert simulation.position[:2] == pytest.approx((0.5, -0.5), abs=0.02)

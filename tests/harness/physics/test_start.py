@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.base.errors import UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import DROP_HEIGHT, check_room, check_start, spawn_pose
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.world import Start, World
+from harness.world.world import Start, World, starting_at
 from tests.support.rovers import ROVER_ZERO4WD
 
 CELL, FINE, TIMESTEP_NS = 0.2, 0.02, 5_000_000
@@ -46,17 +46,6 @@ def test_a_rover_is_set_down_over_the_highest_ground_below_its_turned_footprint(
     expected = max(corners) + ROVER_ZERO4WD.rest_height + DROP_HEIGHT
     assert pose[2] == pytest.approx(expected, abs=0.3 * FINE / 2)  # sampled each half cell
     assert pose[3:] == pytest.approx((math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)))
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("vertex", [18, 19, 20, 21, 22])
-def test_of_a_ridge_one_vertex_wide_below_it_three_quarters_are_seen(axis: int, vertex: int) -> None:
-    """Samples half a cell apart: none is farther than a quarter of a cell from the ridge."""
-    scene, heights = scene_of(0 * X, (0.0, 0.0, 0.0)), np.zeros((41, 41))
-    np.moveaxis(heights, axis, 0)[vertex] = 0.2
-    world = replace(scene.world, ground=Heightfield(heights, 0.1))
-    pose = spawn_pose(replace(scene, world=world), world.start)
-    assert 0.75 * 0.2 <= pose[2] - ROVER_ZERO4WD.rest_height - DROP_HEIGHT <= 0.2
 
 
 @pytest.mark.parametrize(
@@ -97,3 +86,24 @@ def test_a_start_where_it_slides_or_tips_over_is_refused(
         return
     with pytest.raises(UsageError, match=f"no rover can stand at start 0,0,0: .*{told}"):
         check_start(simulation.scene, simulation.data)
+
+
+def drive_on(simulation: Simulation) -> None:
+    for _ in range(100):
+        simulation.tick()
+
+
+@pytest.mark.parametrize(("x", "y"), [(7.49, 0.0), (-7.49, 0.0), (0.0, 3.49), (7.49, -3.49)])
+def test_a_start_just_within_the_edge_of_the_map_is_one_and_at_it_is_none(x: float, y: float) -> None:
+    """The edge is half a metre wide; a rover that faces it stands on the ground, and goes no further."""
+    ground, yaw = Heightfield(np.full_like(X, 0.7), CELL), math.atan2(y, x)
+    world = starting_at(World("bench", ground, (), 0, None), (x, y, yaw))
+    simulation = Simulation(build_scene(world, ROVER_ZERO4WD, TIMESTEP_NS / 1e9), TIMESTEP_NS)
+    assert simulation.position == pytest.approx((x, y, 0.7 + ROVER_ZERO4WD.rest_height), abs=5e-3)
+    simulation.tick()
+    simulation.command_wheels(np.full(4, 5.0))
+    with pytest.raises(RunFailed, match="the rover reached the edge of the map at t = "):
+        drive_on(simulation)
+    beyond = (x + math.copysign(0.01, x) * bool(x), y + math.copysign(0.01, y) * bool(y), yaw)
+    with pytest.raises(UsageError, match=r"at its edge; give x between -7\.5 and 7\.5 m, y betw"):
+        starting_at(world, beyond)

@@ -1,171 +1,38 @@
 """Every rover folder, shipped or made of a URDF: what is known of it against its compiled model."""
 
 import copy
-import math
 from collections.abc import Callable
 
 import mujoco
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.robots import ROVERS, RoverSpec, find_rover
-from harness.robots.measures import Measures, frame_name
-from harness.robots.model import read_model
+from harness.robots.measures import frame_name
+from harness.robots.model import compiled_alone
 from tests.support.foreign_rovers import FOREIGN
 
 Foreign = Callable[[str], RoverSpec]
-Points = NDArray[np.float64]
-COLLIDING = 3  # the group of geoms that collide
 
 
-class Bare:
-    """A rover's model, compiled, with its root at the origin and its joints at 0."""
-
-    def __init__(self, rover: RoverSpec) -> None:
-        self.rover = rover
-        self.model = read_model(rover).compile()
-        self.data = mujoco.MjData(self.model)
-        self.data.qpos[:], self.data.qpos[3] = 0.0, 1.0
-        mujoco.mj_forward(self.model, self.data)
-        self.wheels = [int(self.model.joint(name).bodyid[0]) for name in rover.wheel_joints]
-        colliding = np.flatnonzero(self.model.geom_group == COLLIDING)
-        of_wheel = np.isin(self.model.geom_bodyid[colliding], self.wheels)
-        self.tyres, self.body = colliding[of_wheel].tolist(), colliding[~of_wheel].tolist()
-
-    def lowest(self, geom: int) -> float:
-        """Height of the lowest point of a geom, by the support function of its shape [m]."""
-        up, size = self.data.geom_xmat[geom].reshape(3, 3)[2], self.model.geom_size[geom]
-        shapes = mujoco.mjtGeom
-        reach = {
-            shapes.mjGEOM_BOX: np.abs(up) @ size,
-            shapes.mjGEOM_ELLIPSOID: np.linalg.norm(up * size),
-            shapes.mjGEOM_CAPSULE: size[0] + size[1] * abs(up[2]),
-            shapes.mjGEOM_CYLINDER: size[0] * np.hypot(up[0], up[1]) + size[1] * abs(up[2]),
-        }
-        return float(self.data.geom_xpos[geom][2] - reach[shapes(self.model.geom_type[geom])])
-
-
-@pytest.fixture(scope="module", params=[*ROVERS, *FOREIGN])
-def bare(request: pytest.FixtureRequest, foreign: Foreign) -> Bare:
-    name = request.param
-    return Bare(ROVERS[name] if name in ROVERS else foreign(name))
-
-
-def test_wheels_have_the_stated_size_and_stand_on_the_ground(bare: Bare) -> None:
-    rover = bare.rover
-    sizes = bare.model.geom_aabb[bare.tyres, 3:]
-    assert 2 * sizes.max() == pytest.approx(2 * rover.wheel_radius)
-    assert 2 * sizes.min(axis=1).max() == pytest.approx(rover.wheel_width)
-    for tyre in bare.tyres:
-        assert bare.lowest(tyre) == pytest.approx(-rover.rest_height, abs=1e-6)
-
-
-def test_wheels_stand_in_order_at_the_stated_wheelbase_and_track(bare: Bare) -> None:
-    left, right = np.split(bare.data.xpos[bare.wheels], 2)
-    assert (np.diff(left[:, 0]) < 0).all()  # front to rear
-    assert left[:, 0] == pytest.approx(right[:, 0], abs=1e-6)
-    assert left[:, 1] - right[:, 1] == pytest.approx(bare.rover.track, abs=1e-4)
-    assert left[0, 0] - left[-1, 0] == pytest.approx(bare.rover.wheelbase, abs=1e-4)
-
-
-def test_the_footprint_is_that_of_the_wheels_and_of_what_stands_out_further(bare: Bare) -> None:
-    rover, (x, y, _) = bare.rover, bare.data.xpos[bare.wheels].T
-    radius, half = rover.wheel_radius, rover.wheel_width / 2
-    wheels = (x.min() - radius, x.max() + radius, y.min() - half, y.max() + half)
-    beyond = np.array([-1, 1, -1, 1]) * (np.array(rover.footprint) - wheels)
-    assert (beyond > -2e-3).all()  # rover_zero4wd's is that of a tyre mesh
-    for geom in bare.body:
-        corner = np.abs(bare.data.geom_xpos[geom][:2]).max() + bare.model.geom_rbound[geom]
-        if corner < min(rover.length, rover.width) / 2:
-            continue
-        assert max(beyond) < bare.model.geom_rbound[geom]
-
-
-def test_the_clearance_is_that_of_the_lowest_part_of_the_body(bare: Bare) -> None:
-    model = bare.model
-    root = [g for g in bare.body if model.body_weldid[model.geom_bodyid[g]] == 1] or bare.tyres
-    lowest = min(bare.lowest(geom) for geom in root)
-    assert lowest + bare.rover.rest_height == pytest.approx(bare.rover.clearance, abs=5e-4)
-
-
-def test_the_lidar_is_where_the_models_site_is(bare: Bare) -> None:
-    rover, site = bare.rover, bare.data.site("lidar")
-    ahead = site.xmat.reshape(3, 3)[:, 0]
-    assert site.xpos[:2] == pytest.approx((rover.lidar_x, rover.lidar_y))
-    assert site.xpos[2] + rover.rest_height == pytest.approx(rover.lidar_height, abs=5e-4)
-    assert ahead == pytest.approx((math.cos(rover.lidar_yaw), math.sin(rover.lidar_yaw), 0.0), abs=1e-6)
-
-
-def test_every_joint_is_published_once_and_every_motor_turns_its_joint(bare: Bare) -> None:
-    rover, model = bare.rover, bare.model
+@pytest.mark.parametrize("name", [*ROVERS, *FOREIGN])
+def test_every_joint_is_published_once_and_every_motor_turns_its_joint(
+    name: str, foreign: Foreign
+) -> None:
+    rover = ROVERS[name] if name in ROVERS else foreign(name)
+    model, bare = compiled_alone(rover)
     hinges = [model.joint(index).name for index in range(1, model.njnt)]
     assert sorted(rover.joints) == sorted(hinges)
     assert rover.joints[: len(rover.wheel_joints)] == rover.wheel_joints
     motors = {model.joint(int(joint)).name: n for n, (joint, _) in enumerate(model.actuator_trnid)}
     assert set(rover.motors) <= motors.keys()
-    driving = [motors[name] for name in rover.drive.driven]
-    assert model.actuator_ctrlrange[driving, 1].min() == pytest.approx(rover.wheel_speed_limit)
-    for name in rover.motors:
-        data, dof = copy.copy(bare.data), int(model.joint(name).dofadr[0])
-        data.ctrl[motors[name]] = 0.1
+    for motor in rover.motors:
+        data, dof = copy.copy(bare), int(model.joint(motor).dofadr[0])
+        data.ctrl[motors[motor]] = 0.1
         mujoco.mj_forward(model, data)
         assert data.qfrc_actuator[dof] > 0.0
         assert np.count_nonzero(data.qfrc_actuator) == 1
-
-
-def test_what_collides_meets_the_world_alone_and_what_is_seen_nothing(bare: Bare) -> None:
-    model = bare.model
-    bits = set(zip(model.geom_contype, model.geom_conaffinity, model.geom_group, strict=True))
-    assert bits == {(0, 0, 2), (1, 2, COLLIDING)}
-    assert bare.data.ncon == 0
-
-
-def test_cruising_stays_within_the_speed_of_the_wheels(bare: Bare) -> None:
-    rover = bare.rover
-    speed = rover.cruise_speed * (rover.steers or 1.0)
-    turning = 0.0 if rover.steers else rover.cruise_yaw_rate * rover.controller_separation / 2
-    assert (speed + turning) / rover.controller_radius <= rover.wheel_speed_limit * 1.01
-    assert (rover.length, rover.width) == pytest.approx(
-        (rover.footprint[1] - rover.footprint[0], rover.footprint[3] - rover.footprint[2])
-    )
-
-
-@pytest.mark.parametrize("timestep", [0.001, 0.0025, 0.005])
-@pytest.mark.parametrize("robot", ROVERS)
-def test_half_a_metre_per_second_is_driven_as_recorded_at_any_time_step(
-    robot: str, timestep: float
-) -> None:
-    """On a plane, in plain MuJoCo."""
-    rover = ROVERS[robot]
-    spec = mujoco.MjSpec.from_file(str(rover.model_path))
-    spec.option.timestep = timestep
-    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[20, 20, 1], contype=2, conaffinity=1)
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    data.qpos[2] = rover.rest_height + 0.005
-    mujoco.mj_step(model, data, nstep=round(1.0 / timestep))
-    data.ctrl[:] = 0.5 / rover.controller_radius
-    mujoco.mj_step(model, data, nstep=round(1.0 / timestep))
-    start = data.qpos[:3].copy()
-    mujoco.mj_step(model, data, nstep=round(2.0 / timestep))
-    speed, aside, rise = (data.qpos[:3] - start) / 2.0
-    assert rover.expected.at_half.low < speed < rover.expected.at_half.high
-    assert (aside, rise) == pytest.approx((0.0, 0.0), abs=0.005)
-
-
-@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-def test_what_is_read_from_a_shipped_file_is_what_mujoco_measures(rover: RoverSpec) -> None:
-    measures = Measures(rover)
-    for key in ("passive_joints", "wheel_speed_limit", "lidar_x", "lidar_y", "lidar_yaw", "drive"):
-        assert getattr(measures, key) == getattr(rover, key), key
-    sizes = (measures.wheel_radius, measures.wheel_width, measures.gravity)
-    assert sizes == pytest.approx((rover.wheel_radius, rover.wheel_width, rover.gravity))
-    derived = measures.derived()
-    for key in ("rest_height", "wheelbase", "track", "lidar_height"):
-        assert derived[key] == pytest.approx(getattr(rover, key), abs=5e-4), key
-    assert derived["footprint"] == pytest.approx(rover.footprint, abs=2e-3)
 
 
 @pytest.mark.parametrize("name", FOREIGN)

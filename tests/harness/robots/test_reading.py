@@ -77,6 +77,7 @@ WRONG_FOR_THE_MODEL = {
         "<position>",
     ),
     "model: cart.xml": ("cart.xml", "key 'model'"),
+    "model: ../../etc/x": ("key 'model'", "is not in the rover's folder"),
     "[1, 2]": ("keys with values",),
     "a: [1": ("not valid YAML",),
     "clearance: 1\nclearance: 2": ("duplicate key",),

@@ -1,6 +1,7 @@
 """What is odd about rovers is found, and nothing about one that is as it should be."""
 
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -9,11 +10,14 @@ import pytest
 
 from harness import robot as command
 from harness.robots import ROVERS, RoverSpec
+from harness.validate import driving, square
 from harness.validate.checkup import check_up, wheel_loads
 from harness.validate.grounds import flat
 from harness.validate.rig import Rig
+from harness.validate.suite import cells_of
 from tests.support.complaint import complaint
 from tests.support.foreign_rovers import FOREIGN
+from tests.support.snapshots import check_snapshot
 
 Foreign = Callable[[str], RoverSpec]
 
@@ -25,6 +29,12 @@ def test_nothing_is_odd_about_a_rover_that_ships_or_has_public_numbers(
     rover = ROVERS[name] if name in ROVERS else foreign(name)
     checks = {check.quantity: check for check in check_up(rover)}
     assert [name for name, check in checks.items() if not check.passed] == []
+    if name in ("husky", "buggy"):  # what is asked and why
+        cells = (
+            (*cells_of(check)[:2], str(check.digits), check.expected.source) for check in checks.values()
+        )
+        asked = re.sub("load of the [a-z ]+ wheel", "load of a wheel", "\n".join(map(" | ".join, cells)))
+        check_snapshot(f"check_{name}.txt", f"{asked}\n")
     if name == "buggy":
         assert checks["mass"].measured == pytest.approx(3.74)
         # All masses are as high as the axles; those of hinges and wheels are off the middle.
@@ -32,6 +42,23 @@ def test_nothing_is_odd_about_a_rover_that_ships_or_has_public_numbers(
         backward = math.degrees(math.atan2(0.17145 + ahead, 0.0508))
         tip = checks["tip angle backward, by its centre of mass"]
         assert tip.measured == pytest.approx(backward, abs=1.5)
+
+
+def test_a_rover_that_steers_is_driven_in_curves_and_passes(foreign: Foreign) -> None:
+    rover = foreign("buggy")
+    checks = {
+        check.quantity: check
+        for manoeuvres in (driving, square)
+        for check in manoeuvres.checks(rover, 1)
+    }
+    assert [name for name, check in checks.items() if not check.passed] == []
+    assert {name for name in checks if "curve" in name or "circle" in name} == {
+        "yaw ratio in a curve, 0.3 m/s",
+        "odometry in a circle, yaw told / true",
+        "odometry in a circle, path told / true",
+    }
+    force, rate = driving.at_rest(Rig(rover, flat()), 20, 0.5)
+    assert (len(force), len(rate)) == (10, 10)
 
 
 @pytest.mark.parametrize("name", ROVERS)

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
-from scipy.stats import wasserstein_distance
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
@@ -22,7 +21,6 @@ from harness.validate.run_log import COLUMNS, RUN, SPEEDS, Log, RecordedAgent, d
 from tests.support.once import made_once
 from tests.support.rovers import ROVER_ZERO4WD
 
-IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
 LOGS_DIR = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 LOGS = [LOGS_DIR / f"metrics_log_20250116_{time}.csv" for time in (120457, 125842)]
 RECORDED = RUN.alone(robot=ROVER_ZERO4WD.name)
@@ -47,13 +45,6 @@ def test_a_run_lies_at_most_twice_as_far_from_the_recorded_logs_as_those_from_ea
 ) -> None:
     ratios = {column: distances(shaken, recorded, column).ratio for column in COLUMNS}
     assert all(ratio <= WITHIN for ratio in ratios.values()), ratios
-
-
-def test_without_the_noise_the_imu_is_calmer_than_any_recorded(recorded: list[Log]) -> None:
-    calm = drive(RECORDED.alone(noise=None, duration=15.0))
-    for column in IMU:
-        assert distances(calm, recorded, column).ratio > WITHIN
-        assert np.percentile(calm[column], 95) < 12.0
 
 
 def test_a_run_repeats_itself_and_another_seed_has_other_speeds(
@@ -123,11 +114,8 @@ def test_a_log_is_read_by_column_without_the_rows_before_the_first_scan(tmp_path
     ("content", "named"),
     [
         (b"", "empty"),
-        (f"{HEADER}\n".encode(), "no row"),
         (b"Timestamp,Current Velocity\n1,2\n", "IMU Acceleration Magnitude, Vertical"),
         (f"{HEADER}\n1,9.8,9.7,0.1,inf\n".encode(), "no complete row"),
-        (f"{HEADER}\n1,rough,9.7,0.1,2\n".encode(), "no complete row"),
-        (f"{HEADER}\n1,9.8\n".encode(), "usable"),
         (b"\xff\xfe\x00\x80", "not the header of a metrics log"),
         (None, "--realism takes two logs"),
     ],
@@ -142,28 +130,18 @@ def test_a_file_that_is_no_log_is_one_line(content: bytes | None, named: str, tm
     assert "\n" not in str(error.value)
 
 
-def test_distances_are_those_of_scipy_and_pass_up_to_twice_the_yardstick() -> None:
-    rng = np.random.default_rng(0)
-    logs = [{"v": rng.normal(mean, 1.0, size)} for mean, size in ((0.3, 90), (1.0, 70), (2.5, 50))]
-    ours, (one, other) = logs[0]["v"], (log["v"] for log in logs[1:])
-    measured = distances(logs[0], logs[1:], "v")
-    near, far = wasserstein_distance(ours, one), wasserstein_distance(ours, other)
-    assert measured.ours == pytest.approx((near, far))
-    assert measured.recorded == pytest.approx(wasserstein_distance(one, other))
-    assert measured.ratio == pytest.approx(max(near, far) / measured.recorded)
-
-
 def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> None:
     values = np.linspace(0.0, 20.0, 201)
     logs: dict[str, Log] = {
         title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))
     }
-    measured = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0))
+    measured = {column: distances(logs["ours"], (logs["a"], logs["b"]), column) for column in COLUMNS}
+    assert measured["Vertical Roughness"].ours == pytest.approx((1.0, 2.0))
     measured["Current Velocity"] = Distances((1.0, 4.1), 2.0)
     comparison, text = Comparison(logs, measured), io.StringIO()
     print_comparison(Console(file=text, width=140), comparison)
     lines = [" ".join(line.replace("│", " ").split()) for line in text.getvalue().splitlines()]
     assert comparison.missed == ["Current Velocity"]
     assert "IMU Acceleration Magnitude, m/s2 ours 1.00 10.00 19.00 24.9 %" in lines
-    assert "Vertical Roughness 2.000 2.000 4.000 2.00 ok" in lines
+    assert "Vertical Roughness 1.000 1.000 2.000 2.00 ok" in lines
     assert "Current Velocity 2.000 1.000 4.100 2.05 MISS" in lines

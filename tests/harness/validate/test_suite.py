@@ -15,11 +15,7 @@ from harness.robots import MODELS_DIR, ROVERS, RoverSpec
 from harness.robots.sections import OPEN, Span
 from harness.validate import climbing, driving, rig, stability, suite
 from harness.validate.check import Check, around, at_most
-from harness.validate.suite import (
-    Manoeuvres,
-    as_markdown,
-    validate,
-)
+from harness.validate.suite import Manoeuvres, as_markdown, cells_of, validate
 from tests.support.once import made_once
 from tests.support.rovers import LEO
 
@@ -70,31 +66,20 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Check]]:
     }
 
 
-@pytest.mark.parametrize("robot", ROVERS)
 def test_every_check_of_the_suite_passes_is_named_once_and_has_its_source(
-    robot: str, driven: dict[str, list[Check]]
+    driven: dict[str, list[Check]],
 ) -> None:
-    assert [check for check in driven[robot] if not (check.passed and check.expected.source)] == []
-    names = [check.quantity for check in driven[robot]]
-    assert len(set(names)) == len(names)
-
-
-def test_the_same_seed_measures_the_same_to_the_last_bit(driven: dict[str, list[Check]]) -> None:
+    for checks in driven.values():
+        assert [check for check in checks if not (check.passed and check.expected.source)] == []
+        names = [check.quantity for check in checks]
+        assert len(set(names)) == len(names)
     again = {check.quantity: check.measured for check in climbing.rocker_checks(LEO, 0)}
     first = {check.quantity: check.measured for check in driven[LEO.name]}
-    assert again == {name: first[name] for name in again}
-
-
-def wheels(model: mujoco.MjModel) -> list[int]:
-    return [g for g in range(model.ngeom) if model.geom(g).name.startswith("wheel_")]
+    assert again == {name: first[name] for name in again}  # to the last bit
 
 
 def slippery(model: mujoco.MjModel) -> None:
-    model.geom_friction[wheels(model), 0] = 0.6
-
-
-def hard_contacts(model: mujoco.MjModel) -> None:
-    model.geom_solimp[wheels(model)] = (0.9, 0.95, 0.001, 0.5, 2)
+    model.geom_friction[:, 0] = 0.6
 
 
 def weak_servos(model: mujoco.MjModel) -> None:
@@ -110,19 +95,13 @@ def low_belly(model: mujoco.MjModel) -> None:
     model.geom_pos[model.geom("body_chassis").id, 2] -= 0.02
 
 
-def moon(model: mujoco.MjModel) -> None:
-    model.opt.gravity[2] = -1.62
-
-
 @pytest.mark.parametrize(
     ("tampering", "manoeuvres", "missed"),
     [
         (slippery, stability.checks, "slope held, nose up"),
-        (hard_contacts, driving.checks, "sd of az turning in place, IMU at 100 Hz"),
         (weak_servos, driving.checks, "speed at 0.5 m/s commanded"),
         (stiff_rockers, climbing.rocker_checks, "rocker angle at its stops"),
         (low_belly, climbing.passage_checks, "highest rock that passes below the underside"),
-        (moon, driving.rest_checks, "IMU at rest, |a|"),
     ],
 )
 def test_a_rover_that_was_tampered_with_is_found_out(
@@ -133,13 +112,7 @@ def test_a_rover_that_was_tampered_with_is_found_out(
         return Simulation(scene, timestep_ns)
 
     monkeypatch.setattr(rig, "Simulation", tampered)
-    rover: RoverSpec = LEO
-    check = next(check for check in manoeuvres(rover, 0) if check.quantity == missed)
-    assert not check.passed
-
-
-GOOD = Check("|a| at rest", "m/s2", Span(9.795, 9.805, "S: gravity"), 9.8)
-BAD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.42, digits=2)
+    assert not next(check for check in manoeuvres(LEO, 0) if check.quantity == missed).passed
 
 
 def test_the_readme_tells_what_the_suite_expects_and_measures(
@@ -149,7 +122,6 @@ def test_the_readme_tells_what_the_suite_expects_and_measures(
     fresh = tmp_path / "README.md"
     fresh.write_text(f"{BEGIN}\n{as_markdown(driven)}\n{END}", encoding="utf-8")
     again = cells_in(fresh)
-
     assert list(SHOWN) == list(again) == list(driven)
     for robot, rows in again.items():
         assert len(SHOWN[robot]) == len(rows), "run python -m tools.site write"
@@ -162,12 +134,6 @@ def test_the_readme_tells_what_the_suite_expects_and_measures(
                     assert float(ours[0]) == pytest.approx(
                         float(theirs[0]), rel=rel, abs=1.01 * last_digit
                     ), f"{robot}: {new[0]}"
-
-
-def test_markdown_has_a_row_a_check_with_its_bars_escaped() -> None:
-    text = as_markdown({"leo": [GOOD, BAD]})
-    assert "| speed | 0.49 to 0.50 m/s | 0.42 m/s | MISS | S: recorded |" in text
-    assert "\n| \\|a\\| at rest | " in text
 
 
 @pytest.mark.parametrize(
@@ -185,7 +151,9 @@ def test_a_value_passes_on_the_ends_of_its_span_and_between(
 ) -> None:
     assert span.describe(2) == text
     assert all(Check("speed", "m/s", span, value).passed for value in passing)
-    assert not any(Check("speed", "m/s", span, value).passed for value in missing)
+    missed = [Check("speed", "m/s", span, value) for value in missing]
+    assert not any(check.passed for check in missed)
+    assert {cells_of(check)[3] for check in missed} <= {"MISS"}
 
 
 def test_a_rover_of_which_nothing_is_expected_is_measured_and_not_judged(

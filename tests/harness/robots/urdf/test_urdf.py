@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
+import numpy as np
 import pytest
 import trimesh
 
@@ -24,6 +25,7 @@ from tests.support.foreign_rovers import (
     link,
     wheel,
 )
+from tests.support.snapshots import check_snapshot
 
 Foreign = Callable[[str], RoverSpec]
 
@@ -75,28 +77,96 @@ def test_a_rover_built_as_rover_4wd_is(tmp_path: Path) -> None:
     )
 
 
-def test_what_the_urdf_says_is_kept_and_what_it_does_not_is_marked_as_a_guess(foreign: Foreign) -> None:
-    model = read_model(foreign("husky")).compile()
-    assert model.body_mass.sum() == pytest.approx(HUSKY.mass)
-    wheels = model.geom_type == mujoco.mjtGeom.mjGEOM_ELLIPSOID
-    assert model.geom_priority[wheels].tolist() == [1] * 4
-    said = (foreign("buggy").folder / "rover.yaml").read_text()
-    assert "# guess, lidar: no link is called so; 5 cm over the highest point" in said
-    assert "# guess in the model, tyres" in said
-    assert "# encoder_ticks: 4096  # guess" in said
+LIMIT = 'effort="40" velocity="6.06"'
+VARIANTS = {
+    "stated": (LIMIT, True),
+    "none": ("", False),
+    "too large to be one": ('effort="1e6" velocity="1e6"', False),
+    "nonsense": ('effort="-1" velocity="x"', False),
+}
 
 
-def test_a_joint_whose_axis_points_backwards_is_turned_with_its_range(tmp_path: Path) -> None:
-    urdf = BUGGY.urdf.replace('lower="-0.4189" upper="0.4189"', 'lower="-0.4" upper="0.3"')
-    urdf = urdf.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>')
-    made = written(tmp_path, urdf)
-    model = read_model(made.rover).compile()
-    assert made.rover.drive.steering == ("left_steering", "right_steering")
-    for name in made.rover.drive.steering:
-        assert model.joint(name).axis.tolist() == [0.0, 0.0, 1.0]
-        assert model.joint(name).range == pytest.approx((-0.3, 0.4))
-        assert model.actuator(name).ctrlrange == pytest.approx((-0.3, 0.4))
-    assert len([note for note in made.notes if "pointed backwards" in note]) == 2
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_wheels_have_the_stated_motors_or_those_that_spin_them(variant: str, tmp_path: Path) -> None:
+    """Else the torque of friction 1, and 1 m/s; all torque 5 % behind the top speed."""
+    limit, stated = VARIANTS[variant]
+    made = written(tmp_path, HUSKY.urdf.replace(LIMIT, limit))
+    model, radius, mass = read_model(made.rover).compile(), HUSKY.wheel_radius, HUSKY.mass
+    torque = 40.0 if stated else round(mass * 9.81 * radius / 4, 3)
+    fastest = 6.06 if stated else round(1.0 / radius, 2)
+    for name in HUSKY.left + HUSKY.right:
+        motor, joint = model.actuator(name), model.joint(name)
+        assert motor.ctrlrange == pytest.approx((-fastest, fastest))
+        assert motor.forcerange == pytest.approx((-torque, torque))
+        assert motor.gainprm[0] == pytest.approx(torque / (0.05 * fastest), rel=1e-5)
+        assert model.dof_armature[joint.dofadr[0]] == pytest.approx(0.2 * mass / 4 * radius**2)
+        assert not model.jnt_actfrclimited[joint.id]
+    guesses = [guess for guess in made.guesses if "wheel " in guess]
+    spins, runs = (
+        f"torque: {torque:g} N m each, which spins the wheels",
+        f"speed: {fastest:g} rad/s, 1 m/s",
+    )
+    assert guesses == ([] if stated else [f"model: wheel {spins}", f"model: wheel {runs}"])
+    assert model.body_mass.sum() == pytest.approx(mass)
+    solid = model.geom_contype > 0
+    tyres = solid & (model.geom_type == mujoco.mjtGeom.mjGEOM_ELLIPSOID)
+    assert model.geom_priority[solid].tolist() == [1] * solid.sum()
+    assert model.geom_friction[tyres].tolist() == [[1.0, 0.005, 0.0001]] * 4
+    assert model.geom_friction[solid & ~tyres].tolist() == [[0.3, 0.005, 0.0001]]
+    assert model.geom_solimp[tyres][0].tolist() == [0.15, 0.95, 0.002, 0.5, 2.0]
+    seen = ~solid & (model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER)
+    assert model.geom_rgba[seen] == pytest.approx(np.array([[0.07, 0.07, 0.075, 1.0]] * 4))
+    assert (model.opt.cone, model.opt.timestep) == (mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025)
+    assert {model.site(name).group[0] for name in ("lidar", "imu")} == {4}
+
+
+@pytest.mark.parametrize("axis", ["0 0 1", "0 0 -1"])
+@pytest.mark.parametrize(
+    ("lower", "upper", "velocity"), [("-0.4", "0.3", "3.2"), ("-0.4", "0.3", "1e6")]
+)
+def test_steering_has_the_stated_range_as_seen_from_above(
+    axis: str, lower: str, upper: str, velocity: str, tmp_path: Path
+) -> None:
+    """Servos turn the wheels of a car that stands; an axis that points down is turned with its range."""
+    urdf = BUGGY.urdf.replace('lower="-0.4189" upper="0.4189"', f'lower="{lower}" upper="{upper}"')
+    urdf = urdf.replace('<axis xyz="0 0 1"/>', f'<axis xyz="{axis}"/>')
+    made = written(tmp_path, urdf.replace('velocity="3.2"', f'velocity="{velocity}"'))
+    model, rover = read_model(made.rover).compile(), made.rover
+    stated = (float(lower), float(upper))
+    ends = stated if axis == "0 0 1" else (-stated[1], -stated[0])
+    effort = 3.74 * 9.81 * 0.0508
+    assert rover.drive.steering == ("left_steering", "right_steering")
+    for name in rover.drive.steering:
+        joint, motor = model.joint(name), model.actuator(name)
+        assert joint.axis.tolist() == [0.0, 0.0, 1.0]
+        assert joint.range == pytest.approx(ends)
+        assert motor.ctrlrange == pytest.approx(ends)
+        assert motor.forcerange == pytest.approx((-effort, effort))
+        assert (motor.gainprm[0], motor.biasprm[2]) == pytest.approx((10 * effort, -effort))
+        assert model.dof_armature[joint.dofadr[0]] == pytest.approx(0.2 * 3.74 / 4 * 0.0508**2)
+    assert rover.drive.steering_rate == (3.2 if velocity == "3.2" else 2.0)
+    assert ("drive: steering_rate 2 rad/s" in made.guesses) == (velocity == "1e6")
+    assert len([note for note in made.notes if "pointed backwards" in note]) == 2 * (axis != "0 0 1")
+
+
+@pytest.mark.parametrize("sensor", ["LIDAR", "front_laser", "hokuyo_1"])
+def test_sensors_are_found_by_the_names_of_their_links(sensor: str, tmp_path: Path) -> None:
+    urdf = HUSKY.urdf.replace('"laser"', f'"{sensor}"').replace('"imu_link"', '"my_IMU"')
+    rover = written(tmp_path, urdf).rover
+    assert rover.lidar_x == pytest.approx(0.3)
+    assert rover.imu_frame == "my_IMU"
+
+
+def test_the_written_file_says_what_is_stated_derived_and_guessed(tmp_path: Path) -> None:
+    """A car of guesses; and a height at rest that is 0 but for the arithmetic."""
+    urdf = re.sub(r"<limit[^>]*/>", "", BUGGY.urdf.replace("revolute", "continuous"))
+    urdf = urdf.replace("</robot>", "<plugin><wheelSeparation>0.3</wheelSeparation></plugin></robot>")
+    written(tmp_path, urdf)
+    text = (tmp_path / "made" / "rover.yaml").read_text()
+    (tmp_path / "two").mkdir()
+    lifted = joint("b", "fixed", "base", "chassis", (0, 0, 0.0508 - 2.3e-7)) + link("base", 0.0)
+    written(tmp_path / "two", BUGGY.urdf.replace("</robot>", f"{lifted}</robot>"))
+    check_snapshot("rover.yaml.txt", text + (tmp_path / "two" / "made" / "rover.yaml").read_text())
 
 
 def test_a_limited_hinge_that_reaches_the_ground_is_no_wheel(tmp_path: Path) -> None:
@@ -118,24 +188,72 @@ def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
         y = 0.12065 if side == "left" else -0.12065
         where = f'<origin xyz="-0.17145 {y} 0.0"/>'
         urdf = urdf.replace(where, '<origin xyz="0 0 0"/>')
-        axis = '<axis xyz="0 0 1"/><limit lower="-0.4" upper="0.4" effort="5" velocity="3"/>'
+        axis = '<axis xyz="0 0 -1"/><limit lower="-0.4" upper="0.3" effort="5" velocity="3"/>'
         place = (-0.17145, y, 0.0)
         hinge = link(f"{side}_rear_hinge", 0.05, "", (0.03, 0.03, 0.03))
         hinge += joint(f"{side}_rear", "revolute", "chassis", f"{side}_rear_hinge", place, axis)
         urdf = urdf.replace("</robot>", f"{hinge}</robot>")
     made = written(tmp_path, urdf)
     assert made.rover.drive.kind == "skid"
+    model = read_model(made.rover).compile()
+    for side in ("left", "right"):  # in the order of their names, the rear axes turned
+        assert model.joint(f"{side}_rear").axis.tolist() == [0.0, 0.0, 1.0]
+        assert model.actuator(f"{side}_rear").ctrlrange == pytest.approx((-0.3, 0.4))
+    assert sum(note.endswith("its axis pointed backwards; turned") for note in made.notes) == 2
     assert len([note for note in made.notes if note.endswith("steers; held straight")]) == 4
 
 
-def test_a_controllers_plugin_tells_what_it_believes(tmp_path: Path) -> None:
-    plugin = (
-        "<gazebo><plugin><wheel_separation>1.1</wheel_separation><wheel_diameter>0.3</wheel_diameter>"
+@pytest.mark.parametrize(
+    ("tags", "believed"),
+    [
+        ("<wheel_separation>1.1</wheel_separation><wheel_diameter>0.3</wheel_diameter>", (1.1, 0.15)),
+        ("<wheelSeparation>1.1</wheelSeparation><wheelDiameter>0.3</wheelDiameter>", (1.1, 0.15)),
+        ("<wheel_radius>0.2</wheel_radius><wheel_diameter>0.3</wheel_diameter>", (0.5708, 0.2)),
+        ("<wheelRadius/><wheelRadius>-1</wheelRadius><wheelRadius>0.2</wheelRadius>", (0.5708, 0.2)),
+    ],
+)
+def test_a_controllers_plugin_tells_what_it_believes(
+    tags: str, believed: tuple[float, float], tmp_path: Path
+) -> None:
+    """And ros2_control which wheels have motors; nothing of what holds no other joint."""
+    command = '<joint name="{}_wheel_joint"><command_interface name="velocity"/></joint>'
+    control = "".join(map(command.format, ("rear_left", "rear_right")))
+    control += '<joint name="front_left_wheel_joint"><state_interface name="velocity"/></joint>'
+    more = f"<gazebo><plugin>{tags}</plugin></gazebo><ros2_control>{control}</ros2_control>"
+    rover = written(tmp_path, HUSKY.urdf.replace("</robot>", f"{more}</robot>")).rover
+    assert (rover.controller_separation, rover.controller_radius) == pytest.approx(believed)
+    assert rover.drive.driven == ("rear_left_wheel_joint", "rear_right_wheel_joint")
+
+
+def test_meshes_that_cannot_be_had_are_noted_and_those_of_other_folders_are_named(
+    tmp_path: Path,
+) -> None:
+    """Two meshes of one name from elsewhere; a visual of another format; a joint that nothing moves."""
+    for folder in ("one", "two"):
+        (tmp_path / "there" / folder).mkdir(parents=True)
+        trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "there" / folder / "a.stl")
+    (here := tmp_path / "here").mkdir()
+    (here / "a.dae").touch()
+    mesh = '<{0}><geometry><mesh filename="{1}"/></geometry></{0}>'
+    meshes = mesh.format("collision", "package://one/a.stl") + mesh.format("collision", "two/a.stl")
+    meshes += mesh.format("visual", "a.dae")
+    arm = link("arm", 1.0, "", (0.1, 0.1, 0.1)) + joint(
+        "arm", "continuous", "base_link", "arm", (0, 0, 1)
     )
-    rover = written(
-        tmp_path, HUSKY.urdf.replace("</robot>", plugin + "</plugin></gazebo></robot>")
-    ).rover
-    assert (rover.controller_separation, rover.controller_radius) == (1.1, 0.15)
+    urdf = HUSKY.urdf.replace('<link name="base_link">', f'<link name="base_link">{meshes}', 1)
+    (here / "robot.urdf").write_text(urdf.replace("</robot>", f"{arm}</robot>"))
+    with pytest.raises(UsageError, match=r"package://one/a\.stl is not there; put its package"):
+        write_folder("made", here / "robot.urdf", tmp_path / "no")
+    words = ["new", "made", "--from", str(here / "robot.urdf"), "--out", str(tmp_path / "new" / "made")]
+    assert command.main([*words, "--resource-path", str(tmp_path / "there")]) == 0
+    kept = sorted(path.name for path in (tmp_path / "new" / "made" / "meshes").iterdir())
+    assert kept == ["0_a.stl", "1_a.stl"]
+    again = write_folder("made", here / "robot.urdf", tmp_path / "b", folders=(tmp_path / "there",))
+    assert again.notes == (
+        "link 'base_link': visual mesh a.dae is no .stl or .obj or .msh; dropped",
+        "joint 'arm' has no motor and moves freely",
+    )
+    assert 'model="made"' in (tmp_path / "b" / "made.xml").read_text()
 
 
 def test_a_link_without_an_inertia_weighs_nothing(tmp_path: Path) -> None:
@@ -149,6 +267,7 @@ def test_wheels_may_be_named(tmp_path: Path) -> None:
     assert written(tmp_path, HUSKY.urdf, **sides).rover.wheel_joints == (*sides["left"], *sides["right"])
 
 
+ELSEWHERE = '<geometry><mesh filename="package://p/../../b.stl"/></geometry>'
 MESH = '<geometry><mesh filename="package://p/{}"/></geometry>'
 MISTAKES = {
     "not XML": ("<robot", "is not valid XML"),
@@ -165,11 +284,24 @@ MISTAKES = {
         HUSKY.urdf.replace('mass value="2.637"', 'mass value="x"'),
         "a mass and an inertia in numbers",
     ),
+    "damping": (
+        HUSKY.urdf.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><dynamics damping="-5"/>', 1),
+        "damping -5 of joint 'front_left_wheel_joint' is not valid; give 0 to",
+    ),
+    "a mass": (
+        HUSKY.urdf.replace('mass value="2.637"', 'mass value="1e30"', 1),
+        "mass 1e+30 kg of body 'front_left_wheel'",
+    ),
+    "endless": (HUSKY.urdf + " " * 20_000_000, "has more than 20 MB"),
     "no mesh": (
         HUSKY.urdf.replace(
             "<collision>", f"<collision>{MESH.format('a.stl')}</collision><collision>", 1
         ),
         "collision mesh package://p/a.stl is not there",
+    ),
+    "a mesh elsewhere": (
+        HUSKY.urdf.replace("<collision>", f"<collision>{ELSEWHERE}</collision><collision>", 1),
+        "is outside of the URDF's folder; name its folder by --resource-path",
     ),
     "DAE": (
         HUSKY.urdf.replace(
@@ -182,12 +314,14 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("urdf", "told"), MISTAKES.values(), ids=MISTAKES)
 def test_a_urdf_that_is_no_rover_is_reported_in_one_line(urdf: str, told: str, tmp_path: Path) -> None:
-    (tmp_path / "a.dae").touch()
+    (tmp_path / "b.stl").touch()
+    (folder := tmp_path / "p" / "q").mkdir(parents=True)
+    (folder / "a.dae").touch()
     with pytest.raises(UsageError) as error:
-        written(tmp_path, urdf)
+        written(folder, urdf)
     assert told in str(error.value)
     assert "\n" not in str(error.value)
-    assert not list(tmp_path.glob("*made*"))  # no half a folder stays
+    assert not list(folder.glob("*made*"))  # no half a folder stays
 
 
 def test_xacro_is_not_evaluated_unless_it_is_trusted(
@@ -227,6 +361,7 @@ def test_xacro_that_is_trusted_becomes_the_rover_of_its_urdf(tmp_path: Path) -> 
     ("words", "told"),
     [
         (["../x", "--from", "robot.urdf"], "name '../x' is not valid"),
+        (["made", "--from", "/dev/zero"], "/dev/zero has more than 20 MB"),
         (["made", "--from", "none.urdf"], "cannot read none.urdf: No such file"),
         (["made", "--from", "robot.urdf", "--left", "a", "--right", "b"], "hinge 'a' does not exist"),
         (["made", "--from", "robot.urdf", "--out", "."], "exists already, not overwriting"),

@@ -1,0 +1,172 @@
+"""What a stranger's model may not be: endless, a reader of other files, or impossible as a body.
+
+MuJoCo takes friction below 0, reads whatever a file names, and makes room for every heightfield; all of
+it is told in one line here instead.
+"""
+
+import math
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+
+from harness.base.errors import UsageError
+
+MOST_BYTES = 20_000_000  # of a URDF, a model, or what it includes
+MOST_CELLS = 4_194_304  # rows x columns of a heightfield, pixels of a texture
+MOST_COPIES = 1_000  # of what <replicate>, <composite> and <flexcomp> repeat, one within the other
+MOST_FILES = 100  # that a model may include
+PNG = b"\x89PNG"
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)  # MuJoCo's may hold --
+# Range, unit and arrays of MuJoCo's model: what a rover of 1 g to 1000 t may be made of.
+_QUANTITIES = (
+    ("friction", "", 0.0, 100.0, "geom", "geom_friction"),
+    ("size", " m", 0.0, 1e3, "geom", "geom_size"),
+    ("mass", " kg", 0.0, 1e6, "body", "body_mass"),
+    ("inertia", " kg m2", 0.0, 1e9, "body", "body_inertia"),
+    ("damping", "", 0.0, 1e6, "joint", "dof_damping"),
+    ("friction", "", 0.0, 1e6, "joint", "dof_frictionloss"),
+    ("armature", "", 0.0, 1e6, "joint", "dof_armature"),
+    ("stiffness", "", 0.0, 1e9, "joint", "jnt_stiffness"),
+)
+
+
+def read_xml(path: Path) -> ET.Element:
+    """Returns the root of an XML file, read to a bounded size and without entities.
+
+    Raises:
+        UsageError: It cannot be read, is larger, declares entities, or is no XML.
+    """
+    return parsed(read_text(path), path)
+
+
+def read_text(path: Path) -> str:
+    """Returns the text of a file, which may be a pipe but not an endless one.
+
+    Raises:
+        UsageError: It cannot be read, or is larger than a model.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise UsageError(f"{path} has more than {MOST_BYTES // 1_000_000} MB; give a robot's model")
+        return content.decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+
+
+def parsed(text: str, path: Path) -> ET.Element:
+    """Returns the root of an XML text, of that file.
+
+    Raises:
+        UsageError: It declares entities, or is no XML.
+    """
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise UsageError(f"{path} declares entities, which no robot needs; take <!DOCTYPE ...> out")
+    try:
+        return ET.fromstring(_COMMENT.sub("", text))  # noqa: S314 - without entities
+    except ET.ParseError as error:
+        raise UsageError(f"{path} is not valid XML: {error}") from error
+
+
+def inside(file: Path, folder: Path, where: str) -> Path:
+    """Returns a file if it is below a folder.
+
+    Args:
+        file: There or not.
+        folder: Of the rover, which has all its files.
+        where: The file is named, for the message.
+
+    Raises:
+        UsageError: It is elsewhere.
+    """
+    if not file.resolve().is_relative_to(folder.resolve()):
+        raise UsageError(f"{where}: {file} is not in the rover's folder {folder}; copy it there")
+    return file
+
+
+def check_files(path: Path, folder: Path) -> None:
+    """Checks an MJCF file and those that it includes, before MuJoCo reads them.
+
+    Args:
+        path: The model's.
+        folder: Of the rover.
+
+    Raises:
+        UsageError: One of them leads out of the folder, or makes room for too much.
+    """
+    roots, waiting = list[ET.Element](), [path]
+    while waiting:
+        roots.append(read_xml(waiting.pop()))
+        if len(roots) > MOST_FILES:
+            raise UsageError(f"{path} includes more than {MOST_FILES} files; join them")
+        for include in roots[-1].iter("include"):
+            file = path.parent / include.get("file", "")
+            waiting.append(inside(file, folder, f"{path}: <include>"))
+    folders = {key: of for root in roots for one in root.iter("compiler") for key, of in one.items()}
+    common = folders.get("assetdir", "")
+    for root in roots:
+        for element in root.iter():
+            kind = "texturedir" if element.tag == "texture" else "meshdir"
+            beside = path.parent / folders.get(kind, common)
+            files = [name for key, name in element.items() if key.startswith("file")]
+            for name in files if element.tag != "include" else ():
+                _check_picture(inside(beside / name, folder, f"{path}: <{element.tag}>"), path)
+            for sides in (("nrow", "ncol"), ("width", "height")):
+                _check_cells((element.get(side, "1") for side in sides), f"{path}: <{element.tag}>")
+        _check_copies(root, 1, path)
+
+
+def _check_picture(file: Path, path: Path) -> None:
+    """Checks a PNG by the sizes in its head; other files are as large as what they hold."""
+    if file.is_file():
+        with file.open("rb") as picture:
+            head = picture.read(24)
+        if head.startswith(PNG):
+            sides = (str(int.from_bytes(head[at : at + 4], "big")) for at in (16, 20))
+            _check_cells(sides, f"{path}: {file.name}")
+
+
+def _check_cells(sides: Iterable[str], where: str) -> None:
+    numbers = [float(side) if side.strip().isdecimal() else 1.0 for side in sides]
+    if math.prod(numbers) > MOST_CELLS:
+        size = " x ".join(f"{number:.0f}" for number in numbers)
+        raise UsageError(f"{where}: {size} cells are more than {MOST_CELLS:,}; give coarser ones")
+
+
+def _check_copies(element: ET.Element, copies: float, path: Path) -> None:
+    numbers = [float(word) for word in element.get("count", "").split() if word.isdecimal()]
+    copies *= math.prod(numbers)
+    if copies > MOST_COPIES:
+        raise UsageError(
+            f"{path}: <{element.tag}> makes {copies:.0f} copies, more than {MOST_COPIES:,}; give fewer"
+        )
+    for child in element:
+        _check_copies(child, copies, path)
+
+
+def check_quantities(model: mujoco.MjModel, path: Path) -> None:
+    """Checks what a model is made of.
+
+    Args:
+        model: Compiled alone.
+        path: The file, for the message.
+
+    Raises:
+        UsageError: A friction, size, mass, inertia, damping or stiffness is none that a rover can have.
+    """
+    for quantity, unit, low, high, kind, array in _QUANTITIES:
+        values = np.asarray(getattr(model, array), float).reshape(len(getattr(model, array)), -1)
+        wrong = np.argwhere(~((values >= low) & (values <= high)))
+        if wrong.size:
+            row, column = wrong[0]
+            owner = int(model.dof_jntid[row]) if array.startswith("dof") else int(row)
+            name = getattr(model, kind)(owner).name
+            raise UsageError(
+                f"{path}: {quantity} {values[row, column]:g}{unit} of {kind} '{name}' is not valid; "
+                f"give {low:g} to {high:g}{unit}"
+            )
