@@ -44,12 +44,8 @@ class ImuSensor(Sensor):
         """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
         mujoco.mju_mulQuat(self._attitude, self._simulation.pose[3:], self._mounting)
         w, x, y, z = self._attitude.tolist()
-        reading = Imu(
-            stamp_ns=self._simulation.time_ns,
-            orientation=(x, y, z, w),
-            angular_velocity=_mean(self._rate_sum, self._steps),
-            linear_acceleration=_mean(self._force_sum, self._steps),
-        )
+        rate, force = _mean(self._rate_sum, self._steps), _mean(self._force_sum, self._steps)
+        reading = Imu(self._simulation.time_ns, (x, y, z, w), rate, force)
         self.after_reset()
         return reading
 
@@ -68,14 +64,8 @@ class GroundTruthSensor(Sensor):
         simulation = self._simulation
         x, y, _ = simulation.position
         wx, wy, wz = simulation.twist[3:].tolist()
-        return GroundTruth(
-            stamp_ns=simulation.time_ns,
-            x=x,
-            y=y,
-            yaw=simulation.yaw,
-            linear_velocity=simulation.velocity,
-            angular_velocity=(wx, wy, wz),
-        )
+        turning = wx, wy, wz
+        return GroundTruth(simulation.time_ns, x, y, simulation.yaw, simulation.velocity, turning)
 
 
 class JointSensor(Sensor):
@@ -91,12 +81,8 @@ class JointSensor(Sensor):
     def read(self) -> JointStates:
         """Returns positions [rad], velocities [rad/s] and efforts [N m]."""
         data = self._simulation.data
-        return JointStates(
-            stamp_ns=self._simulation.time_ns,
-            position=tuple(data.qpos[self._qpos].tolist()),
-            velocity=tuple(data.qvel[self._dofs].tolist()),
-            effort=tuple(data.qfrc_actuator[self._dofs].tolist()),
-        )
+        values = data.qpos[self._qpos], data.qvel[self._dofs], data.qfrc_actuator[self._dofs]
+        return JointStates(self._simulation.time_ns, *(tuple(each.tolist()) for each in values))
 
 
 class TruthSensor(Sensor):

@@ -23,8 +23,7 @@ class SensorSuite:
         noise: What corrupts their readings; None for nothing.
         rows: The sensors; None for those of every rover.
 
-    Attributes:
-        latest: The last sample of each kind.
+    The last sample of each kind is in `latest`.
     """
 
     def __init__(
