@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from harness.faults.base import Kind, SensorAct, Value
-from harness.faults.clock import ClockAct
+from harness.faults.clock import ClockAct, drift, freeze, jump, reset, silence
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
 from harness.faults.streams import decimated, frozen, late, repeat
 from harness.spec.fault import LONGEST
@@ -33,31 +33,20 @@ OF_SENSORS: tuple[Kind[SensorAct], ...] = (
     Kind("zero", "values are 0", becomes(0.0), SHARE, of_values=True),
     Kind("nan", "values are NaN", becomes(math.nan), SHARE, of_values=True),
     Kind("inf", "values are infinite", becomes(math.inf), SHARE, of_values=True),
-    Kind(
-        "huge", "values are 1e30", becomes(1e30), SHARE, of_values=True
-    ),  # fits float32; its square fits float64
+    # 1e30 fits float32; its square fits float64.
+    Kind("huge", "values are 1e30", becomes(1e30), SHARE, of_values=True),
     Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE, of_values=True),
-    Kind("stamp-shift", "stamps are off by S", each(lambda r, s, _: shift(r, s)), SHIFT),
+    Kind("stamp-shift", "stamps are off by S", each(shift), SHIFT),
     Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
-    Kind("empty", "a message without readings", each(lambda r, *_: empty(r)), own=EMPTY),
-    Kind(
-        "beams",
-        "only the first N ranges, or more that miss",
-        each(lambda r, n, _: resize(r, n)),
-        BEAMS,
-        own=("scan",),
-    ),
+    Kind("empty", "a message without readings", each(empty), own=EMPTY),
+    Kind("beams", "only the first N ranges, or more that miss", each(resize), BEAMS, own=("scan",)),
 )
 OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind(
-        "jump",
-        "time goes S ahead or back, not below 0, and on from there",
-        lambda c, s, _: c.jump(s),
-        JUMP,
-        momentary=True,
+        "jump", "time goes S ahead or back, not below 0, and on from there", jump, JUMP, momentary=True
     ),
-    Kind("reset", "time starts again from 0", lambda c, *_: c.reset(), momentary=True),
-    Kind("speed", "time runs FACTOR as fast, for stamps too", lambda c, x, _: c.drift(x), FACTOR),
-    Kind("freeze", "/clock repeats its last time, then catches up", lambda c, *_: c.freeze()),
-    Kind("dropout", "/clock is not sent", lambda c, share, rng: c.silence(share, rng), SHARE),
+    Kind("reset", "time starts again from 0", reset, momentary=True),
+    Kind("speed", "time runs FACTOR as fast, for stamps too", drift, FACTOR),
+    Kind("freeze", "/clock repeats its last time, then catches up", freeze),
+    Kind("dropout", "/clock is not sent", silence, SHARE),
 )

@@ -34,15 +34,10 @@ def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str,
 def find_faults(
     specs: Iterable[FaultSpec], rows: Iterable[SensorRow] | None = None
 ) -> tuple[Fault[Any], ...]:
-    """Returns the faults that are asked for.
-
-    Args:
-        specs: What a user wrote.
-        rows: The sensors of the run; None for all there are.
+    """Returns the faults that are asked for of some sensors, or of all there are.
 
     Raises:
-        UsageError: There is no such sensor or fault, or the value is not valid; the message names
-            what is.
+        UsageError: There is no such sensor or fault, or a value is not valid; the message names what is.
     """
     known = None if rows is None else tuple(rows)
     return tuple(_find(spec, known) for spec in specs)
@@ -53,9 +48,11 @@ def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
     sensor, some, names = spec.sensor, faults_of(spec.sensor, rows), sensors(rows)
     if sensor not in names:
         optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
-        raise _unknown(spec, f"there is no sensor '{sensor}'{optional}", names)
+        no_such = f"there is no sensor '{sensor}'{optional}"
+        raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(names)}")
     if spec.kind not in some:
-        raise _unknown(spec, f"{sensor} has no fault '{spec.kind}'", some)
+        no_such = f"{sensor} has no fault '{spec.kind}'"
+        raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(some)}")
     kind = some[spec.kind]
     if kind.momentary and (spec.start is None or spec.length is not None):
         raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{spec.kind}@START")
@@ -64,10 +61,6 @@ def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
     if end_ns == start_ns:
         raise UsageError(f"fault '{spec}': LENGTH is below 1 ns; give more, or leave it out")
     return Fault(kind, sensor, _value(spec, kind), start_ns, end_ns)
-
-
-def _unknown(spec: FaultSpec, problem: str, available: Iterable[str]) -> UsageError:
-    return UsageError(f"fault '{spec}': {problem}; available: {', '.join(available)}")
 
 
 def _value(spec: FaultSpec, kind: Kind[Any]) -> float:

@@ -44,12 +44,7 @@ def describe(frames: RoverFrames, options: FrameOptions) -> Description:
 class TransformSensor(Sensor):
     """Where the rover is in odom, and its moving parts in their parents.
 
-    Args:
-        simulation: The rover in its world.
-        frames: The frames of the rover.
-        options: Who owns odom -> base.
-        sensors: All of the episode; they may be made later.
-        period_ticks: At most one sample in so many ticks.
+    Of the sensors of the episode, which may be made later, the wheel odometry and what is due are asked.
     """
 
     def __init__(
@@ -131,21 +126,16 @@ class _Joints:
         rotation: list[float] = []
         positions = self._qpos[self._address].tolist()
         for index, position in enumerate(positions):
-            origin, (qx, qy, qz, qw) = self._at_zero[index]
+            origin, at_zero = self._at_zero[index]
             if self._hinges[index]:
                 translation += origin
                 cosine, sine = math.cos(position / 2), math.sin(position / 2)
-                x, y, z, w = self._about[index]
-                rotation += (
-                    cosine * qx + sine * x,
-                    cosine * qy + sine * y,
-                    cosine * qz + sine * z,
-                    cosine * qw + sine * w,
-                )
+                turned = zip(at_zero, self._about[index], strict=True)
+                rotation += [cosine * q + sine * a for q, a in turned]
             else:
                 along = self._along[index]
                 translation += [o + position * a for o, a in zip(origin, along, strict=True)]
-                rotation += (qx, qy, qz, qw)
+                rotation += at_zero
         return translation, rotation
 
 

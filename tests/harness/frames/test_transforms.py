@@ -11,7 +11,6 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.base.errors import UsageError
 from harness.episode.episode import Episode
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import TransformSensor, describe
@@ -20,7 +19,6 @@ from harness.robots import ROVERS
 from harness.samples import Odometry, Tick, Transforms
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.spec.value import made
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO
 
@@ -139,8 +137,3 @@ def test_the_description_names_what_moves_and_holds_what_does_not() -> None:
     assert mapped.fixed == (Edge("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), *default.fixed)
     children = {child for _, child in default.moving} | {edge.child for edge in default.fixed}
     assert children == {link.name for link in frames.links}
-
-
-def test_a_rover_that_does_not_own_odom_has_no_third_dimension_there() -> None:
-    with pytest.raises(UsageError, match=r"leave out --odom-tf wheels, or --odom-tf-3d$"):
-        made(FrameOptions, {"odom_tf": "wheels", "odom_tf_3d": True})

@@ -21,17 +21,6 @@ def test_every_option_of_every_kind_is_described() -> None:
         assert row.summary
 
 
-def test_arguments_are_not_described_as_attributes() -> None:
-    class Told:
-        """One without attributes.
-
-        Args:
-            name: Of something else.
-        """
-
-    assert described(Told) == {}
-
-
 def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:
     (example,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
     rover = find_rover("leo").but(sensors=tuple(YAML(typ="safe").load(example)["sensors"]))

@@ -1,7 +1,6 @@
 """What a suite asks its sensors, and when."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -45,11 +44,11 @@ def row(spy: type[Spy], rate: int) -> SensorRow:
     return SensorRow(sample=type(spy.sample), factory=factory, topics=(topic,), rate=rate)
 
 
-def suite(**given: Any) -> SensorSuite:  # noqa: ANN401 - of several types
+def suite() -> SensorSuite:
     LOG.clear()
     nothing: Any = None
     parts, rows = EpisodeParts(simulation=nothing), (row(Spy, 20), row(TruthSpy, 25))
-    return SensorSuite(parts, LEO, {Pose: 50}, rows=rows, **given)
+    return SensorSuite(parts, LEO, {Pose: 50}, rows=rows)
 
 
 @pytest.mark.parametrize("since", [0, 100, 700])
@@ -70,11 +69,3 @@ def test_a_reset_is_announced_before_and_after_to_all_and_what_was_read_is_forgo
     assert (LOG, set(spied.latest)) == (["pose before", "truth before"], {Pose, TruthState})
     spied.after_reset()
     assert (LOG[2:], spied.latest) == (["pose after", "truth after"], {})
-
-
-def test_what_noise_makes_of_a_reading_is_published_and_kept() -> None:
-    noise: Any = SimpleNamespace(corrupt=lambda sample: replace(sample, stamp_ns=-sample.stamp_ns))
-    spied = suite(noise=noise, wanted={Pose})
-    (read,) = spied.tick(100)
-    assert (read.stamp_ns, spied.latest) == (-2, {Pose: read})
-    assert suite(wanted=()).tick(100) == ()

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
-from harness.robots import ROVERS, RoverSpec
+from harness.robots import ROVERS
 from harness.samples import TruthState
 from harness.truth.recorder import TruthRecorder
 from harness.truth.traversal import ContactEvent, Truth
@@ -26,12 +26,8 @@ Vector = NDArray[np.float64]
 TICK_NS, STATE_TICKS = 10_000_000, 5
 WHEELS = ROVERS["rover_zero4wd"].wheel_joints
 KINDS = ("hazard", "rock", "scrape")
-WALL = Obstacle(
-    kind=ObstacleKind.HAZARD, shape="box", half_size=(0.05, 0.6, 0.3), position=(0.75, 0.1, 0.3)
-)
-STONE = Obstacle(
-    kind=ObstacleKind.ROCK, shape="ellipsoid", half_size=(0.06, 0.09, 0.04), position=(0.5, -0.18, 0.0)
-)
+WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.05, 0.6, 0.3), (0.75, 0.1, 0.3))
+STONE = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.06, 0.09, 0.04), (0.5, -0.18, 0.0))
 
 
 @dataclass
@@ -127,14 +123,6 @@ def tick_by_hand(simulation: Simulation, contacts: Contacts) -> Tick:
 @pytest.fixture
 def simulation(make_simulation: Callable[..., Simulation]) -> Simulation:
     return make_simulation(obstacles=(WALL,))
-
-
-def test_before_the_first_tick_every_total_is_nothing(
-    foreign: Callable[[str], RoverSpec], simulate: Callable[..., Simulation]
-) -> None:
-    simulation = simulate(foreign("sojourner"))
-    truth = TruthRecorder(simulation).truth()
-    assert truth == Truth(position=simulation.position, wheel_slip=(0.0,) * 6)
 
 
 @pytest.mark.parametrize(

@@ -18,13 +18,6 @@ def two_fields(heights: np.ndarray) -> mujoco.MjModel:
     return spec.compile()
 
 
-def scaled_heights(rng: np.random.Generator, shape: tuple[int, int]) -> np.ndarray:
-    """Heights of 0..1 that MuJoCo keeps as they are."""
-    heights = rng.random(shape).astype(np.float32)
-    heights[0, 0], heights[-1, -1] = 0.0, 1.0
-    return heights
-
-
 @pytest.mark.parametrize(
     ("shape", "blocks"),
     [
@@ -37,7 +30,8 @@ def scaled_heights(rng: np.random.Generator, shape: tuple[int, int]) -> np.ndarr
 def test_each_level_holds_the_highest_vertex_of_blocks_of_twice_as_many_cells(
     shape: tuple[int, int], blocks: list[tuple[int, int]]
 ) -> None:
-    expected = scaled_heights(np.random.default_rng(sum(shape)), shape)
+    expected = np.random.default_rng(sum(shape)).random(shape).astype(np.float32)
+    expected[0, 0], expected[-1, -1] = 0.0, 1.0  # heights that MuJoCo keeps as they are
     heights, maxima, levels, _ = heightfield_arrays(two_fields(expected))
     np.testing.assert_array_equal(heights, expected)
     assert len(levels) == 1 + len(blocks)
