@@ -56,7 +56,8 @@ class Lens(ABC):
         """Returns x and y of every pixel off the optical axis over the focal length, (height, width)."""
         rows, columns = np.indices((self.height, self.width))
         column, row = self.centre
-        return (columns - column) / self.focal, (rows - row) / self.focal
+        x, y = (columns - column) / self.focal, (rows - row) / self.focal
+        return np.asarray(x, np.float64), np.asarray(y, np.float64)
 
 
 @dataclass(frozen=True)
