@@ -21,13 +21,14 @@ FACTOR = Value("FACTOR", "a factor above 0 up to 100", lambda x: 0.0 < x <= 100.
 _SECONDS = ("S", "seconds, negative for back in time", lambda x: abs(x) <= LONGEST)
 SHIFT, JUMP = Value(*_SECONDS), Value(*_SECONDS, default=10.0)
 
+DUPLICATE = "duplicate"
 EMPTY = ("scan", "pose", "joint_states")  # the sensors whose messages can be
 
 OF_SENSORS: tuple[Kind[SensorAct], ...] = (
     Kind("dropout", "messages are not sent", each(lambda r, p, rng: (r,) * (rng.random() >= p)), SHARE),
     Kind("rate", "at most so many messages a second", decimated, RATE),
     Kind("latency", "messages come late, in order, with the stamp of the reading", late, DELAY),
-    Kind("duplicate", "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
+    Kind(DUPLICATE, "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
     Kind("freeze", "the last reading again and again, with new stamps", frozen(repeat)),
     Kind("stuck", "every value is X", measured(lambda v, x, _: np.full_like(v, x)), ANY, of_values=True),
     Kind("zero", "values are 0", becomes(0.0), SHARE, of_values=True),

@@ -1,5 +1,6 @@
 """Faults by the names of sensors and kinds (harness.spec.fault: how a user writes them)."""
 
+from collections import Counter
 from collections.abc import Iterable
 from functools import cache
 from typing import Any
@@ -8,10 +9,12 @@ from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Fault, Kind
 from harness.faults.clock import CLOCK
-from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
+from harness.faults.kinds import DUPLICATE, OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
 from harness.sensors.table import ATTITUDE, SensorRow
 from harness.spec.fault import FaultSpec
+
+MOST_COPIES = 1000  # of a message, by all duplicate faults of its sensor: they multiply
 
 
 def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
@@ -40,7 +43,15 @@ def find_faults(
         UsageError: There is no such sensor or fault, or a value is not valid; the message names what is.
     """
     known = None if rows is None else tuple(rows)
-    return tuple(_find(spec, known) for spec in specs)
+    found, copies = tuple(_find(spec, known) for spec in specs), Counter[str]()
+    for fault in found:
+        if fault.kind.name == DUPLICATE:
+            copies[fault.sensor] = int(fault.value) * (copies[fault.sensor] or 1)
+    for sensor, count in copies.items():
+        if count > MOST_COPIES:
+            each = f"faults of {sensor} send each message {count:,} times"
+            raise UsageError(f"{each}; give {DUPLICATE}s that come to {MOST_COPIES:,} at most")
+    return found
 
 
 @cache  # a run checks its options and then makes its faults

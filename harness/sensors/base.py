@@ -61,7 +61,7 @@ class Sensor:
         """Takes a tick that has just been simulated into account; called after every tick."""
 
     def before_reset(self) -> None:
-        """Called when the rover is about to be put back to its start."""
+        """Called when the rover is about to be put elsewhere, mostly back to its start."""
 
     def after_reset(self) -> None:
-        """Called when the rover has been put back to its start."""
+        """Called when the rover has been put there."""

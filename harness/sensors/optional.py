@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     from harness.physics.simulation import Simulation
     from harness.sensors.rays.bundle import Surroundings
 
-WORD = r"[A-Za-z]\w*"
+WORD = r"[A-Za-z][A-Za-z0-9_]*"
 LIDAR_FRAME = "lidar_link"
 Rate = Annotated[int, AfterValidator(checked(period_ticks))]  # [Hz], whole ticks of the clock apart
 

@@ -4,11 +4,21 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self, TypeVar, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+)
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticKnownError
 
 from harness.base.errors import UsageError, unknown
+from harness.spec.numbers import NUMBER, number
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -22,6 +32,15 @@ class Value(BaseModel):
     """A value that never changes; a key that it does not have is refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _numbers_of_text(cls, value: object, convert: ValidatorFunctionWrapHandler) -> object:
+        """Refuses text that is a number to pydantic alone, as 1_000 is."""
+        made = convert(value)
+        if isinstance(value, str) and type(made) in (int, float) and not NUMBER.fullmatch(value):
+            raise PydanticKnownError("float_parsing")
+        return made
 
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
         """Returns a copy with other values of some fields.
@@ -247,7 +266,7 @@ def numbers(form: str, count: int, *, rest: float | None = None) -> BeforeValida
         if rest is not None and len(words) == count - 1:
             words.append(str(rest))
         try:
-            values = tuple(map(float, words))
+            values = tuple(map(number, words))
         except ValueError:
             values = ()
         if len(values) != count:

@@ -1,11 +1,14 @@
 """What a user may write after --fault, and what is said of the rest."""
 
+import re
+
 import pytest
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.faults.base import Fault
-from harness.faults.lookup import faults_of
+from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
+from harness.faults.lookup import describe_faults, faults_of, sensors
 from harness.sensors import table
 from tests.support.words import parse_faults
 
@@ -42,6 +45,30 @@ def test_invalid_spec_is_one_line_that_says_what_is_valid(spec: str, valid: str)
         parse_faults([spec])
     assert valid in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("number", ["1_0", "\uff10.5", "\u0663"])
+def test_a_number_has_ascii_digits_and_no_underscores(number: str) -> None:
+    for spec in (f"imu:stuck={number}", f"imu:nan@{number}", f"imu:nan@1+{number}"):
+        with pytest.raises(UsageError, match=f"'{number}' is not valid; give (a number|seconds)"):
+            parse_faults([spec])
+
+
+def test_help_names_every_sensor_and_fault() -> None:
+    first, *rest = describe_faults().splitlines()
+    assert first == f"sensors: {', '.join(sensors())}; attitudes have those of values"
+    named = {re.split(r"[=@\[\s]", line.strip())[0] for line in rest}
+    assert named >= {kind.name for kind in (*OF_SENSORS, *OF_THE_CLOCK)}
+    assert {"  jump[=S]@START", "  beams=N", "  freeze"} <= {line[:24].rstrip() for line in rest}
+
+
+def test_duplicates_of_duplicates_have_a_bound() -> None:
+    parse_faults(["scan:duplicate=10"] * 3 + ["imu:duplicate=10"])
+    mend = (
+        r"faults of scan send each message 10,000,000 times; give duplicates that come to 1,000 at most"
+    )
+    with pytest.raises(UsageError, match=mend):
+        parse_faults([f"scan:duplicate=10@{start}+1" for start in range(7)])
 
 
 def test_a_sensor_that_could_be_carried_is_told_how() -> None:

@@ -71,6 +71,11 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
     assert {name: getattr(row.given, "width", None) for name, row in rows.items()} == widths
 
 
+def test_a_preset_has_a_name() -> None:
+    with pytest.raises(UsageError, match=r"'gnss=' names no preset; give gnss alone, or gnss=PRESET"):
+        parse_choice("gnss=")
+
+
 OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics"]
 
 
@@ -85,6 +90,9 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         ({"kind": "gnss", "rate": "fast"}, ["rate 'fast'", "a whole number"]),
         ({"kind": "gnss", "rpy": [1, 2, math.nan]}, ["rpy", "finite"]),
         ({"kind": "gnss", "name": "2"}, ["name '2'", "a letter first"]),
+        ({"kind": "gnss", "name": "é"}, ["name 'é'", "a letter first"]),
+        ({"kind": "gnss", "name": "e\u0661"}, ["name 'e", "a letter first"]),
+        ({"kind": "gnss", "rate": "2_0"}, ["rate '2_0'", "give a number"]),
         ({"kind": "gnss", "name": "clock"}, ["two sensors are named 'clock'"]),
         ({"kind": "gnss", "name": "left"}, ["two are named 'left'"]),
         ({"kind": "depth", "name": "l"}, ["/l/image is the topic of left and of l"]),
