@@ -21,6 +21,7 @@ from harness.sensors.optional import LIDAR_FRAME, Mount
 
 Matrix = NDArray[np.float64]
 
+ROUNDING = 1e-12
 ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -198,12 +199,17 @@ def _index(kind: str, name: str, names: list[str], where: object) -> int:
 
 
 def pose_of(matrix: Matrix) -> tuple[Vector3, Quaternion]:
-    """Returns translation and quaternion (x, y, z, w) of a homogeneous matrix."""
+    """Returns translation and quaternion (x, y, z, w) of a homogeneous matrix; no roundings are left."""
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, matrix[:3, :3].ravel())
-    w, qx, qy, qz = quaternion.tolist()
-    x, y, z = matrix[:3, 3].tolist()
+    w, qx, qy, qz = cleared(quaternion)
+    x, y, z = cleared(matrix[:3, 3])
     return (x, y, z), (qx, qy, qz, w)
+
+
+def cleared(values: Matrix) -> list[float]:
+    """Returns values, 0 in the place of what is left of roundings [m, or of a unit vector]."""
+    return np.where(np.abs(values) < ROUNDING, 0.0, values).tolist()
 
 
 def _of_angles(rpy: Vector3) -> Matrix:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import TICK_NS, period_ticks
-from harness.frames.rover_frames import HINGE, RoverFrames
+from harness.frames.rover_frames import HINGE, RoverFrames, cleared
 from harness.frames.tree import MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
@@ -143,12 +143,12 @@ def _turned(rotation: Quaternion, axis: Values) -> list[float]:
     """An axis of the frame, at 0, in the parent's axes."""
     turned, (x, y, z, w) = np.empty(3), rotation
     mujoco.mju_rotVecQuat(turned, axis, np.array([w, x, y, z]))
-    return turned.tolist()
+    return cleared(turned)
 
 
 def _about(rotation: Quaternion, axis: Values) -> list[float]:
     """The product q * axis of quaternions, as (x, y, z, w)."""
     product, (x, y, z, w) = np.empty(4), rotation
     mujoco.mju_mulQuat(product, np.array([w, x, y, z]), np.array([0.0, *axis]))
-    w, x, y, z = product.tolist()
+    w, x, y, z = cleared(product)
     return [x, y, z, w]

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -53,6 +54,8 @@ def test_frames_are_those_of_the_real_rover(rover: RoverSpec) -> None:
     assert edges.keys() == REAL[rover.name].keys()
     for names, (x, y, z, *rpy) in REAL[rover.name].items():
         assert edges[names].translation == pytest.approx((x, y, z), abs=1e-9)
+        numbers = np.array([*edges[names].translation, *edges[names].rotation])
+        assert (numbers[np.abs(numbers) < 1e-9] == 0.0).all(), "no roundings are left"
         turn = Rotation.from_quat(edges[names].rotation) * Rotation.from_euler("xyz", rpy).inv()
         assert turn.magnitude() == pytest.approx(0.0, abs=1e-6)
 
