@@ -44,7 +44,6 @@ class PlanarLidarOptions(RangeOptions):
             "angle_min": -135.0 * DEGREE,
             "angle_max": 135.0 * DEGREE,
             "range_min": 0.1,
-            "range_max": 30.0,
             "rate": 25,
         },
     }
@@ -106,7 +105,6 @@ class CloudLidarOptions(RangeOptions):
             "columns": 1024,
             "range_min": 0.8,
             "range_max": 120.0,
-            "rate": 10,
         },
         "livox": {
             "rings": 40,
@@ -116,7 +114,6 @@ class CloudLidarOptions(RangeOptions):
             "pattern": SPIRAL,
             "range_min": 0.1,
             "range_max": 70.0,
-            "rate": 10,
         },
     }
 

@@ -35,10 +35,8 @@ class Bench:
             angle = (count + 0.5) * math.tau / self.resolution
             self._simulation.data.joint(name).qpos[0] = angle
 
-    def turn_by(
-        self, front_left: float, rear_left: float, front_right: float, rear_right: float
-    ) -> None:
-        steps = (front_left, rear_left, front_right, rear_right)
+    def turn_by(self, *steps: float) -> None:
+        """Front left, rear left, front right, rear right."""
         self.turned = [before + step for before, step in zip(self.turned, steps, strict=True)]
         self.turn_to(*self.turned)
 
