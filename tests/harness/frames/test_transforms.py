@@ -19,6 +19,7 @@ from harness.robots import ROVERS
 from harness.samples import Odometry, Tick, Transforms
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
+from tests.harness.conftest import MakeSimulation
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO
 
@@ -110,6 +111,21 @@ def test_a_transform_goes_before_the_samples_of_a_tick_and_says_where_frames_are
     assert joints == 10, "20 times a second"
     assert ticks == (joints if options is NONE else 30), "50 Hz and 20 Hz fall on 60 ticks a second"
     assert len(set(yaws[-15:])) == (15 if options is WHEELS else 0), "it turns between two readings too"
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_a_mount_goes_with_its_body_however_that_is_turned(
+    robot: str, make_simulation: MakeSimulation
+) -> None:
+    simulation, rng = make_simulation(robot), np.random.default_rng(0)
+    model, data, frames = simulation.model, simulation.data, rover_frames(ROVERS[robot])
+    data.qpos[:] = rng.normal(size=model.nq)
+    data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
+    mujoco.mj_kinematics(model, data)
+    for link in frames.links:
+        pose = in_world(frames, link.name, data, model)
+        expected = np.vstack([pose[:3, 3], pose[:3, :3]])
+        assert frames.mount(link.name, model).pose(data) == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) -> None:

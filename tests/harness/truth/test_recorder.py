@@ -125,6 +125,11 @@ def simulation(make_simulation: Callable[..., Simulation]) -> Simulation:
     return make_simulation(obstacles=(WALL,))
 
 
+def test_before_the_first_tick_every_total_is_nothing(simulation: Simulation) -> None:
+    nothing = Truth(position=simulation.position, wheel_slip=(0.0,) * 4)
+    assert TruthRecorder(simulation).truth() == nothing
+
+
 @pytest.mark.parametrize("degrees", [0.0, 74.9, 75.1, 180.0])
 def test_a_rover_has_tipped_over_beyond_75_degrees(degrees: float, simulation: Simulation) -> None:
     recorder = TruthRecorder(simulation)
