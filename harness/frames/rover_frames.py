@@ -209,7 +209,7 @@ def pose_of(matrix: Matrix) -> tuple[Vector3, Quaternion]:
 
 def cleared(values: Matrix) -> list[float]:
     """Returns values, 0 in the place of what is left of roundings [m, or of a unit vector]."""
-    return np.where(np.abs(values) < ROUNDING, 0.0, values).tolist()
+    return [0.0 if abs(value) < ROUNDING else value for value in values.tolist()]
 
 
 def _of_angles(rpy: Vector3) -> Matrix:

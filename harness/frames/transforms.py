@@ -77,11 +77,9 @@ class TransformSensor(Sensor):
 
     def read(self) -> Transforms:
         """Returns odom -> base unless somebody else owns it, and the joints when they are due."""
-        translation: tuple[float, ...] = ()
-        rotation: tuple[float, ...] = ()
+        none: tuple[tuple[float, ...], tuple[float, ...]] = (), ()
+        translation, rotation = self._base() if self._owns_odom else none
         time_ns = self._simulation.time_ns
-        if self._owns_odom:
-            translation, rotation = self._base()
         if self._joints is not None and time_ns // TICK_NS % JOINT_TICKS == 0:
             moved, turned = self._joints.poses()
             translation, rotation = (*translation, *moved), (*rotation, *turned)

@@ -133,9 +133,8 @@ def _add_joint(robot: ET.Element, link: Link, frames: RoverFrames) -> None:
 def _joint_type(model: mujoco.MjModel, joint: int) -> str:
     if joint < 0:
         return "fixed"
-    if model.jnt_type[joint] == SLIDE:
-        return "prismatic"
-    return "revolute" if model.jnt_limited[joint] else "continuous"
+    turning = "revolute" if model.jnt_limited[joint] else "continuous"
+    return "prismatic" if model.jnt_type[joint] == SLIDE else turning
 
 
 def _limits(model: mujoco.MjModel, joint: int) -> dict[str, str]:

@@ -49,15 +49,13 @@ HARDWARE = NoisePreset(
     # taken as three deviations, 8192 LSB/g; table 1: 0.1 deg/s, 5 deg/s as
     # three deviations, 65.5 LSB/(deg/s).
     # Ranges as Leo's firmware sets them (imu.cpp). The walks are estimates.
-    acceleration=AxisErrors(
-        white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4.0 * G
-    ),
+    acceleration=AxisErrors(white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4 * G),
     angular_velocity=AxisErrors(
         white=0.1 * DEGREE,
-        bias=5.0 / 3.0 * DEGREE,
+        bias=5 / 3 * DEGREE,
         walk=0.003 * DEGREE,
         step=DEGREE / 65.5,
-        limit=500.0 * DEGREE,
+        limit=500 * DEGREE,
     ),
     # Estimates for an RPLIDAR S2: +-30 mm (some say 50) taken as three deviations, 13 mm resolution,
     # 1 % lost.

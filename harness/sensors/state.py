@@ -73,10 +73,10 @@ class JointSensor(Sensor):
 
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
-        model, scene = simulation.model, simulation.scene
-        joints = scene.all_own(scene.rover.joints)
-        self._qpos = np.array([int(model.joint(name).qposadr[0]) for name in joints])
-        self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
+        scene = simulation.scene
+        joints = [simulation.model.joint(name) for name in scene.all_own(scene.rover.joints)]
+        self._qpos = np.array([int(joint.qposadr[0]) for joint in joints])
+        self._dofs = np.array([int(joint.dofadr[0]) for joint in joints])
 
     def read(self) -> JointStates:
         """Returns positions [rad], velocities [rad/s] and efforts [N m]."""

@@ -68,8 +68,6 @@ class SensorSuite:
         self.latest.clear()
 
     def _read(self, sensor: Sensor) -> Sample:
-        sample = sensor.read()
-        if self._noise is not None:
-            sample = self._noise.corrupt(sample)
+        sample = sensor.read() if self._noise is None else self._noise.corrupt(sensor.read())
         self.latest[type(sample)] = sample
         return sample

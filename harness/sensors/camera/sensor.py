@@ -89,10 +89,8 @@ class CameraOptions(SensorOptions):
     def _check_fov(self) -> Self:
         widest = LENSES[self.lens].widest
         if self.fov > widest:
-            raise ValueError(
-                f"fov {self.fov:g} rad of a {self.lens} camera is not valid; "
-                f"give more than 0 and at most {math.floor(100 * widest) / 100:g}"
-            )
+            most = f"give more than 0 and at most {math.floor(100 * widest) / 100:g}"
+            raise ValueError(f"fov {self.fov:g} rad of a {self.lens} camera is not valid; {most}")
         return self
 
 
