@@ -67,13 +67,15 @@ def test_a_spiral_covers_its_field_of_view_evenly() -> None:
 
 
 @pytest.mark.parametrize(
-    ("preset", "first", "last", "step"),
-    [("rplidar_s2", -180.0, 179.8875, 0.1125), ("planar_270", -135.0, 135.0, 0.25)],
+    ("preset", "first", "last", "step", "nearest"),
+    [("rplidar_s2", -180.0, 179.8875, 0.1125, 0.05), ("planar_270", -135.0, 135.0, 0.25, 0.1)],
 )
 def test_planar_beams_are_those_of_the_data_sheet(
-    preset: str, first: float, last: float, step: float
+    preset: str, first: float, last: float, step: float, nearest: float
 ) -> None:
-    azimuth, elevation = angles(options(f"lidar2d={preset}").directions())
+    given = options(f"lidar2d={preset}")
+    assert (given.range_min, given.range_max) == (nearest, 30.0)
+    azimuth, elevation = angles(given.directions())
     assert (azimuth[0] % 360 - 360, azimuth[-1]) == pytest.approx((first % 360 - 360, last))
     assert np.diff(azimuth[1:]) == pytest.approx(step)
     assert (elevation == 0.0).all()

@@ -9,7 +9,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.sensors import table
-from harness.sensors.choice import chosen
+from harness.sensors.choice import chosen, kinds
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow
 from harness.spec.sensor import parse_choice
@@ -71,7 +71,12 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
     assert {name: getattr(row.given, "width", None) for name, row in rows.items()} == widths
 
 
-def test_a_preset_has_a_name() -> None:
+def test_every_preset_is_valid_and_has_a_name() -> None:
+    for kind, row in kinds().items():
+        assert row.options is not None
+        for preset, values in row.options.presets.items():
+            (made,) = carried((f"{kind}={preset}",)).values()
+            assert made.given == row.options.model_validate({"name": kind, "preset": preset, **values})
     with pytest.raises(UsageError, match=r"'gnss=' names no preset; give gnss alone, or gnss=PRESET"):
         parse_choice("gnss=")
 

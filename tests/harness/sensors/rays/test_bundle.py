@@ -1,6 +1,7 @@
 """Bundles of rays in any directions against mj_multiRay over the whole scene."""
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from harness.sensors.rays.bundle import RayBundle, Surroundings
@@ -10,6 +11,7 @@ from tests.harness.sensors.test_lidar import (
     add_random_obstacles,
     add_rover,
     compiled,
+    flat_scene,
     place_rover,
     terrain_spec,
 )
@@ -64,3 +66,10 @@ def test_random_bundles_meet_mujoco() -> None:
             np.testing.assert_array_equal(bundle.on_obstacle, obstacle)
             on_ground, on_obstacle = on_ground + (hit & ~obstacle).sum(), on_obstacle + obstacle.sum()
     assert min(on_ground, on_obstacle) > 400
+
+
+def test_rays_along_the_axes_of_the_bins_meet_a_wall() -> None:
+    scene = flat_scene((2.0, 0.1, 1.0))
+    axes = np.vstack([np.eye(3), -np.eye(3)])
+    ranges = RayBundle(Surroundings(scene[0]), axes, RANGE_MAX).cast(scene[1], pose_of(scene))
+    assert ranges == pytest.approx([np.inf] * 3 + [1.9, np.inf, 0.5])  # the site looks backwards
