@@ -16,6 +16,7 @@ from harness.robots import ROVERS
 from harness.samples import Imu, LaserScan, Sample, Source, Transforms, TruthState, source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import by_default
+from harness.sensors.message_types import typestore
 from harness.sensors.suite import SensorSuite
 from harness.sensors.table import SENSORS, SensorRow, by_fault_name
 from harness.spec.ros import FrameOptions
@@ -94,6 +95,10 @@ def test_faults_of_values_and_of_attitudes_change_fields_apart_in_the_samples_or
 def test_all_but_the_truth_can_have_faults_and_every_factory_is_where_the_table_says() -> None:
     assert [row.sample for row in by_default() if row.fault is None] == [TruthState]
     assert by_fault_name(()) == {}
+    topics = [topic for row in SENSORS for topic in row.topics]
+    assert {topic.message_type for topic in topics} <= set(typestore().fielddefs)
+    assert [topic.name for topic in topics if topic.best_effort] == ["rover/pose_array"]
+    assert {topic.name: topic.depth for topic in topics if topic.depth != 10} == {"tf": 100}
     for module, _, name in (row.factory.partition(":") for row in SENSORS):
         assert issubclass(getattr(import_module(module), name), Sensor)
 
