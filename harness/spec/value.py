@@ -4,18 +4,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self, TypeVar, get_args
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainSerializer,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    field_validator,
-)
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails, PydanticKnownError
+from pydantic_core import ErrorDetails
 
 from harness.base.errors import UsageError, unknown
 from harness.spec.numbers import NUMBER, number
@@ -32,15 +23,6 @@ class Value(BaseModel):
     """A value that never changes; a key that it does not have is refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
-
-    @field_validator("*", mode="wrap")
-    @classmethod
-    def _numbers_of_text(cls, value: object, convert: ValidatorFunctionWrapHandler) -> object:
-        """Refuses text that is a number to pydantic alone, as 1_000 is."""
-        made = convert(value)
-        if isinstance(value, str) and type(made) in (int, float) and not NUMBER.fullmatch(value):
-            raise PydanticKnownError("float_parsing")
-        return made
 
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
         """Returns a copy with other values of some fields.
@@ -87,11 +69,16 @@ def made(
     Raises:
         UsageError: One is missing, unknown or not valid; the message names what is.
     """
+    prefix = f"{where}: " if where else ""
     try:
-        return cls.model_validate(values)
+        value = cls.model_validate(values)
     except ValidationError as error:
-        prefix = f"{where}: " if where else ""
         raise UsageError(f"{prefix}{complaint(error, cls, name)}") from error
+    for key, text in values.items():  # pydantic reads 1_000 as a number
+        is_number = isinstance(text, str) and type(getattr(value, key, None)) in (int, float)
+        if is_number and not NUMBER.fullmatch(text):
+            raise UsageError(f"{prefix}{name(key)} {_shown(text)} is not valid; give a number")
+    return value
 
 
 def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:
