@@ -111,7 +111,7 @@ class Episode:
         self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
         self._ticks: list[Tick] = []  # since the last batch
         self._goals: list[Place] = []  # given since then
-        self._bearings = lidar_spec.bearings_at(rover.lidar_yaw)
+        self._bearings = lidar_spec.bearings(rover.lidar_yaw)
         self._course = goal_course(run, number, world)
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in run.plan.resets]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in run.plan.commands]

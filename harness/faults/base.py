@@ -36,8 +36,7 @@ class Kind(Generic[A]):
     """One kind of fault.
 
     Attributes:
-        name: As in --fault.
-        summary: Its line in the help.
+        name, summary: As in --fault, and its line in the help.
         act: Of sensors: makes a fault's Effect for one run, to be asked at every tick. Of the clock:
             disturbs a FaultyClock at a tick, given the fault's value.
         takes: What may stand behind the '='; None for nothing.
@@ -60,7 +59,6 @@ class Fault(Generic[A]):
     """One fault of a run.
 
     Attributes:
-        sensor: The name of its sensor, or that of the clock.
         value: In the unit of what its kind takes; 0 if it takes none.
         start_ns: Simulation time of the first tick that it touches.
         end_ns: Simulation time from which it is over; None at the end of the run.

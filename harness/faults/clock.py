@@ -48,22 +48,27 @@ class FaultyClock:
         if not self.frozen:
             self.clock_ns = self.stamp_ns
 
-    def jump(self, seconds: float) -> None:
-        """Moves the stamps [s], not below 0."""
-        self.stamp_ns = max(0, self.stamp_ns + round(seconds * NANOSECONDS))
 
-    def reset(self) -> None:
-        """Starts the stamps again."""
-        self.stamp_ns = 0
+def jump(clock: FaultyClock, seconds: float, _: np.random.Generator) -> None:
+    """Moves the stamps [s], not below 0."""
+    clock.stamp_ns = max(0, clock.stamp_ns + round(seconds * NANOSECONDS))
 
-    def drift(self, factor: float) -> None:
-        """Multiplies the step of this tick by a factor."""
-        self.step_ns *= factor
 
-    def freeze(self) -> None:
-        """Lets /clock tell its last time again."""
-        self.frozen = True
+def reset(clock: FaultyClock, *_: object) -> None:
+    """Starts the stamps again."""
+    clock.stamp_ns = 0
 
-    def silence(self, share: float, rng: np.random.Generator) -> None:
-        """Keeps a share of /clock from being sent."""
-        self.is_sent &= rng.random() >= share
+
+def drift(clock: FaultyClock, factor: float, _: np.random.Generator) -> None:
+    """Multiplies the step of this tick by a factor."""
+    clock.step_ns *= factor
+
+
+def freeze(clock: FaultyClock, *_: object) -> None:
+    """Lets /clock tell its last time again."""
+    clock.frozen = True
+
+
+def silence(clock: FaultyClock, share: float, rng: np.random.Generator) -> None:
+    """Keeps a share of /clock from being sent."""
+    clock.is_sent &= rng.random() >= share

@@ -14,7 +14,7 @@ from harness.faults.base import Fault, Readings
 from harness.faults.clock import CLOCK, FaultyClock
 from harness.samples import Sample, Source, Tick, source
 from harness.sensors import table
-from harness.sensors.table import SensorRow
+from harness.sensors.table import ATTITUDE, SensorRow
 
 
 class FaultInjector:
@@ -46,11 +46,8 @@ class FaultInjector:
         self._faulty, self.disturbs_time = bool(drawn), bool(clock_faults)
         self._clock = FaultyClock(clock_faults)
 
-        def of(fault: Fault[Any]) -> str:
-            return fault.sensor.removesuffix(table.ATTITUDE)
-
         self._effects = {
-            row.source: [fault.kind.act(fault, rng) for fault, rng in drawn if of(fault) == name]
+            row.source: [f.kind.act(f, rng) for f, rng in drawn if f.sensor in (name, name + ATTITUDE)]
             for name, row in table.by_fault_name(rows).items()
         }
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from harness.faults.base import Kind, SensorAct, Value
-from harness.faults.clock import ClockAct
+from harness.faults.clock import ClockAct, drift, freeze, jump, reset, silence
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
 from harness.faults.streams import decimated, frozen, late, repeat
 from harness.spec.fault import LONGEST
@@ -21,43 +21,33 @@ FACTOR = Value("FACTOR", "a factor above 0 up to 100", lambda x: 0.0 < x <= 100.
 _SECONDS = ("S", "seconds, negative for back in time", lambda x: abs(x) <= LONGEST)
 SHIFT, JUMP = Value(*_SECONDS), Value(*_SECONDS, default=10.0)
 
+DUPLICATE = "duplicate"
 EMPTY = ("scan", "pose", "joint_states")  # the sensors whose messages can be
 
 OF_SENSORS: tuple[Kind[SensorAct], ...] = (
     Kind("dropout", "messages are not sent", each(lambda r, p, rng: (r,) * (rng.random() >= p)), SHARE),
     Kind("rate", "at most so many messages a second", decimated, RATE),
     Kind("latency", "messages come late, in order, with the stamp of the reading", late, DELAY),
-    Kind("duplicate", "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
+    Kind(DUPLICATE, "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
     Kind("freeze", "the last reading again and again, with new stamps", frozen(repeat)),
     Kind("stuck", "every value is X", measured(lambda v, x, _: np.full_like(v, x)), ANY, of_values=True),
     Kind("zero", "values are 0", becomes(0.0), SHARE, of_values=True),
     Kind("nan", "values are NaN", becomes(math.nan), SHARE, of_values=True),
     Kind("inf", "values are infinite", becomes(math.inf), SHARE, of_values=True),
-    Kind(
-        "huge", "values are 1e30", becomes(1e30), SHARE, of_values=True
-    ),  # fits float32; its square fits float64
+    # 1e30 fits float32; its square fits float64.
+    Kind("huge", "values are 1e30", becomes(1e30), SHARE, of_values=True),
     Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE, of_values=True),
-    Kind("stamp-shift", "stamps are off by S", each(lambda r, s, _: shift(r, s)), SHIFT),
+    Kind("stamp-shift", "stamps are off by S", each(shift), SHIFT),
     Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
-    Kind("empty", "a message without readings", each(lambda r, *_: empty(r)), own=EMPTY),
-    Kind(
-        "beams",
-        "only the first N ranges, or more that miss",
-        each(lambda r, n, _: resize(r, n)),
-        BEAMS,
-        own=("scan",),
-    ),
+    Kind("empty", "a message without readings", each(empty), own=EMPTY),
+    Kind("beams", "only the first N ranges, or more that miss", each(resize), BEAMS, own=("scan",)),
 )
 OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind(
-        "jump",
-        "time goes S ahead or back, not below 0, and on from there",
-        lambda c, s, _: c.jump(s),
-        JUMP,
-        momentary=True,
+        "jump", "time goes S ahead or back, not below 0, and on from there", jump, JUMP, momentary=True
     ),
-    Kind("reset", "time starts again from 0", lambda c, *_: c.reset(), momentary=True),
-    Kind("speed", "time runs FACTOR as fast, for stamps too", lambda c, x, _: c.drift(x), FACTOR),
-    Kind("freeze", "/clock repeats its last time, then catches up", lambda c, *_: c.freeze()),
-    Kind("dropout", "/clock is not sent", lambda c, share, rng: c.silence(share, rng), SHARE),
+    Kind("reset", "time starts again from 0", reset, momentary=True),
+    Kind("speed", "time runs FACTOR as fast, for stamps too", drift, FACTOR),
+    Kind("freeze", "/clock repeats its last time, then catches up", freeze),
+    Kind("dropout", "/clock is not sent", silence, SHARE),
 )

@@ -1,5 +1,6 @@
 """Faults by the names of sensors and kinds (harness.spec.fault: how a user writes them)."""
 
+from collections import Counter
 from collections.abc import Iterable
 from functools import cache
 from typing import Any
@@ -8,10 +9,12 @@ from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Fault, Kind
 from harness.faults.clock import CLOCK
-from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
+from harness.faults.kinds import DUPLICATE, OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
 from harness.sensors.table import ATTITUDE, SensorRow
 from harness.spec.fault import FaultSpec
+
+MOST_COPIES = 1000  # of a message, by all duplicate faults of its sensor: they multiply
 
 
 def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
@@ -34,18 +37,21 @@ def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str,
 def find_faults(
     specs: Iterable[FaultSpec], rows: Iterable[SensorRow] | None = None
 ) -> tuple[Fault[Any], ...]:
-    """Returns the faults that are asked for.
-
-    Args:
-        specs: What a user wrote.
-        rows: The sensors of the run; None for all there are.
+    """Returns the faults that are asked for of some sensors, or of all there are.
 
     Raises:
-        UsageError: There is no such sensor or fault, or the value is not valid; the message names
-            what is.
+        UsageError: There is no such sensor or fault, or a value is not valid; the message names what is.
     """
     known = None if rows is None else tuple(rows)
-    return tuple(_find(spec, known) for spec in specs)
+    found, copies = tuple(_find(spec, known) for spec in specs), Counter[str]()
+    for fault in found:
+        if fault.kind.name == DUPLICATE:
+            copies[fault.sensor] = int(fault.value) * (copies[fault.sensor] or 1)
+    for sensor, count in copies.items():
+        if count > MOST_COPIES:
+            each = f"faults of {sensor} send each message {count:,} times"
+            raise UsageError(f"{each}; give {DUPLICATE}s that come to {MOST_COPIES:,} at most")
+    return found
 
 
 @cache  # a run checks its options and then makes its faults
@@ -53,9 +59,11 @@ def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
     sensor, some, names = spec.sensor, faults_of(spec.sensor, rows), sensors(rows)
     if sensor not in names:
         optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
-        raise _unknown(spec, f"there is no sensor '{sensor}'{optional}", names)
+        no_such = f"there is no sensor '{sensor}'{optional}"
+        raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(names)}")
     if spec.kind not in some:
-        raise _unknown(spec, f"{sensor} has no fault '{spec.kind}'", some)
+        no_such = f"{sensor} has no fault '{spec.kind}'"
+        raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(some)}")
     kind = some[spec.kind]
     if kind.momentary and (spec.start is None or spec.length is not None):
         raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{spec.kind}@START")
@@ -64,10 +72,6 @@ def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
     if end_ns == start_ns:
         raise UsageError(f"fault '{spec}': LENGTH is below 1 ns; give more, or leave it out")
     return Fault(kind, sensor, _value(spec, kind), start_ns, end_ns)
-
-
-def _unknown(spec: FaultSpec, problem: str, available: Iterable[str]) -> UsageError:
-    return UsageError(f"fault '{spec}': {problem}; available: {', '.join(available)}")
 
 
 def _value(spec: FaultSpec, kind: Kind[Any]) -> float:

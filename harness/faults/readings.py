@@ -16,9 +16,8 @@ SPIKE_SHARE = 0.1
 
 Values = NDArray[np.float64]
 Change = Callable[[Sample, float, np.random.Generator], Readings]  # what is sent, by the fault's value
-Hit = Callable[
-    [Values, float, np.random.Generator], Values
-]  # a field's values, shape (n,), by the fault's
+# A field's values, shape (n,), by the fault's.
+Hit = Callable[[Values, float, np.random.Generator], Values]
 
 
 def each(change: Change) -> SensorAct:
@@ -62,7 +61,7 @@ def becomes(wrong: float) -> SensorAct:
     return measured(hit)
 
 
-def shift(reading: Sample, seconds: float) -> Readings:
+def shift(reading: Sample, seconds: float, _: np.random.Generator) -> Readings:
     """Returns the reading with its stamp off by so many seconds, not below 0."""
     return (replace(reading, stamp_ns=max(0, reading.stamp_ns + round(seconds * NANOSECONDS))),)
 
@@ -80,7 +79,7 @@ def spike(values: Values, size: float, rng: np.random.Generator) -> Values:
     return values + off
 
 
-def empty(reading: Sample) -> Readings:
+def empty(reading: Sample, *_: object) -> Readings:
     """Returns a reading without content: no ranges, no pose, no joints."""
     match reading:
         case LaserScan():
@@ -92,7 +91,7 @@ def empty(reading: Sample) -> Readings:
     raise AssertionError  # the grammar gives it to no other sensor
 
 
-def resize(reading: Sample, beams: float) -> Readings:
+def resize(reading: Sample, beams: float, _: np.random.Generator) -> Readings:
     """Returns the scan with another number of beams."""
     assert isinstance(reading, LaserScan)  # noqa: S101 - the grammar gives it to no other sensor
     ranges = np.full(int(beams), np.inf, dtype=np.float32)

@@ -21,6 +21,7 @@ from harness.sensors.optional import LIDAR_FRAME, Mount
 
 Matrix = NDArray[np.float64]
 
+ROUNDING = 1e-12
 ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -30,8 +31,8 @@ class Link:
     """One frame of a rover.
 
     Attributes:
-        parent: Empty for the base.
-        body: Of the model, to which it is fixed.
+        parent: Its parent's name; empty for the base.
+        body: The body of the model to which it is fixed.
         carries: Whether its link has the body's mass and shapes.
         in_base: Where it is while all joints are at 0.
         joint: The model's joint by which it moves in its parent; -1 if it is fixed there.
@@ -84,9 +85,9 @@ class RoverFrames:
         """Returns where one of the frames is in a scene that the rover has been put into.
 
         Args:
-            frame: Its name.
+            frame: The frame's name.
             scene: The model of the scene.
-            prefix: Of the rover's names there.
+            prefix: What the rover's names begin with there.
         """
         (link,) = (link for link in self.links if link.name == frame)
         data, body = self.data, link.body
@@ -100,11 +101,7 @@ class RoverFrames:
 
 
 def rover_frames(rover: RoverSpec, mounts: Iterable[FrameRow] = ()) -> RoverFrames:
-    """Returns the frames of a rover.
-
-    Args:
-        rover: Its model and rover.yaml have them.
-        mounts: Those of the optional sensors that it carries.
+    """Returns the frames of a rover, with those of the optional sensors that it carries.
 
     Raises:
         UsageError: The frames of rover.yaml are no tree, or do not fit the model; it names what is.
@@ -139,9 +136,8 @@ def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]
             above = model.body(model.body_parentid[body]).name
             frame_of[name] = frame_name(name)
             anchor = model.jnt_pos[model.body_jntadr[body]] if model.body_jntnum[body] else np.zeros(3)
-            yield FrameRow(
-                parent=frame_of[above], child=frame_of[name], body=name, xyz=tuple(anchor.tolist())
-            )
+            xyz = tuple(anchor.tolist())
+            yield FrameRow(parent=frame_of[above], child=frame_of[name], body=name, xyz=xyz)
     for site, frame in (("lidar", LIDAR_FRAME), ("imu", rover.imu_frame)):
         if frame not in named and frame not in frame_of.values():
             on = model.body(model.site(site).bodyid[0]).name
@@ -154,10 +150,12 @@ def _link(
     """The link of a row whose parent's is known."""
     offset = homogeneous(row.xyz, _of_angles(row.rpy))
     if row.body:
-        body = _body(model, row.body, where)
+        bodies = [model.body(index).name for index in range(1, model.nbody)]
+        body = _index("body", row.body, bodies, where) + 1
         pose = homogeneous(data.xpos[body], data.xmat[body]) @ offset
     elif row.site:
-        site = _site(model, row.site, where)
+        sites = [model.site(index).name for index in range(model.nsite)]
+        site = _index("site", row.site, sites, where)
         body = int(model.site_bodyid[site])
         pose = homogeneous(data.site_xpos[site], data.site_xmat[site]) @ offset
     else:
@@ -193,27 +191,25 @@ def _joint_between(row: FrameRow, above: int, body: int, model: mujoco.MjModel, 
     return joint
 
 
-def _body(model: mujoco.MjModel, name: str, where: object) -> int:
-    names = [model.body(index).name for index in range(1, model.nbody)]
+def _index(kind: str, name: str, names: list[str], where: object) -> int:
+    """The place of a name in the model's, for the message of one that is not among them."""
     if name not in names:
-        raise UsageError(f"{where}: body '{name}' does not exist; available: {', '.join(names)}")
-    return names.index(name) + 1
-
-
-def _site(model: mujoco.MjModel, name: str, where: object) -> int:
-    names = [model.site(index).name for index in range(model.nsite)]
-    if name not in names:
-        raise UsageError(f"{where}: site '{name}' does not exist; available: {', '.join(names)}")
+        raise UsageError(f"{where}: {kind} '{name}' does not exist; available: {', '.join(names)}")
     return names.index(name)
 
 
 def pose_of(matrix: Matrix) -> tuple[Vector3, Quaternion]:
-    """Returns translation and quaternion (x, y, z, w) of a homogeneous matrix."""
+    """Returns translation and quaternion (x, y, z, w) of a homogeneous matrix; no roundings are left."""
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, matrix[:3, :3].ravel())
-    w, qx, qy, qz = quaternion.tolist()
-    x, y, z = matrix[:3, 3].tolist()
+    w, qx, qy, qz = cleared(quaternion)
+    x, y, z = cleared(matrix[:3, 3])
     return (x, y, z), (qx, qy, qz, w)
+
+
+def cleared(values: Matrix) -> list[float]:
+    """Returns values, 0 in the place of what is left of roundings [m, or of a unit vector]."""
+    return [0.0 if abs(value) < ROUNDING else value for value in values.tolist()]
 
 
 def _of_angles(rpy: Vector3) -> Matrix:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import TICK_NS, period_ticks
-from harness.frames.rover_frames import HINGE, RoverFrames
+from harness.frames.rover_frames import HINGE, RoverFrames, cleared
 from harness.frames.tree import MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
@@ -44,12 +44,7 @@ def describe(frames: RoverFrames, options: FrameOptions) -> Description:
 class TransformSensor(Sensor):
     """Where the rover is in odom, and its moving parts in their parents.
 
-    Args:
-        simulation: The rover in its world.
-        frames: The frames of the rover.
-        options: Who owns odom -> base.
-        sensors: All of the episode; they may be made later.
-        period_ticks: At most one sample in so many ticks.
+    Of the sensors of the episode, which may be made later, the wheel odometry and what is due are asked.
     """
 
     def __init__(
@@ -82,11 +77,9 @@ class TransformSensor(Sensor):
 
     def read(self) -> Transforms:
         """Returns odom -> base unless somebody else owns it, and the joints when they are due."""
-        translation: tuple[float, ...] = ()
-        rotation: tuple[float, ...] = ()
+        none: tuple[tuple[float, ...], tuple[float, ...]] = (), ()
+        translation, rotation = self._base() if self._owns_odom else none
         time_ns = self._simulation.time_ns
-        if self._owns_odom:
-            translation, rotation = self._base()
         if self._joints is not None and time_ns // TICK_NS % JOINT_TICKS == 0:
             moved, turned = self._joints.poses()
             translation, rotation = (*translation, *moved), (*rotation, *turned)
@@ -131,21 +124,16 @@ class _Joints:
         rotation: list[float] = []
         positions = self._qpos[self._address].tolist()
         for index, position in enumerate(positions):
-            origin, (qx, qy, qz, qw) = self._at_zero[index]
+            origin, at_zero = self._at_zero[index]
             if self._hinges[index]:
                 translation += origin
                 cosine, sine = math.cos(position / 2), math.sin(position / 2)
-                x, y, z, w = self._about[index]
-                rotation += (
-                    cosine * qx + sine * x,
-                    cosine * qy + sine * y,
-                    cosine * qz + sine * z,
-                    cosine * qw + sine * w,
-                )
+                turned = zip(at_zero, self._about[index], strict=True)
+                rotation += [cosine * q + sine * a for q, a in turned]
             else:
                 along = self._along[index]
                 translation += [o + position * a for o, a in zip(origin, along, strict=True)]
-                rotation += (qx, qy, qz, qw)
+                rotation += at_zero
         return translation, rotation
 
 
@@ -153,12 +141,12 @@ def _turned(rotation: Quaternion, axis: Values) -> list[float]:
     """An axis of the frame, at 0, in the parent's axes."""
     turned, (x, y, z, w) = np.empty(3), rotation
     mujoco.mju_rotVecQuat(turned, axis, np.array([w, x, y, z]))
-    return turned.tolist()
+    return cleared(turned)
 
 
 def _about(rotation: Quaternion, axis: Values) -> list[float]:
     """The product q * axis of quaternions, as (x, y, z, w)."""
     product, (x, y, z, w) = np.empty(4), rotation
     mujoco.mju_mulQuat(product, np.array([w, x, y, z]), np.array([0.0, *axis]))
-    w, x, y, z = product.tolist()
+    w, x, y, z = cleared(product)
     return [x, y, z, w]

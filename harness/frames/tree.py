@@ -55,17 +55,14 @@ def check_tree(root: str, edges: Iterable[tuple[str, str]], where: object) -> No
             one, two = parent_of[child], parent
             raise UsageError(f"{where}: frame '{child}' has two parents, {one} and {two}; leave one out")
         if child == root:
-            raise UsageError(
-                f"{where}: frame '{root}' is the base and has no parent; leave out {parent}"
-            )
+            mend = f"leave out {parent}"
+            raise UsageError(f"{where}: frame '{root}' is the base and has no parent; {mend}")
         parent_of[child] = parent
     known = (root, *parent_of)
     for child, parent in parent_of.items():
         if parent not in known:
-            raise UsageError(
-                f"{where}: frame '{child}' has the parent '{parent}', which does not exist; "
-                f"available: {', '.join(known)}"
-            )
+            fault = f"frame '{child}' has the parent '{parent}', which does not exist"
+            raise UsageError(f"{where}: {fault}; available: {', '.join(known)}")
     try:
         TopologicalSorter({child: [parent] for child, parent in parent_of.items()}).prepare()
     except CycleError as error:

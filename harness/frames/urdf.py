@@ -63,9 +63,8 @@ def _add_inertial(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     _add_origin(inertial, centre)
     ET.SubElement(inertial, "mass", value=_text([model.body_mass[body]]))
     rows, columns = np.triu_indices(3)
-    named = {
-        f"i{'xyz'[i]}{'xyz'[j]}": _text([inertia[i, j]]) for i, j in zip(rows, columns, strict=True)
-    }
+    cells = zip(rows, columns, strict=True)
+    named = {f"i{'xyz'[i]}{'xyz'[j]}": _text([inertia[i, j]]) for i, j in cells}
     ET.SubElement(inertial, "inertia", named)
 
 
@@ -98,10 +97,10 @@ def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
     elif kind in (CYLINDER, CAPSULE):
         yield "cylinder", {"radius": _text([x]), "length": _text([2 * y])}, np.eye(4)
         for end in (-y, y) if kind == CAPSULE else ():
-            yield "sphere", {"radius": _text([x])}, _shifted([0.0, 0.0, end])
+            yield "sphere", {"radius": _text([x])}, homogeneous((0.0, 0.0, end), np.eye(3))
     else:
         centre, half_size = np.split(model.geom_aabb[geom], 2)
-        yield "box", {"size": _text(2 * half_size)}, _shifted(centre)
+        yield "box", {"size": _text(2 * half_size)}, homogeneous(centre, np.eye(3))
 
 
 def _mesh(model: mujoco.MjModel, mesh: int) -> Shape:
@@ -134,9 +133,8 @@ def _add_joint(robot: ET.Element, link: Link, frames: RoverFrames) -> None:
 def _joint_type(model: mujoco.MjModel, joint: int) -> str:
     if joint < 0:
         return "fixed"
-    if model.jnt_type[joint] == SLIDE:
-        return "prismatic"
-    return "revolute" if model.jnt_limited[joint] else "continuous"
+    turning = "revolute" if model.jnt_limited[joint] else "continuous"
+    return "prismatic" if model.jnt_type[joint] == SLIDE else turning
 
 
 def _limits(model: mujoco.MjModel, joint: int) -> dict[str, str]:
@@ -149,10 +147,6 @@ def _limits(model: mujoco.MjModel, joint: int) -> dict[str, str]:
         lower, upper = model.jnt_range[joint]
         limits |= {"lower": _text([lower]), "upper": _text([upper])}
     return limits
-
-
-def _shifted(translation: Iterable[float]) -> Matrix:
-    return homogeneous(np.array(list(translation)), np.eye(3))
 
 
 def _angles(pose: Matrix) -> list[float]:

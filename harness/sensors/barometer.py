@@ -21,8 +21,7 @@ class Pressure:
     """Static pressure; names are those of sensor_msgs/FluidPressure.
 
     Attributes:
-        fluid_pressure: [Pa].
-        variance: [Pa^2]; 0 if there is no noise.
+        fluid_pressure: Pressure [Pa], whose variance [Pa^2] is 0 if there is no noise.
     """
 
     stamp_ns: int
@@ -55,7 +54,6 @@ class BarometerSensor(ChipSensor[BarometerOptions]):
     def read(self) -> Pressure:
         """Returns the pressure where the sensor is."""
         stamp_ns = self._simulation.time_ns
-        (_, _, z), _ = self.pose()
-        pressure = standard_pressure(self._datum.altitude + z)
+        pressure = standard_pressure(self._datum.altitude + self.pose()[0, 2].item())
         read, _, _ = self._triad.corrupt((pressure, 0.0, 0.0), stamp_ns)
         return Pressure(stamp_ns, self.name, read, self._errors.variance)

@@ -21,11 +21,9 @@ class EpisodeParts:
     """What the sensors of an episode are made from; a sensor whose part is None is not made.
 
     Attributes:
-        simulation: The rover in its world.
         lidar: The planar lidar that every rover has.
         recorder: Knows contacts, slip and the way.
         install: Gives an optional sensor its place, its generator and its noise.
-        frames: The frames of the rover.
         frame_options: Which transforms are published.
         sensors: The sensors of the episode by source; those of later rows follow.
     """
@@ -63,7 +61,7 @@ class Sensor:
         """Takes a tick that has just been simulated into account; called after every tick."""
 
     def before_reset(self) -> None:
-        """Called when the rover is about to be put back to its start."""
+        """Called when the rover is about to be put elsewhere, mostly back to its start."""
 
     def after_reset(self) -> None:
-        """Called when the rover has been put back to its start."""
+        """Called when the rover has been put there."""

@@ -47,6 +47,7 @@ class ChipSensor(OptionalSensor[Chip]):
         super().__init__(simulation, installation, period_ticks)
         options, noise = installation.options, installation.noise
         by_noise = options.hardware if noise is not None and noise.name == HARDWARE.name else NO_ERRORS
-        self._datum, self._preset = installation.datum, options.preset or by_noise
+        self._options, self._datum = options, installation.datum
+        self._preset = options.preset or by_noise
         self._errors = options.errors[self._preset]
         self._triad = AxisTriad(self._errors, installation.rng)

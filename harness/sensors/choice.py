@@ -27,11 +27,7 @@ def by_default() -> tuple[SensorRow, ...]:
 
 
 def chosen(rover: RoverSpec, asked: Sequence[SensorChoice] | None) -> tuple[SensorRow, ...]:
-    """Returns the rows of a run, in publishing order.
-
-    Args:
-        rover: Whose `sensors:` are carried unless others are asked for.
-        asked: Names of that list, or kinds of optional sensors; None for all of the list.
+    """Returns the rows of a run, in publishing order: with those asked for, or all of the rover.yaml.
 
     Raises:
         UsageError: One of them does not exist or is not valid, or two have the same name or topic.
@@ -39,9 +35,9 @@ def chosen(rover: RoverSpec, asked: Sequence[SensorChoice] | None) -> tuple[Sens
     where = f"{rover.folder / 'rover.yaml'}: sensors"
     listed = _listed(rover.sensors, where)
     if asked is None:
-        wanted = [(name, entry, f"{where}, '{name}'") for name, entry in listed]
+        wanted = [(name, entry, f"{where}, '{name}'") for name, entry in listed.items()]
     else:
-        wanted = [_asked(choice, dict(listed), where) for choice in asked]
+        wanted = [_asked(choice, listed, where) for choice in asked]
         if twice := _twice(name for name, _, _ in wanted):
             raise UsageError(f"--sensors has '{twice}' twice; leave one out")
     always = (row for row in table.SENSORS if row.options is None)
@@ -56,35 +52,31 @@ def _twice(names: Iterable[str]) -> str:
     return next((name for name, count in counts.items() if count > 1), "")
 
 
-def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> list[tuple[str, dict[str, Any]]]:
-    """The entries of rover.yaml with their names."""
-    named = []
+def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> dict[str, Mapping[str, Any]]:
+    """The entries of rover.yaml by their names."""
+    named: dict[str, Mapping[str, Any]] = {}
     for number, entry in enumerate(entries, 1):
-        kind = entry.get("kind")
-        if kind is None:
-            raise UsageError(
-                f"{where} [{number}]: key 'kind' is missing; give one of {', '.join(kinds())}"
-            )
-        named.append((str(entry.get("name", kind)), dict(entry)))
-    if twice := _twice(name for name, _ in named):
-        raise UsageError(f"{where}: two are named '{twice}'; give each a name of its own")
+        if (kind := entry.get("kind")) is None:
+            valid = ", ".join(kinds())
+            raise UsageError(f"{where} [{number}]: key 'kind' is missing; give one of {valid}")
+        name = str(entry.get("name", kind))
+        if name in named:
+            raise UsageError(f"{where}: two are named '{name}'; give each a name of its own")
+        named[name] = entry
     return named
 
 
 def _asked(
-    choice: SensorChoice, listed: Mapping[str, dict[str, Any]], where: str
-) -> tuple[str, dict[str, Any], str]:
+    choice: SensorChoice, listed: Mapping[str, Mapping[str, Any]], where: str
+) -> tuple[str, Mapping[str, Any], str]:
     """A sensor of --sensors: its name, its options, and where these stand."""
-    name, preset = choice.name, choice.preset
-    source, there = f"--sensors {choice}", listed.get(name)
-    if there is not None:
-        source = f"{where}, '{name}'"
-    elif name not in kinds():
-        if name == NONE:
-            raise UsageError("--sensors none stands alone; leave out the others, or none")
-        find_named("sensor", name, dict.fromkeys((*listed, *kinds(), NONE)))
-    entry = (there or {"kind": name}) | ({"preset": preset} if preset else {})
-    return name, entry, source
+    name, preset = choice.name, {"preset": choice.preset} if choice.preset else {}
+    if name in listed:
+        return name, {**listed[name], **preset}, f"{where}, '{name}'"
+    if name == NONE:
+        raise UsageError("--sensors none stands alone; leave out the others, or none")
+    find_named("sensor", name, dict.fromkeys((*listed, *kinds(), NONE)))
+    return name, {"kind": name, **preset}, f"--sensors {choice}"
 
 
 def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
@@ -113,8 +105,7 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
 
 def _check_apart(rows: Iterable[SensorRow]) -> None:
     """Checks that no two sensors have the same name, or the same topic."""
-    names: set[str] = {"clock"}
-    owner = dict.fromkeys(RESERVED, "the run itself")
+    names, owner = {"clock"}, dict.fromkeys(RESERVED, "the run itself")
     for row in rows:
         name = row.fault or row.sample.__name__
         if name in names:
@@ -123,7 +114,5 @@ def _check_apart(rows: Iterable[SensorRow]) -> None:
         for topic in row.topics:
             other = owner.setdefault(topic.name, name)
             if other != name:
-                raise UsageError(
-                    f"/{topic.name} is the topic of {other} and of {name}; give '{name}' another topic: "
-                    "in rover.yaml"
-                )
+                both = f"/{topic.name} is the topic of {other} and of {name}"
+                raise UsageError(f"{both}; give '{name}' another topic: in rover.yaml")

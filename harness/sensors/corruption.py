@@ -62,8 +62,7 @@ class AxisTriad:
 
     def _wander(self, stamp_ns: int) -> None:
         elapsed = 0.0 if self._stamp_ns is None else (stamp_ns - self._stamp_ns) / NANOSECONDS
-        self._stamp_ns = stamp_ns
-        errors = self._errors
+        self._stamp_ns, errors = stamp_ns, self._errors
         kept = math.exp(-elapsed / errors.correlation_time)
         renewed = errors.bias * math.sqrt(1.0 - kept**2)
         gained = math.hypot(errors.walk * math.sqrt(elapsed), renewed)
@@ -91,7 +90,7 @@ class RangeErrors(Value):
         Args:
             ranges: Exact ones [m], shape (beams,); +inf where nothing is.
             limits: Nearest and farthest range that can be read [m].
-            rng: The scan's source of randomness.
+            rng: Draws the errors.
         """
         read = (ranges + _gaussian(rng, self.white, ranges.shape)).astype(np.float32)  # inf stays inf
         if self.step:
@@ -126,12 +125,12 @@ class ContactChatter:
     friction: float
 
     def shake(self, force: Vector3, wheel_speed: float, rng: np.random.Generator) -> Vector3:
-        """Returns the specific force of one step in the IMU's frame [m/s^2].
+        """Returns the specific force of one step [m/s^2].
 
         Args:
-            force: Mean over the window, in the same frame [m/s^2].
+            force: Mean over the window, in the IMU's frame as what is returned [m/s^2].
             wheel_speed: Speed by the wheels [m/s].
-            rng: The IMU's source of randomness.
+            rng: Draws what happens.
         """
         load = rng.gamma(self.shape, 1.0 / self.shape)
         along, across = self.friction * math.hypot(*force) * rng.uniform(-1.0, 1.0, 2)
@@ -140,9 +139,8 @@ class ContactChatter:
         )
         load = load if disturbed else 1.0
         x, y, z = force
-        if not slides:
-            return load * x, load * y, load * z
-        return load * (x + along), load * (y + across), load * z
+        x, y = (x + along, y + across) if slides else (x, y)
+        return load * x, load * y, load * z
 
 
 def _gaussian(rng: np.random.Generator, deviation: float, shape: tuple[int, ...]) -> NDArray[np.float64]:

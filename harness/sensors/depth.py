@@ -10,6 +10,7 @@ from pydantic import Field
 
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
+from harness.sensors.camera.lens import Pinhole
 from harness.sensors.ranging import RangeOptions
 from harness.spec.value import Length, NotNegative
 
@@ -55,26 +56,12 @@ class DepthOptions(RangeOptions):
         """Number of pixels."""
         return self.width * self.height
 
-    @property
-    def focal_length(self) -> float:
-        """Focal length along both axes [pixels]."""
-        return self.width / (2.0 * math.tan(self.fov / 2.0))
-
-    @property
-    def centre(self) -> tuple[float, float]:
-        """Where the optical axis meets the image [pixels]; whole numbers are the middles of pixels."""
-        return (self.width - 1) / 2.0, (self.height - 1) / 2.0
-
     def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
         """Returns its mount and its optical frame."""
         frame = super().frame_id
-        mount = self.mount(rover, frame)
-        return (*mount, FrameRow(parent=frame, child=self.frame_id, rpy=OPTICAL_RPY))
+        return (*self.mount(rover, frame), FrameRow(parent=frame, child=self.frame_id, rpy=OPTICAL_RPY))
 
     def directions(self) -> NDArray[np.float64]:
         """Returns vectors of depth 1 in the optical frame, row by row from the top, shape (rays, 3)."""
-        (x, y), focal = self.centre, self.focal_length
-        right, down = np.meshgrid(
-            (np.arange(self.width) - x) / focal, (np.arange(self.height) - y) / focal
-        )
+        right, down = Pinhole(self.width, self.height, self.fov).offsets()
         return np.column_stack([right.ravel(), down.ravel(), np.ones(self.rays)])

@@ -22,8 +22,7 @@ class Datum:
     """The world's origin.
 
     Attributes:
-        latitude: Degrees, north positive.
-        longitude: Degrees, east positive.
+        latitude, longitude: Degrees, north and east positive.
         altitude: Above the WGS-84 ellipsoid [m].
     """
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.samples import Vector3, plain_value
+from harness.samples import plain_value
 from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
 from harness.sensors.optional import Rate
@@ -16,7 +16,6 @@ PER_CEP = 1.0 / math.sqrt(2.0 * math.log(2.0))
 PER_R50 = 1.0 / 0.674490
 UNKNOWN, DIAGONAL_KNOWN = 0, 2  # sensor_msgs/NavSatFix: COVARIANCE_TYPE_...
 FIX, GROUND_BASED = 0, 2  # sensor_msgs/NavSatStatus: STATUS_FIX, STATUS_GBAS_FIX
-ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 
 
 @plain_value
@@ -24,8 +23,7 @@ class GnssFix:
     """Position of the antenna on WGS-84; names and codes are those of sensor_msgs/NavSatFix.
 
     Attributes:
-        latitude: Degrees, north positive.
-        longitude: Degrees, east positive.
+        latitude, longitude: Degrees, north and east positive.
         altitude: Above the ellipsoid [m].
         position_covariance: East, north, up by rows [m^2]; zeros if the type says unknown.
         fix: The status of NavSatStatus.
@@ -41,7 +39,7 @@ class GnssFix:
     fix: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class GnssClass:
     """A class of receivers.
 
@@ -62,29 +60,25 @@ class GnssClass:
         return (level, 0.0, 0.0, 0.0, level, 0.0, 0.0, 0.0, level * self.vertical**2)
 
 
-EXACT = GnssClass(horizontal=AxisErrors(), vertical=1.0, fix=FIX)
-# u-blox ZED-F9P (integration manual UBX-18010802): RTK 0.01 m + 1 ppm of the way to the base CEP, which
-# is near here; as much R50 upwards is at second hand (docs/sensors.md). How much of it wanders, and how
-# slowly, are estimates: half of the variance, in 10 s.
-RTK = GnssClass(
-    horizontal=AxisErrors(
-        white=0.01 * PER_CEP * math.sqrt(0.5),
-        bias=0.01 * PER_CEP * math.sqrt(0.5),
-        correlation_time=10.0,
+HALF_OF_RTK = 0.01 * PER_CEP * math.sqrt(0.5)
+CLASSES = {
+    NO_ERRORS: GnssClass(AxisErrors(), vertical=1.0, fix=FIX),
+    # u-blox ZED-F9P (integration manual UBX-18010802): RTK 0.01 m + 1 ppm of the way to the base CEP,
+    # which is near here; as much R50 upwards is at second hand (docs/sensors.md). How much of it
+    # wanders, and how slowly, are estimates: half of the variance, in 10 s.
+    "rtk": GnssClass(
+        AxisErrors(white=HALF_OF_RTK, bias=HALF_OF_RTK, correlation_time=10.0),
+        vertical=PER_R50 / PER_CEP,
+        fix=GROUND_BASED,
     ),
-    vertical=PER_R50 / PER_CEP,
-    fix=GROUND_BASED,
-)
-# u-blox NEO-M8N: 2.5 m CEP, at second hand; its data sheet was not read. Twice that upwards, 0.2 m of
-# white noise and 100 s are estimates: the errors of orbits, ionosphere and paths wander together.
-CONSUMER = GnssClass(
-    horizontal=AxisErrors(
-        white=0.2, bias=math.sqrt((2.5 * PER_CEP) ** 2 - 0.2**2), correlation_time=100.0
+    # u-blox NEO-M8N: 2.5 m CEP, at second hand; its data sheet was not read. Twice that upwards, 0.2 m
+    # of white noise and 100 s are estimates: errors of orbits, ionosphere and paths wander together.
+    "consumer": GnssClass(
+        AxisErrors(white=0.2, bias=math.sqrt((2.5 * PER_CEP) ** 2 - 0.2**2), correlation_time=100.0),
+        vertical=2.0,
+        fix=FIX,
     ),
-    vertical=2.0,
-    fix=FIX,
-)
-CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
+}
 
 
 class GnssOptions(ChipOptions):
@@ -109,15 +103,8 @@ class GnssSensor(ChipSensor[GnssOptions]):
     def read(self) -> GnssFix:
         """Returns a fix of where the antenna is now."""
         stamp_ns, kind = self._simulation.time_ns, CLASSES[self._preset]
-        (x, y, z), _ = self.pose()
-        east, north, up = self._triad.corrupt(ORIGIN, stamp_ns)
-        place = (x + east, y + north, z + kind.vertical * up)
-        covariance = kind.covariance
-        return GnssFix(
-            stamp_ns,
-            self.name,
-            *self._datum.geodetic(place),
-            covariance,
-            DIAGONAL_KNOWN if any(covariance) else UNKNOWN,
-            kind.fix,
-        )
+        x, y, z = self.pose()[0].tolist()
+        east, north, up = self._triad.corrupt((0.0, 0.0, 0.0), stamp_ns)
+        place = self._datum.geodetic((x + east, y + north, z + kind.vertical * up))
+        known = DIAGONAL_KNOWN if any(kind.covariance) else UNKNOWN
+        return GnssFix(stamp_ns, self.name, *place, kind.covariance, known, kind.fix)

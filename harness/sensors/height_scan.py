@@ -6,6 +6,7 @@ those of what is met first from above; moving obstacles are where they are now.
 
 import math
 from collections.abc import Mapping
+from copy import copy
 from typing import TYPE_CHECKING, ClassVar, Final, Literal, Self
 
 import numpy as np
@@ -18,8 +19,6 @@ from harness.sensors.optional import Installation, OptionalSensor, Rate, SensorO
 from harness.spec.value import Length
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    import mujoco
-
     from harness.physics.simulation import Simulation
 
 ROVER: Final = "rover"  # ahead and left of the rover
@@ -37,9 +36,7 @@ class HeightScan:
         heights: Heights of the cells' middles over the origin of the sensor's frame [m], float32,
             shape (cells along the first axis, along the second), each from the lowest coordinate
             up; NaN off the map.
-        x: x of the grid's middle, which is that origin, in the world [m].
-        y: y of the grid's middle [m].
-        z: z of the grid's middle [m].
+        x, y, z: The grid's middle, which is that origin, in the world [m].
         yaw: Angle from the world's x axis to the grid's first one [rad].
     """
 
@@ -80,18 +77,16 @@ class HeightScanOptions(SensorOptions):
         return (FrameRow(parent=parent, child=self.frame_id, xyz=self.xyz, rpy=self.rpy),)
 
     @property
-    def cells(self) -> tuple[int, int]:
+    def cells(self) -> tuple[int, ...]:
         """Returns the number of cells along each axis."""
-        along, across = (max(1, round(length / self.resolution)) for length in self.size)
-        return along, across
+        return tuple(max(1, round(length / self.resolution)) for length in self.size)
 
     @model_validator(mode="after")
     def _check_cells(self) -> Self:
         if math.prod(length / self.resolution for length in self.size) > MOST_CELLS:
-            raise ValueError(
-                f"a height scan of {self.size[0]:g} x {self.size[1]:g} m at {self.resolution:g} m has "
-                f"more than {MOST_CELLS} cells; give a smaller size or a coarser resolution"
-            )
+            scan = "a height scan of {:g} x {:g} m at {:g} m".format(*self.size, self.resolution)
+            mend = "give a smaller size or a coarser resolution"
+            raise ValueError(f"{scan} has more than {MOST_CELLS} cells; {mend}")
         return self
 
 
@@ -112,17 +107,19 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
         middles = ((np.arange(n) - 0.5 * (n - 1)) * options.resolution for n in options.cells)
         self._along, self._across = np.meshgrid(*middles, indexing="ij")
         self._reach = float(np.hypot(self._along, self._across).max())
-        self._others = simulation.scene.others()
-        self._obstacles = np.append(
-            np.flatnonzero(simulation.model.geom_group == OBSTACLE_GROUP), self._others
-        ).astype(int)
-        self._group = np.zeros(6, np.uint8)
-        self._group[OBSTACLE_GROUP] = 1
+        self._model = simulation.model
+        if others := simulation.scene.others():  # they are met as obstacles are, even if transparent
+            self._model = copy(simulation.model)
+            self._model.geom_group[others], self._model.geom_matid[others] = OBSTACLE_GROUP, -1
+            self._model.geom_rgba[others, 3] = 1.0
+        self._obstacles = np.flatnonzero(self._model.geom_group == OBSTACLE_GROUP)
+        self._group = (np.arange(6) == OBSTACLE_GROUP).astype(np.uint8)
 
     def read(self) -> HeightScan:
         """Returns the heights around where the rover is now."""
-        simulation, ((x, y, z), axes) = self._simulation, self.pose()
-        yaw = math.atan2(axes[1, 0], axes[0, 0]) if self._turns else 0.0
+        simulation, pose = self._simulation, self.pose()
+        x, y, z = pose[0].tolist()
+        yaw = math.atan2(pose[2, 0], pose[1, 0]) if self._turns else 0.0
         cos, sin = math.cos(yaw), math.sin(yaw)
         east = x + cos * self._along - sin * self._across
         north = y + sin * self._along + cos * self._across
@@ -139,7 +136,7 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
         import mujoco  # noqa: PLC0415 - see the module
 
         tops = np.full(east.shape, -np.inf)
-        model, data = self._simulation.model, self._simulation.data
+        model, data = self._model, self._simulation.data
         centres, radii = data.geom_xpos[self._obstacles], model.geom_rbound[self._obstacles]
         near = np.hypot(*(centres[:, :2] - middle).T) <= radii + self._reach
         if not near.any():
@@ -152,20 +149,6 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
             at = tuple(cell)
             point = np.array([east[at], north[at], start])
             distance = mujoco.mj_ray(model, data, point, DOWN, self._group, 1, -1, hit)
-            below = [distance, *(_down_to(geom, model, data, point) for geom in self._others)]
-            hits = [distance for distance in below if distance >= 0.0]
-            if hits:
-                tops[at] = start - min(hits)
+            if distance >= 0.0:
+                tops[at] = start - distance
         return tops
-
-
-def _down_to(
-    geom: int, model: "mujoco.MjModel", data: "mujoco.MjData", point: NDArray[np.float64]
-) -> float:
-    """How far below a point a part of another rover begins [m]; negative if it does not."""
-    import mujoco  # noqa: PLC0415 - see the module
-
-    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
-        return float(mujoco.mj_rayMesh(model, data, geom, point, DOWN))
-    place = data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom]
-    return float(mujoco.mju_rayGeom(*place, point, DOWN, model.geom_type[geom]))

@@ -24,9 +24,9 @@ class Lidar:
 
     Args:
         model: Of the scene.
-        spec: Its beams.
+        spec: Its beams and limits.
         site: The site's name.
-        others: The geoms of other rovers.
+        others: Indices of the geoms of other rovers.
     """
 
     def __init__(
@@ -39,9 +39,8 @@ class Lidar:
         angles = self.spec.angles
         self._beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
         self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
-        self._pose = np.empty((4, 3))
-        self._directions = np.empty_like(self._beams)
-        self._distances, self._clear = np.empty_like(angles), np.zeros_like(angles)
+        self._directions, self._distances = np.empty_like(self._beams), np.empty_like(angles)
+        self._clear = np.zeros_like(angles)
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
@@ -49,13 +48,12 @@ class Lidar:
         +inf: nothing within range_max; -inf: something nearer than range_min. The poses in `data`
         must be those of its qpos: after mj_step, call mj_kinematics first.
         """
-        pose, directions, distances = self._pose, self._directions, self._distances
-        pose[0] = data.site_xpos[self._site]
-        pose[1:] = data.site_xmat[self._site].reshape(3, 3)
+        pose = np.vstack([data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)])
+        directions, distances = self._directions, self._distances
         np.matmul(self._beams, pose[1:].T, out=directions)
         distances.fill(np.inf)
-        positions, matrices = data.geom_xpos, data.geom_xmat
-        cast_fan(*self._obstacles, positions, matrices, pose, directions, self._fan, distances)
+        poses = data.geom_xpos, data.geom_xmat, pose
+        cast_fan(*self._obstacles, *poses, directions, self._fan, distances)
         # Obstacles first: the terrain is then walked no further than to them.
         cast_rays(*self._terrain, pose[0], directions, self._clear, self.spec.range_max, distances)
         self.surroundings.cast_meshes(data, pose[0], directions, self.spec.range_max, distances)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from harness.sensors.ranging import RangeOptions, check_span
+from harness.sensors.ranging import RangeOptions
 from harness.spec.value import Length, NotNegative
 
 DEGREE = math.pi / 180.0
@@ -44,7 +44,6 @@ class PlanarLidarOptions(RangeOptions):
             "angle_min": -135.0 * DEGREE,
             "angle_max": 135.0 * DEGREE,
             "range_min": 0.1,
-            "range_max": 30.0,
             "rate": 25,
         },
     }
@@ -63,13 +62,12 @@ class PlanarLidarOptions(RangeOptions):
 
     def directions(self) -> NDArray[np.float64]:
         """Returns unit vectors, shape (beams, 3)."""
-        return _unit_vectors(
-            np.linspace(self.angle_min, self.angle_max, self.beams), np.zeros(self.beams)
-        )
+        azimuths = np.linspace(self.angle_min, self.angle_max, self.beams)
+        return _unit_vectors(azimuths, np.zeros(self.beams))
 
     @model_validator(mode="after")
     def _check_field_of_view(self) -> Self:
-        check_span("a field of view", self.angle_min, self.angle_max, math.pi)
+        _check_span("a field of view", self.angle_min, self.angle_max, math.pi)
         return self
 
 
@@ -107,7 +105,6 @@ class CloudLidarOptions(RangeOptions):
             "columns": 1024,
             "range_min": 0.8,
             "range_max": 120.0,
-            "rate": 10,
         },
         "livox": {
             "rings": 40,
@@ -117,7 +114,6 @@ class CloudLidarOptions(RangeOptions):
             "pattern": SPIRAL,
             "range_min": 0.1,
             "range_max": 70.0,
-            "rate": 10,
         },
     }
 
@@ -159,18 +155,15 @@ class CloudLidarOptions(RangeOptions):
         around = span >= math.tau - 1e-4
         azimuths = np.linspace(self.angle_min, self.angle_max, self.columns, endpoint=not around)
         elevations = np.array(self.elevations or np.linspace(self.lowest, self.highest, self.rings))
-        return _unit_vectors(
-            np.tile(azimuths, len(elevations)), np.repeat(elevations[::-1], self.columns)
-        )
+        rows = np.repeat(elevations[::-1], self.columns)
+        return _unit_vectors(np.tile(azimuths, len(elevations)), rows)
 
     @model_validator(mode="after")
     def _check_field_of_view(self) -> Self:
-        check_span("a field of view", self.angle_min, self.angle_max, math.pi)
-        low, high = (
-            (self.elevations[0], self.elevations[-1]) if self.elevations else (self.lowest, self.highest)
-        )
+        _check_span("a field of view", self.angle_min, self.angle_max, math.pi)
+        given = self.elevations or (self.lowest, self.highest)
         if len(self.elevations or range(self.rings)) > 1:
-            check_span("elevations", low, high, math.pi / 2)
+            _check_span("elevations", given[0], given[-1], math.pi / 2)
         if list(self.elevations) != sorted(self.elevations):
             raise ValueError("elevations are not valid; give them from the lowest to the highest")
         if self.pattern == SPIRAL and (self.organised or self.elevations):
@@ -178,6 +171,15 @@ class CloudLidarOptions(RangeOptions):
                 "a spiral has no rings: leave out organised and elevations, or give pattern: rings"
             )
         return self
+
+
+def _check_span(name: str, low: float, high: float, widest: float) -> None:
+    """Checks that an angle goes from a lower to a higher one [rad], both at most `widest` from 0."""
+    if not -widest - 1e-4 <= low < high <= widest + 1e-4:
+        raise ValueError(
+            f"{name} from {low:g} to {high:g} rad is not valid; give a lower angle and a higher one, "
+            f"from {-widest:.6g} to {widest:.6g}"
+        )
 
 
 def _unit_vectors(azimuth: NDArray[np.float64], elevation: NDArray[np.float64]) -> NDArray[np.float64]:

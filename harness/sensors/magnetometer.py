@@ -1,19 +1,18 @@
 """A magnetometer: the Earth's field at the datum in the rover's axes, with the errors of its chip."""
 
-from typing import TYPE_CHECKING, Annotated
+from functools import cached_property
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator
 
 from harness.base.errors import UsageError
 from harness.samples import Vector3, plain_value
 from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
-from harness.sensors.optional import Installation, Rate
+from harness.sensors.optional import Rate
 from harness.spec.value import checked
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
 
 MICRO = 1e-6
 STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
@@ -69,20 +68,15 @@ class MagnetometerOptions(ChipOptions):
 class MagnetometerSensor(ChipSensor[MagnetometerOptions]):
     """The magnetometer; nothing of the rover is magnetic."""
 
-    def __init__(
-        self,
-        simulation: "Simulation",
-        installation: Installation[MagnetometerOptions],
-        period_ticks: int,
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        self._field = np.array(installation.options.field or self._datum.magnetic_field())
-        self._covariance = tuple((self._errors.variance * np.eye(3)).ravel().tolist())
+    @cached_property
+    def _field(self) -> NDArray[np.float64]:
+        """The field in the world's axes [T]."""
+        return np.array(self._options.field or self._datum.magnetic_field())
 
     def read(self) -> MagneticField:
         """Returns the field in the sensor's axes."""
-        _, axes = self.pose()
-        x, y, z = (self._field @ axes).tolist()
         stamp_ns = self._simulation.time_ns
+        x, y, z = (self._field @ self.pose()[1:]).tolist()
         read = self._triad.corrupt((x, y, z), stamp_ns)
-        return MagneticField(stamp_ns, self.name, read, self._covariance)
+        covariance = (self._errors.variance * np.eye(3)).ravel().tolist()
+        return MagneticField(stamp_ns, self.name, read, tuple(covariance))

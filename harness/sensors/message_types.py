@@ -78,11 +78,8 @@ def _no_number(node: Any) -> str | None:  # noqa: ANN401 - of rosbags
         return "it leads to text; give a field with numbers" if node[1][0] == "string" else None
     if node[1] not in typestore().fielddefs:
         return None
-    return f"it leads to a {node[1]}; go on with one of: {', '.join(_names(node[1]))}"
-
-
-def _names(type_name: str) -> list[str]:
-    return [name for name, _ in typestore().fielddefs[type_name][1]]
+    names = ", ".join(name for name, _ in typestore().fielddefs[node[1]][1])
+    return f"it leads to a {node[1]}; go on with one of: {names}"
 
 
 def numbers_at(message: Any, path: str) -> list[float]:  # noqa: ANN401 - of rclpy or of rosbags
@@ -98,12 +95,8 @@ def numbers_at(message: Any, path: str) -> list[float]:  # noqa: ANN401 - of rcl
         each = (_listed(getattr(one, name)) for one in found)
         chosen = (some[int(index) : int(index) + 1] if index else some for some in each)
         found = [one for some in chosen for one in some]
-    return list(map(_number, found))
+    return [float(one[0] if isinstance(one, bytes) else one) for one in found]  # a byte as of rclpy
 
 
 def _listed(value: Any) -> Any:  # noqa: ANN401 - a list, an array, or one value
     return value if hasattr(value, "__len__") and not isinstance(value, str | bytes) else [value]
-
-
-def _number(value: Any) -> float:  # noqa: ANN401 - a number, or a byte as rclpy gives it
-    return float(value[0]) if isinstance(value, bytes) else float(value)

@@ -22,7 +22,6 @@ class NoisePreset:
     Attributes:
         acceleration: Of specific force [m/s^2].
         angular_velocity: Of angular rate [rad/s].
-        ranges: Of the lidar.
         chatter: What shakes the IMU before its own errors come on top; None for nothing.
     """
 
@@ -50,15 +49,13 @@ HARDWARE = NoisePreset(
     # taken as three deviations, 8192 LSB/g; table 1: 0.1 deg/s, 5 deg/s as
     # three deviations, 65.5 LSB/(deg/s).
     # Ranges as Leo's firmware sets them (imu.cpp). The walks are estimates.
-    acceleration=AxisErrors(
-        white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4.0 * G
-    ),
+    acceleration=AxisErrors(white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4 * G),
     angular_velocity=AxisErrors(
         white=0.1 * DEGREE,
-        bias=5.0 / 3.0 * DEGREE,
+        bias=5 / 3 * DEGREE,
         walk=0.003 * DEGREE,
         step=DEGREE / 65.5,
-        limit=500.0 * DEGREE,
+        limit=500 * DEGREE,
     ),
     # Estimates for an RPLIDAR S2: +-30 mm (some say 50) taken as three deviations, 13 mm resolution,
     # 1 % lost.
@@ -103,15 +100,10 @@ class SensorNoise:
             ranges = self._preset.ranges.corrupt(sample.ranges, self._range_limits, self._scan_rng)
             return replace(sample, ranges=ranges)
         if isinstance(sample, Imu):
-            return self._corrupt_imu(sample)
+            force = sample.linear_acceleration
+            if self._preset.chatter is not None:
+                force = self._preset.chatter.shake(force, self._wheel_speed, self._imu_rng)
+            force = self._force.corrupt(force, sample.stamp_ns)
+            rate = self._rate.corrupt(sample.angular_velocity, sample.stamp_ns)
+            return replace(sample, linear_acceleration=force, angular_velocity=rate)
         return sample
-
-    def _corrupt_imu(self, imu: Imu) -> Imu:
-        force, chatter = imu.linear_acceleration, self._preset.chatter
-        if chatter is not None:
-            force = chatter.shake(force, self._wheel_speed, self._imu_rng)
-        return replace(
-            imu,
-            linear_acceleration=self._force.corrupt(force, imu.stamp_ns),
-            angular_velocity=self._rate.corrupt(imu.angular_velocity, imu.stamp_ns),
-        )

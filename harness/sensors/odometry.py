@@ -65,10 +65,8 @@ class WheelOdometry(Sensor):
 
     def _rolled(self, counts: list[int]) -> tuple[float, float]:
         """The way [m] and the turn [rad] since the last reading."""
-        rolled = [
-            (now - before) * self._metres_per_count
-            for now, before in zip(counts, self._counts, strict=True)
-        ]
+        since = zip(counts, self._counts, strict=True)
+        rolled = [(now - before) * self._metres_per_count for now, before in since]
         left = sum(rolled[place] for place in self._left) / len(self._left)
         right = sum(rolled[place] for place in self._right) / len(self._right)
         distance, separation = (left + right) / 2, self._rover.controller_separation

@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     from harness.physics.simulation import Simulation
     from harness.sensors.rays.bundle import Surroundings
 
-WORD = r"[A-Za-z]\w*"
+WORD = r"[A-Za-z][A-Za-z0-9_]*"
 LIDAR_FRAME = "lidar_link"
 Rate = Annotated[int, AfterValidator(checked(period_ticks))]  # [Hz], whole ticks of the clock apart
 
@@ -81,20 +81,16 @@ class SensorOptions(Value):
     def mount(self, rover: RoverSpec, child: str) -> tuple[FrameRow, ...]:
         """Returns the frame of its mount; none if it is one that the rover has already."""
         known = {LIDAR_FRAME, rover.imu_frame, *(row.child for row in rover.frames)}
-        if not self.parent and child in known:
+        if self.parent:
+            return (FrameRow(parent=self.parent, child=child, xyz=self.xyz, rpy=self.rpy),)
+        if child in known:
             return ()
-        parent, (x, y, z) = self.parent or rover.odometry_child_frame, self.xyz
-        if not self.parent:
-            x, z = x + rover.lidar_x, z + rover.lidar_height - rover.rest_height
-        return (FrameRow(parent=parent, child=child, xyz=(x, y, z), rpy=self.rpy),)
+        (x, y, z), base = self.xyz, rover.odometry_child_frame
+        xyz = x + rover.lidar_x, y, z + rover.lidar_height - rover.rest_height
+        return (FrameRow(parent=base, child=child, xyz=xyz, rpy=self.rpy),)
 
     def topic_name(self, last: str, *, alone: bool) -> str:
-        """Returns the name of one of its topics.
-
-        Args:
-            last: What it is called among the sensor's own.
-            alone: Whether the kind has no other.
-        """
+        """Returns the name of the topic that ends so, or that is alone."""
         return self.topic if self.topic and alone else f"{self.topic or self.name}/{last}"
 
 
@@ -103,13 +99,7 @@ Given = TypeVar("Given", bound=SensorOptions, covariant=True)  # noqa: PLC0105 -
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """A frame that is fixed to a body of the scene.
-
-    Attributes:
-        body: Index of the body.
-        xyz: Origin of the frame in the body [m], shape (3,).
-        axes: Rotation R_body_sensor, shape (3, 3).
-    """
+    """A frame that is fixed to a body of the scene: origin [m] and R_body_sensor, shape (3, 3)."""
 
     body: int
     xyz: NDArray[np.float64]
@@ -129,8 +119,6 @@ class Installation(Generic[Given]):
     """What an optional sensor of an episode is made with.
 
     Attributes:
-        options: Of the kind's own class.
-        mount: Where it is.
         rng: Its own source of randomness.
         datum: The origin of the world on the Earth.
         surroundings: What its rays can meet.
@@ -154,12 +142,9 @@ class OptionalSensor(Sensor, Generic[Given]):
         super().__init__(simulation, period_ticks)
         self.name, self._mount = installation.options.name, installation.mount
 
-    def pose(self) -> tuple[Vector3, NDArray[np.float64]]:
-        """Returns where the sensor is now: its origin [m] and R_world_sensor, shape (3, 3)."""
+    def pose(self) -> NDArray[np.float64]:
+        """Returns where the sensor is now: its origin [m] and below it R_world_sensor, shape (4, 3)."""
         from mujoco import mj_kinematics  # noqa: PLC0415 - whoever only publishes does without
 
-        data = self._simulation.data
-        mj_kinematics(self._simulation.model, data)  # poses are one step old
-        pose = self._mount.pose(data)
-        x, y, z = pose[0].tolist()
-        return (x, y, z), pose[1:]
+        mj_kinematics(self._simulation.model, self._simulation.data)  # poses are one step old
+        return self._mount.pose(self._simulation.data)

@@ -16,12 +16,7 @@ RATE = 30  # [Hz]
 
 
 class PeopleSensor(Sensor):
-    """Positions and headings of everybody.
-
-    Args:
-        simulation: Has the time of the readings.
-        crowd: The people.
-    """
+    """Positions and headings of everybody in a crowd."""
 
     def __init__(self, simulation: Simulation, crowd: Crowd) -> None:
         super().__init__(simulation, HIGHEST_RATE // RATE)
@@ -34,10 +29,6 @@ class PeopleSensor(Sensor):
     def read(self) -> ActorPoses:
         """Returns where everybody is."""
         crowd = self._crowd
-        return ActorPoses(
-            stamp_ns=self._simulation.time_ns,
-            position=tuple(crowd.positions()),
-            orientation=tuple(
-                (0.0, 0.0, math.sin(place.yaw / 2), math.cos(place.yaw / 2)) for place in crowd.places
-            ),
-        )
+        halves = [place.yaw / 2 for place in crowd.places]
+        turned = tuple((0.0, 0.0, math.sin(half), math.cos(half)) for half in halves)
+        return ActorPoses(self._simulation.time_ns, tuple(crowd.positions()), turned)

@@ -1,6 +1,5 @@
 """The sensor behind optional lidars and depth cameras: exact rays from its mount, then its errors."""
 
-import mujoco
 import numpy as np
 
 from harness.physics.simulation import Simulation
@@ -30,8 +29,7 @@ class RangeSensor(OptionalSensor[RangeOptions]):
     def read(self) -> RangeReading:
         """Returns what it sees from where the rover is now."""
         simulation = self._simulation
-        mujoco.mj_kinematics(simulation.model, simulation.data)  # poses are one step old
-        distances = self._bundle.cast(simulation.data, self._mount.pose(simulation.data))
+        distances = self._bundle.cast(simulation.data, self.pose())
         exact = (distances / self._lengths).astype(np.float32)
         ranges = self._errors.corrupt(exact, self._limits, self._rng)
         return RangeReading(simulation.time_ns, self.name, ranges, self._bundle.on_obstacle.copy())

@@ -22,7 +22,6 @@ class RangeReading:
     """What an optional lidar or depth camera has read at once, in its frame.
 
     Attributes:
-        sensor: Its name.
         ranges: Float32, shape (n,): how often each of the directions fits between sensor and surface; of
             a lidar the distance, of a camera the depth [m]. REP-117 coded.
         on_obstacle: Whether it was an obstacle that a ray met and not the ground, shape (n,).
@@ -59,29 +58,8 @@ class RangeOptions(SensorOptions):
     @model_validator(mode="after")
     def _check_rays(self) -> Self:
         if self.range_min >= self.range_max:
-            raise ValueError(
-                f"range_min {self.range_min:g} m and range_max {self.range_max:g} m are not valid; "
-                "give a higher range_max"
-            )
+            both = f"range_min {self.range_min:g} m and range_max {self.range_max:g} m"
+            raise ValueError(f"{both} are not valid; give a higher range_max")
         if self.rays > MOST_RAYS:
             raise ValueError(f"{self.rays:,} rays a reading are not valid; give 1 to {MOST_RAYS:,}")
         return self
-
-
-def check_span(name: str, low: float, high: float, widest: float) -> None:
-    """Checks that an angle lies between two others that are not too far apart.
-
-    Args:
-        name: What the message calls the angle.
-        low: Where it begins [rad].
-        high: Where it ends [rad].
-        widest: How far both may be from 0 [rad].
-
-    Raises:
-        ValueError: It does not.
-    """
-    if not -widest - 1e-4 <= low < high <= widest + 1e-4:
-        raise ValueError(
-            f"{name} from {low:g} to {high:g} rad is not valid; give a lower angle and a higher one, "
-            f"from {-widest:.6g} to {widest:.6g}"
-        )

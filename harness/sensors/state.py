@@ -44,12 +44,8 @@ class ImuSensor(Sensor):
         """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
         mujoco.mju_mulQuat(self._attitude, self._simulation.pose[3:], self._mounting)
         w, x, y, z = self._attitude.tolist()
-        reading = Imu(
-            stamp_ns=self._simulation.time_ns,
-            orientation=(x, y, z, w),
-            angular_velocity=_mean(self._rate_sum, self._steps),
-            linear_acceleration=_mean(self._force_sum, self._steps),
-        )
+        rate, force = _mean(self._rate_sum, self._steps), _mean(self._force_sum, self._steps)
+        reading = Imu(self._simulation.time_ns, (x, y, z, w), rate, force)
         self.after_reset()
         return reading
 
@@ -68,14 +64,8 @@ class GroundTruthSensor(Sensor):
         simulation = self._simulation
         x, y, _ = simulation.position
         wx, wy, wz = simulation.twist[3:].tolist()
-        return GroundTruth(
-            stamp_ns=simulation.time_ns,
-            x=x,
-            y=y,
-            yaw=simulation.yaw,
-            linear_velocity=simulation.velocity,
-            angular_velocity=(wx, wy, wz),
-        )
+        turning = wx, wy, wz
+        return GroundTruth(simulation.time_ns, x, y, simulation.yaw, simulation.velocity, turning)
 
 
 class JointSensor(Sensor):
@@ -83,20 +73,16 @@ class JointSensor(Sensor):
 
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
-        model, scene = simulation.model, simulation.scene
-        joints = scene.all_own(scene.rover.joints)
-        self._qpos = np.array([int(model.joint(name).qposadr[0]) for name in joints])
-        self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
+        scene = simulation.scene
+        joints = [simulation.model.joint(name) for name in scene.all_own(scene.rover.joints)]
+        self._qpos = np.array([int(joint.qposadr[0]) for joint in joints])
+        self._dofs = np.array([int(joint.dofadr[0]) for joint in joints])
 
     def read(self) -> JointStates:
         """Returns positions [rad], velocities [rad/s] and efforts [N m]."""
         data = self._simulation.data
-        return JointStates(
-            stamp_ns=self._simulation.time_ns,
-            position=tuple(data.qpos[self._qpos].tolist()),
-            velocity=tuple(data.qvel[self._dofs].tolist()),
-            effort=tuple(data.qfrc_actuator[self._dofs].tolist()),
-        )
+        values = data.qpos[self._qpos], data.qvel[self._dofs], data.qfrc_actuator[self._dofs]
+        return JointStates(self._simulation.time_ns, *(tuple(each.tolist()) for each in values))
 
 
 class TruthSensor(Sensor):

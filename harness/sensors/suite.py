@@ -23,8 +23,7 @@ class SensorSuite:
         noise: What corrupts their readings; None for nothing.
         rows: The sensors; None for those of every rover.
 
-    Attributes:
-        latest: The last sample of each kind.
+    The last sample of each kind is in `latest`.
     """
 
     def __init__(
@@ -69,8 +68,6 @@ class SensorSuite:
         self.latest.clear()
 
     def _read(self, sensor: Sensor) -> Sample:
-        sample = sensor.read()
-        if self._noise is not None:
-            sample = self._noise.corrupt(sample)
+        sample = sensor.read() if self._noise is None else self._noise.corrupt(sensor.read())
         self.latest[type(sample)] = sample
         return sample

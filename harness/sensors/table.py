@@ -10,22 +10,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from operator import attrgetter
 from pkgutil import resolve_name
-from typing import cast
+from typing import Any
 
+from harness import samples
 from harness.base.sim_time import HIGHEST_RATE, period_ticks
 from harness.robots import RoverSpec
-from harness.samples import (
-    GroundTruth,
-    Imu,
-    JointStates,
-    LaserScan,
-    Odometry,
-    Pose,
-    Sample,
-    Source,
-    Transforms,
-    TruthState,
-)
+from harness.samples import Sample, Source
 from harness.sensors.barometer import BarometerOptions, Pressure
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.camera.sensor import CameraOptions, CameraState
@@ -34,7 +24,7 @@ from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
-from harness.sensors.optional import LIDAR_FRAME, OptionalSensor, SensorOptions
+from harness.sensors.optional import LIDAR_FRAME, SensorOptions
 from harness.sensors.ranging import RangeReading
 
 RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
@@ -73,17 +63,15 @@ class SensorRow:
         sample: What it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
             `sensor` too.
         factory: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
-        topics: Where the sample is published, in this order; of an optional one, as its options complete
-            the names.
-        rate: Samples a second of simulation time, of every rover or by rover [Hz]; an optional one has
-            the rate and the frame of its options.
-        frame: Frame of the messages' headers, of every rover or by rover.
+        topics: Where the sample is published, in this order; options complete the names.
+        rate: Samples a second of simulation time, of every rover or by rover [Hz], or of its options.
+        frame: Frame of the messages' headers, of every rover or by rover, or of its options.
         fault: Its name in --fault, and in --sensors; None if no fault touches it.
         measured: The fields of the sample that faults of values change.
         attitude: The fields that faults of values change with ATTITUDE behind the sensor's name.
         options: The options of an optional one; None if every rover has it.
         given: The options of one that is carried.
-        summary: Of an optional one, a line for lists and the docs.
+        summary: A line for lists and the docs.
     """
 
     sample: type[Sample]
@@ -112,27 +100,24 @@ class SensorRow:
         return self.frame if isinstance(self.frame, str) else self.frame(rover)
 
     def make(self, parts: EpisodeParts, rate: int) -> Sensor | None:
-        """Returns the sensor of an episode; None if the episode lacks a part that it needs.
-
-        Args:
-            parts: What it is made from.
-            rate: Samples a second of simulation time [Hz].
+        """Returns the sensor of an episode, of a rate [Hz]; None if the episode lacks a part of it.
 
         Raises:
             UsageError: The period is no whole number of clock ticks.
         """
+        kind: Any = resolve_name(self.factory)
+        made: Sensor | None = None
         if self.given is None:
-            return cast("type[Sensor]", resolve_name(self.factory)).of(parts, period_ticks(rate))
-        if parts.install is None:
-            return None
-        kind = cast("type[OptionalSensor[SensorOptions]]", resolve_name(self.factory))
-        return kind(parts.simulation, parts.install(self.given), period_ticks(rate))
+            made = kind.of(parts, period_ticks(rate))
+        elif parts.install is not None:
+            made = kind(parts.simulation, parts.install(self.given), period_ticks(rate))
+        return made
 
 
 # In publishing order. Rates, topics and frames are RoboTerrain's.
 SENSORS: tuple[SensorRow, ...] = (
     SensorRow(  # first: whoever gets another sample can transform it
-        sample=Transforms,
+        sample=samples.Transforms,
         factory="harness.frames.transforms:TransformSensor",
         topics=(Topic("tf", "tf2_msgs/msg/TFMessage", depth=100),),  # tf2_ros's DynamicBroadcasterQoS
         rate=HIGHEST_RATE,  # at most
@@ -140,7 +125,7 @@ SENSORS: tuple[SensorRow, ...] = (
         measured=("translation",),
     ),
     SensorRow(
-        sample=LaserScan,
+        sample=samples.LaserScan,
         factory="harness.sensors.lidar:LidarSensor",
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         rate=20,
@@ -149,7 +134,7 @@ SENSORS: tuple[SensorRow, ...] = (
         measured=("ranges",),
     ),
     SensorRow(
-        sample=Imu,
+        sample=samples.Imu,
         factory="harness.sensors.state:ImuSensor",
         topics=(Topic("imu/data", "sensor_msgs/msg/Imu"),),
         rate=20,
@@ -159,7 +144,7 @@ SENSORS: tuple[SensorRow, ...] = (
         attitude=("orientation",),
     ),
     SensorRow(
-        sample=Pose,
+        sample=samples.Pose,
         factory="harness.sensors.state:PoseSensor",
         topics=(Topic("rover/pose_array", "geometry_msgs/msg/PoseArray", best_effort=True),),
         rate=50,
@@ -169,7 +154,7 @@ SENSORS: tuple[SensorRow, ...] = (
         attitude=("orientation",),
     ),
     SensorRow(
-        sample=Odometry,
+        sample=samples.Odometry,
         factory="harness.sensors.odometry:WheelOdometry",
         topics=(Topic("odometry/wheels", "nav_msgs/msg/Odometry"),),
         rate=attrgetter("odometry_rate"),
@@ -179,7 +164,7 @@ SENSORS: tuple[SensorRow, ...] = (
         attitude=("yaw",),
     ),
     SensorRow(
-        sample=GroundTruth,
+        sample=samples.GroundTruth,
         factory="harness.sensors.state:GroundTruthSensor",
         topics=(Topic("odom_ground_truth", "nav_msgs/msg/Odometry"),),
         rate=50,
@@ -189,7 +174,7 @@ SENSORS: tuple[SensorRow, ...] = (
         attitude=("yaw",),
     ),
     SensorRow(
-        sample=JointStates,
+        sample=samples.JointStates,
         factory="harness.sensors.state:JointSensor",
         topics=(Topic("joint_states", "sensor_msgs/msg/JointState"),),
         rate=50,
@@ -197,7 +182,7 @@ SENSORS: tuple[SensorRow, ...] = (
         measured=("position", "velocity", "effort"),
     ),
     SensorRow(
-        sample=TruthState,
+        sample=samples.TruthState,
         factory="harness.sensors.state:TruthSensor",
         topics=(
             Topic("rover/truth/contact", "std_msgs/msg/Bool"),

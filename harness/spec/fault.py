@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from harness.base.errors import UsageError
+from harness.base.number import number
 from harness.spec.value import AsText, parsed
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
@@ -51,7 +52,7 @@ def parse_fault(text: str) -> FaultSpec:
     if match is None:
         raise UsageError(f"fault '{text}' is not of the form {FORM}, e.g. imu:nan@10+2")
     try:
-        value = None if match["value"] is None else float(match["value"])
+        value = None if match["value"] is None else number(match["value"])
     except ValueError as error:
         message = f"fault '{text}': value '{match['value']}' is not valid; give a number"
         raise UsageError(message) from error
@@ -63,7 +64,7 @@ def parse_fault(text: str) -> FaultSpec:
 
 def _seconds(text: str, word: str | None, name: str) -> float | None:
     try:
-        seconds = None if word is None else float(word)
+        seconds = None if word is None else number(word)
     except ValueError:
         seconds = math.nan
     if seconds is not None and not 0.0 <= seconds <= LONGEST:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, PlainSerializer
 
+from harness.base.errors import UsageError
 from harness.spec.value import AsText, as_tuple, parsed
 
 NONE = "none"  # alone: without the sensors of rover.yaml
@@ -31,8 +32,14 @@ class SensorChoice:
 
 
 def parse_choice(text: str) -> SensorChoice:
-    """Returns the sensor that a text asks for."""
-    name, _, preset = text.strip().partition("=")
+    """Returns the sensor that a text asks for.
+
+    Raises:
+        UsageError: Nothing stands behind its "=".
+    """
+    name, equals, preset = text.strip().partition("=")
+    if equals and not preset:
+        raise UsageError(f"'{text}' names no preset; give {name} alone, or {name}=PRESET")
     return SensorChoice(name, preset)
 
 

@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from harness.base.errors import UsageError, unknown
-from harness.base.number import number
+from harness.base.number import NUMBER, number
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -65,11 +65,16 @@ def made(
     Raises:
         UsageError: One is missing, unknown or not valid; the message names what is.
     """
+    prefix = f"{where}: " if where else ""
     try:
-        return cls.model_validate(values)
+        value = cls.model_validate(values)
     except ValidationError as error:
-        prefix = f"{where}: " if where else ""
         raise UsageError(f"{prefix}{complaint(error, cls, name)}") from error
+    for key, text in values.items():  # pydantic reads 1_000 as a number
+        is_number = isinstance(text, str) and type(getattr(value, key, None)) in (int, float)
+        if is_number and not NUMBER.fullmatch(text.strip()):
+            raise UsageError(f"{prefix}{name(key)} {_shown(text)} is not valid; give a number")
+    return value
 
 
 def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:

@@ -116,7 +116,7 @@ def drive(run: Run) -> Log:
     feed, rng = SampleFeed(session, lidar), np.random.default_rng([run.seed, VALIDATION_AGENT])
     width, depth = episode.info.map_size
     half_size = width / 2, depth / 2
-    agent = RecordedAgent(DriverContext(find_rover(run.rover.robot), half_size, lidar.bearings, rng))
+    agent = RecordedAgent(DriverContext(find_rover(run.rover.robot), half_size, lidar.bearings(), rng))
 
     def sink(_: Tick, sent: Tick) -> None:
         for sample in sent.samples:

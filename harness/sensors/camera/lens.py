@@ -20,8 +20,7 @@ class Lens(ABC):
     """Base of the lenses; their pixels are square, the optical axis goes through the image's middle.
 
     Attributes:
-        width: Pixels in a row of the image.
-        height: Rows of the image.
+        width, height: Of the image [pixels].
         fov: Horizontal field of view, from the outer edge of the first column to that of the last [rad].
     """
 
@@ -54,11 +53,11 @@ class Lens(ABC):
         return np.array([[self.focal, 0.0, column], [0.0, self.focal, row], [0.0, 0.0, 1.0]])
 
     def offsets(self) -> tuple[Doubles, Doubles]:
-        """Returns columns (width,) and rows (height, 1) from the optical axis over the focal length."""
+        """Returns x and y of every pixel off the optical axis over the focal length, (height, width)."""
+        rows, columns = np.indices((self.height, self.width))
         column, row = self.centre
-        columns = (np.arange(self.width) - column) / self.focal
-        rows = (np.arange(self.height) - row) / self.focal
-        return np.asarray(columns, np.float64), np.asarray(rows[:, None], np.float64)
+        x, y = (columns - column) / self.focal, (rows - row) / self.focal
+        return np.asarray(x, np.float64), np.asarray(y, np.float64)
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class Pinhole(Lens):
 
     def directions(self) -> Doubles:
         """Returns the unit direction of every pixel, shape (height, width, 3)."""
-        x, y = np.broadcast_arrays(*self.offsets())
+        x, y = self.offsets()
         ahead = np.stack([x, y, np.ones_like(x)], axis=-1)
         return np.asarray(ahead / np.linalg.norm(ahead, axis=-1, keepdims=True))
 
@@ -96,7 +95,7 @@ class Equidistant(Lens):
 
     def directions(self) -> Doubles:
         """Returns the unit direction of every pixel, (height, width, 3); NaN beyond 180 degrees."""
-        x, y = np.broadcast_arrays(*self.offsets())
+        x, y = self.offsets()
         theta = np.hypot(x, y)
         aside = np.sinc(theta / math.pi)  # sin(theta) / theta
         seen = np.where(theta <= math.pi, 1.0, np.nan)

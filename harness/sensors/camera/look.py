@@ -41,15 +41,16 @@ def dress_for_cameras(spec: mujoco.MjSpec, quality: Quality) -> None:
     for light in spec.lights:
         light.castshadow = False
     spec.delete(spec.texture("sky"))
-    clouds = spec.add_texture(
-        name="clouds",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        width=SKY_PIXELS,
-        height=6 * SKY_PIXELS,
-        nchannel=3,
-    )
-    clouds.data = _sky().tobytes()
+    _add_texture(spec, "clouds", mujoco.mjtTexture.mjTEXTURE_SKYBOX, _sky())
     _add_grain(spec)
+
+
+def _add_texture(
+    spec: mujoco.MjSpec, name: str, kind: mujoco.mjtTexture, pixels: NDArray[np.uint8]
+) -> None:
+    height, width, channels = pixels.shape
+    texture = spec.add_texture(name=name, type=kind, width=width, height=height, nchannel=channels)
+    texture.data = pixels.tobytes()
 
 
 def _sky() -> NDArray[np.uint8]:
@@ -74,32 +75,17 @@ def _sky() -> NDArray[np.uint8]:
 
 def _add_grain(spec: mujoco.MjSpec) -> None:
     """Gives all obstacles grain in their own colours: those with colours of a file less than rocks."""
-    grain = fractal(
-        np.random.default_rng(2),
-        (ROCK_PIXELS,) * 2,
-        cell=1.0 / ROCK_PIXELS,
-        longest=1 / 4,
-        shortest=1 / 100,
-        hurst=0.3,
-        seamless=True,
-    )
+    noise = partial(fractal, np.random.default_rng(2), seamless=True)
+    grain = noise((ROCK_PIXELS,) * 2, cell=1 / ROCK_PIXELS, longest=1 / 4, shortest=1 / 100, hurst=0.3)
     for name, (_, contrast) in SURFACES.items():
         shade = np.clip(0.7 * (1.0 + contrast * grain), 0.0, 1.0)[..., None]
-        texture = spec.add_texture(
-            name=name,
-            type=mujoco.mjtTexture.mjTEXTURE_CUBE,
-            width=ROCK_PIXELS,
-            height=ROCK_PIXELS,
-            nchannel=3,
-        )
-        texture.data = (255.0 * shade * np.ones(3)).astype(np.uint8).tobytes()
+        pixels = (255.0 * shade * np.ones(3)).astype(np.uint8)
+        _add_texture(spec, name, mujoco.mjtTexture.mjTEXTURE_CUBE, pixels)
     for body in OBSTACLE_BODIES.values():
         for geom in spec.body(body).geoms:
             is_rock = any(np.allclose(geom.rgba, color) for color in OBSTACLE_COLORS.values())
             surface = "rock" if is_rock else "paint"
-            gain, _ = SURFACES[surface]
-            material = spec.add_material(
-                name=f"{surface} {geom.name}", rgba=np.clip(gain * geom.rgba, 0, 1), specular=0.0
-            )
+            rgba = np.clip(SURFACES[surface][0] * geom.rgba, 0, 1)
+            material = spec.add_material(name=f"{surface} {geom.name}", rgba=rgba, specular=0.0)
             material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = surface
             geom.material = material.name

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.errors import HarnessError, UsageError
+from harness.base.errors import HarnessError
 from harness.base.interrupt import held_back
 from harness.sensors.camera.backend import backends, keep_opengl_out
 from harness.sensors.camera.sensor import CameraOptions, CameraState
@@ -34,7 +34,7 @@ class CameraPainter:
 
     Args:
         scenery: Makes the world and its rovers, in the other process; to be pickled.
-        cameras: By name.
+        cameras: Options of the cameras by name.
         seed: Of the images' noise.
         complain: Called, once, with the reason why there are no images.
     """
@@ -97,8 +97,7 @@ class CameraPainter:
     def _give_up(self, reason: str) -> None:
         self._stop()
         self._failed = True
-        names = ", ".join(self._cameras)
-        self._complain(f"no images of {names}: {reason}; all else goes on")
+        self._complain(f"no images of {', '.join(self._cameras)}: {reason}; all else goes on")
 
     def _stop(self) -> None:
         if self._connection is not None:
@@ -112,11 +111,7 @@ class CameraPainter:
 
 
 def _serve(
-    kind: str,
-    scenery: Scenery,
-    cameras: Mapping[str, CameraOptions],
-    seed: int,
-    connection: Connection,
+    kind: str, scenery: Scenery, cameras: Mapping[str, CameraOptions], seed: int, connection: Connection
 ) -> None:
     """The process: says None when it is ready, else why it is not; then an image for each state."""
     os.environ["MUJOCO_GL"] = "off"  # MuJoCo does not load where what it names is missing
@@ -126,10 +121,6 @@ def _serve(
     os.environ["MUJOCO_GL"] = kind
     try:
         context = gl_context("a camera", 1, 1)
-    except UsageError as error:
-        connection.send(str(error))
-        return
-    try:
         world, fleet = scenery()
     except HarnessError as error:
         connection.send(str(error))

@@ -32,8 +32,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
     """Draws for the cameras of one rover in one world; a context manager that gives OpenGL back.
 
     Args:
-        world: What they see.
-        fleet: All rovers in it, which they see too.
+        world, fleet: What they see, with all rovers in it.
         cameras: By name.
         context: Of OpenGL, which it takes over.
         seed: Of the noise.
@@ -50,12 +49,9 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         self._cameras, self._context, self._seed = cameras, context, seed
         self._assemblies = {name: Assembly(camera.lens_of()) for name, camera in cameras.items()}
         views = [view for assembly in self._assemblies.values() for view in assembly.views]
+        width, height = max(view.width for view in views), max(view.height for view in views)
         quality = Quality(
-            width=max(view.width for view in views),
-            height=max(view.height for view in views),
-            samples=SAMPLES,
-            shadow_map=SHADOW_MAP,
-            slices=SLICES,
+            width=width, height=height, samples=SAMPLES, shadow_map=SHADOW_MAP, slices=SLICES
         )
         dressed = partial(dress_for_cameras, quality=quality)
         self._model = build_scenes(world, fleet, 0.002, dressed)[0].model
@@ -67,12 +63,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         self._context.free()
 
     def image(self, name: str, state: CameraState) -> NDArray[np.uint8]:
-        """Returns what a camera sees, shape (height, width, 3), RGB.
-
-        Args:
-            name: Of the camera.
-            state: Of the simulation.
-        """
+        """Returns what the camera of a name sees in a state, shape (height, width, 3), RGB."""
         model, data = self._model, self._data
         mujoco.mj_setState(model, data, state.state, VISIBLE_STATE)
         mujoco.mj_kinematics(model, data)

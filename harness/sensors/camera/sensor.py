@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,7 @@ from harness.robots import FrameRow, RoverSpec
 from harness.samples import Quaternion, Vector3, plain_value
 from harness.sensors.camera.lens import LENSES, Lens
 from harness.sensors.depth import OPTICAL_RPY
-from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
+from harness.sensors.optional import OptionalSensor, SensorOptions
 
 Pixels = Annotated[int, Field(ge=8, le=4096)]  # along a side
 VISIBLE_STATE = 1 << 1 | 1 << 10 | 1 << 11  # of mjtState: QPOS, MOCAP_POS, MOCAP_QUAT
@@ -27,8 +24,7 @@ class CameraState:
     """What an image is drawn from.
 
     Attributes:
-        position: Of the optical frame in the world [m].
-        orientation: Of the optical frame in the world, (x, y, z, w): x right, y down, z ahead.
+        position, orientation: Of the optical frame in the world [m], (x, y, z, w): z ahead, y down.
         state: Of the whole scene, as MuJoCo has it.
     """
 
@@ -93,31 +89,21 @@ class CameraOptions(SensorOptions):
     def _check_fov(self) -> Self:
         widest = LENSES[self.lens].widest
         if self.fov > widest:
-            raise ValueError(
-                f"fov {self.fov:g} rad of a {self.lens} camera is not valid; "
-                f"give more than 0 and at most {math.floor(100 * widest) / 100:g}"
-            )
+            most = f"give more than 0 and at most {math.floor(100 * widest) / 100:g}"
+            raise ValueError(f"fov {self.fov:g} rad of a {self.lens} camera is not valid; {most}")
         return self
 
 
 class CameraSensor(OptionalSensor[CameraOptions]):
     """The camera; it draws nothing itself."""
 
-    def __init__(
-        self, simulation: "Simulation", installation: Installation[CameraOptions], period_ticks: int
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        from mujoco import mj_stateSize  # noqa: PLC0415 - whoever only publishes does without
-
-        self._size = mj_stateSize(simulation.model, VISIBLE_STATE)
-
     def read(self) -> CameraState:
         """Returns what an image of now is drawn from."""
-        from mujoco import mj_getState, mju_mat2Quat  # noqa: PLC0415 - whoever publishes does without
+        import mujoco  # noqa: PLC0415 - whoever only publishes does without
 
-        simulation, (position, axes) = self._simulation, self.pose()
-        state, turned = np.empty(self._size), np.empty(4)
-        mj_getState(simulation.model, simulation.data, state, VISIBLE_STATE)
-        mju_mat2Quat(turned, axes.ravel())
+        simulation, pose, turned = self._simulation, self.pose(), np.empty(4)
+        state = np.empty(mujoco.mj_stateSize(simulation.model, VISIBLE_STATE))
+        mujoco.mj_getState(simulation.model, simulation.data, state, VISIBLE_STATE)
+        mujoco.mju_mat2Quat(turned, pose[1:].ravel())
         w, x, y, z = turned.tolist()
-        return CameraState(simulation.time_ns, self.name, position, (x, y, z, w), state)
+        return CameraState(simulation.time_ns, self.name, tuple(pose[0].tolist()), (x, y, z, w), state)

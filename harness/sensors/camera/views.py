@@ -35,12 +35,8 @@ class View:
 
     Attributes:
         axes: Its right, down and ahead in the camera's optical frame, by rows.
-        left: Left edge, as the tangent of the angle off `ahead`; right and down are positive.
-        right: Right edge, as such a tangent.
-        top: Upper edge, as such a tangent.
-        bottom: Lower edge, as such a tangent.
-        width: Pixels in a row.
-        height: Rows.
+        left, right, top, bottom: Edges, as tangents of angles off `ahead`; right and down are positive.
+        width, height: Of the image [pixels].
     """
 
     axes: Doubles
@@ -53,19 +49,14 @@ class View:
 
 
 class Assembly:
-    """How the image of a lens is made of views.
-
-    Attributes:
-        views: What is to be drawn.
-    """
+    """How the image of a lens is made of `views`, which are to be drawn."""
 
     def __init__(self, lens: Lens) -> None:
         self._shape = (lens.height, lens.width, 3)
         self._sources: NDArray[np.int64] | None = None
         if isinstance(lens, Pinhole):
-            half_width, half_height = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
-            edges = (-half_width, half_width, -half_height, half_height)
-            self.views: tuple[View, ...] = (View(FACES[0], *edges, lens.width, lens.height),)
+            x, y = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
+            self.views: tuple[View, ...] = (View(FACES[0], -x, x, -y, y, lens.width, lens.height),)
         else:
             self.views = self._cube(lens)
 
@@ -73,8 +64,7 @@ class Assembly:
         """The parts of a cube's faces that the lens sees; notes where in them each pixel is."""
         directions = lens.directions().reshape(-1, 3)
         ahead = directions @ FACES[:, 2].T
-        seen = ~np.isnan(ahead[:, 0])
-        face_of = np.where(seen, np.argmax(ahead, axis=1), -1)
+        face_of = np.where(np.isnan(ahead[:, 0]), -1, np.argmax(ahead, axis=1))
         self._sources = np.zeros((4, len(directions)), np.int64)
         self._weights = np.zeros((4, len(directions), 1), np.float32)
         views, start = [], 1  # pixel 0 is black
@@ -100,8 +90,7 @@ class Assembly:
         first = start + above * view.width + left
         for k, (beside, below) in enumerate(((0, 0), (1, 0), (0, 1), (1, 1))):
             self._sources[k, pixels] = first + beside + below * view.width
-            weight = (u if beside else 1 - u) * (v if below else 1 - v)
-            self._weights[k, pixels, 0] = weight
+            self._weights[k, pixels, 0] = (u if beside else 1 - u) * (v if below else 1 - v)
 
     def image(self, drawn: list[Pixels]) -> Pixels:
         """Returns the camera's image of its views, each of shape (height, width, 3)."""

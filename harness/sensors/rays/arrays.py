@@ -33,7 +33,7 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
     field = model.geom_dataid[geom]
     rows, cols = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
     start = int(model.hfield_adr[field])
-    heights = model.hfield_data[start : start + rows * cols].reshape(rows, cols)
+    heights = model.hfield_data[start:][: rows * cols].reshape(rows, cols)
     half_x, half_y, relief, thickness = model.hfield_size[field]
     frame = np.array(
         [
@@ -58,8 +58,7 @@ def obstacle_arrays(
     Raises:
         ValueError: One of them is neither mesh, box, cylinder, capsule, ellipsoid nor sphere.
     """
-    taken = model.geom_group == group
-    taken[list(others)] = True
+    taken = (model.geom_group == group) | np.isin(np.arange(model.ngeom), others)
     geoms = np.flatnonzero(taken & (model.geom_type != MESH))
     kinds, round_ = model.geom_type[geoms], model.geom_type[geoms] == SPHERE
     kinds[round_] = ELLIPSOID
@@ -100,11 +99,9 @@ def moving_meshes(model: mujoco.MjModel, geoms: Sequence[int]) -> list[tuple[int
 
 def _triangles(model: mujoco.MjModel, geom: int | np.signedinteger[Any]) -> Doubles:
     """The corners of a mesh in the geom's frame, shape (triangles, 3, 3)."""
-    mesh = model.geom_dataid[geom]
-    vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-    vertices = model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(np.float64)
-    corners: Doubles = vertices[model.mesh_face[face : face + model.mesh_facenum[mesh]]]
-    return corners
+    mesh = model.mesh(int(model.geom_dataid[geom]))
+    vertices = model.mesh_vert[mesh.vertadr[0] :][: mesh.vertnum[0]].astype(np.float64)
+    return np.asarray(vertices[model.mesh_face[mesh.faceadr[0] :][: mesh.facenum[0]]])
 
 
 def _max_pyramid(heights: Floats) -> tuple[Floats, Integers]:

@@ -11,12 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_GROUP
-from harness.sensors.rays.arrays import (
-    heightfield_arrays,
-    moving_meshes,
-    obstacle_arrays,
-    triangle_arrays,
-)
+from harness.sensors.rays import arrays
 from harness.sensors.rays.compiled import kernel
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points
@@ -33,21 +28,17 @@ Integers = NDArray[np.int64]
 class Surroundings:
     """What rays of a scene can meet, as the kernels take it.
 
-    Args:
-        model: Of the scene.
-        others: The geoms of other rovers.
-
     Attributes:
         terrain: The ground.
-        obstacles: All geoms that are no meshes.
+        obstacles: All geoms that are no meshes, those of other rovers included.
         triangles: Of the meshes that stand still; None without any.
     """
 
     def __init__(self, model: mujoco.MjModel, others: Sequence[int] = ()) -> None:
-        self.terrain = heightfield_arrays(model)
-        self.obstacles = obstacle_arrays(model, OBSTACLE_GROUP, others)
-        self.triangles = triangle_arrays(model, OBSTACLE_GROUP)
-        self._moving, self._radii = moving_meshes(model, others), model.geom_rbound
+        self.terrain = arrays.heightfield_arrays(model)
+        self.obstacles = arrays.obstacle_arrays(model, OBSTACLE_GROUP, others)
+        self.triangles = arrays.triangle_arrays(model, OBSTACLE_GROUP)
+        self._moving, self._radii = arrays.moving_meshes(model, others), model.geom_rbound
 
     def cast_meshes(
         self,
@@ -112,9 +103,8 @@ class RayBundle:
         self._surroundings.cast_meshes(data, origin, directions, self._range_max, distances)
         np.isfinite(distances, out=self.on_obstacle)
         nearest = distances.copy()
-        heights, pyramid, levels, frame = terrain
-        highest_points(heights.shape, pyramid, levels, frame, origin, self._range_max, self._profile)
-        clear_ways(self._profile, frame, origin, directions, self._range_max, self._clear)
+        highest_points(terrain[0].shape, *terrain[1:], origin, self._range_max, self._profile)
+        clear_ways(self._profile, terrain[3], origin, directions, self._range_max, self._clear)
         cast_rays(*terrain, origin, directions, self._clear, self._range_max, distances)
         self.on_obstacle &= distances == nearest
         return distances
@@ -125,9 +115,9 @@ def turn(local: Doubles, pose: Doubles, directions: Doubles) -> None:
     """Sets `directions` to vectors of a frame in the world; BLAS would start threads for so many.
 
     Args:
-        local: In the frame, shape (n, 3).
+        local: In the frame, shape (n, 3), as is the result.
         pose: Of the frame: origin and below it its rotation, shape (4, 3).
-        directions: Result, shape (n, 3).
+        directions: The result.
     """
     for i in range(local.shape[0]):
         for axis in range(3):
@@ -136,7 +126,7 @@ def turn(local: Doubles, pose: Doubles, directions: Doubles) -> None:
 
 
 def _sorted_into_bins(directions: Doubles) -> tuple[Integers, Integers, Doubles]:
-    """Returns the rays bin by bin, where the bins begin, and their grid, as cast_bundle takes them."""
+    """The rays bin by bin, where the bins begin, and their grid, as cast_bundle takes them."""
     azimuth = np.arctan2(directions[:, 1], directions[:, 0])
     elevation = np.arcsin(np.clip(directions[:, 2], -1.0, 1.0))
     lowest = float(elevation.min())

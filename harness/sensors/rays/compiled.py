@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -41,27 +42,22 @@ def kernel(signature: str) -> Callable[[F], F]:
     """
 
     def compiled(function: F) -> F:
+        compiler = partial(numba.njit, signature, nogil=True, error_model="numpy")
         try:
-            return _compiled(signature, function, cache=True)
+            made: F = compiler(cache=True)(function)
         except RuntimeError:  # numba's "no locator available"
             folder = _temporary_cache()
             numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"] = folder or ""
-            return _compiled(signature, function, cache=folder is not None)
+            made = compiler(cache=folder is not None)(function)
+        return made
 
     return compiled
 
 
-def _compiled(signature: str, function: F, *, cache: bool) -> F:
-    dispatcher: F = numba.njit(signature, cache=cache, nogil=True, error_model="numpy")(function)
-    return dispatcher
-
-
 def _temporary_cache() -> str | None:
-    """Returns a folder that is this user's alone; None if there is none.
+    """A folder that is this user's alone, since numba unpickles what it finds; None if there is none.
 
     A line on stderr says that it is new, or that there is none.
-
-    Who can write there can have any code run: numba unpickles what it finds.
     """
     user = getattr(os, "getuid", lambda: None)()  # Windows has none, nor needs one
     folder = Path(tempfile.gettempdir(), f"rover_harness_kernels_{user}")

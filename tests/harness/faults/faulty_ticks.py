@@ -97,8 +97,6 @@ def times(some: Sequence[Sample]) -> list[float]:
 
 def said(one: Tick) -> str:
     """All that a tick says; the texts that numpy makes of arrays cost far more."""
-    values = [(type(s), [getattr(s, name) for name in s.__dataclass_fields__]) for s in one.samples]
-    plain = [
-        (kind, [v.tobytes() if isinstance(v, np.ndarray) else v for v in some]) for kind, some in values
-    ]
-    return repr((one.stamp_ns, one.tells_time, plain))
+    values = [[getattr(s, name) for name in s.__dataclass_fields__] for s in one.samples]
+    plain = [[v.tobytes() if isinstance(v, np.ndarray) else v for v in some] for some in values]
+    return repr((one.stamp_ns, one.tells_time, [type(s) for s in one.samples], plain))

@@ -23,14 +23,6 @@ from tests.harness.faults.faulty_ticks import UPRIGHT, imus, readings, scans, se
 from tests.support.words import parse_faults
 
 
-@pytest.mark.parametrize(
-    ("fault", "value"), [("nan", math.nan), ("inf", math.inf), ("zero", 0.0), ("huge", 1e30)]
-)
-def test_these_faults_put_that_value_in_the_place_of_all(fault: str, value: float) -> None:
-    imu = imus(f"imu:{fault}")[0]
-    assert str((*imu.linear_acceleration, *imu.angular_velocity)) == str((value,) * 6)
-
-
 @pytest.mark.parametrize("share", [0.3, 0.005])
 def test_share_of_beams_is_hit_at_random(share: float) -> None:
     found = scans(f"scan:nan={share}")

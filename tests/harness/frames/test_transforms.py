@@ -11,7 +11,6 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.base.errors import UsageError
 from harness.episode.episode import Episode
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import TransformSensor, describe
@@ -20,7 +19,7 @@ from harness.robots import ROVERS
 from harness.samples import Odometry, Tick, Transforms
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.spec.value import made
+from tests.harness.conftest import MakeSimulation
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO
 
@@ -114,6 +113,21 @@ def test_a_transform_goes_before_the_samples_of_a_tick_and_says_where_frames_are
     assert len(set(yaws[-15:])) == (15 if options is WHEELS else 0), "it turns between two readings too"
 
 
+@pytest.mark.parametrize("robot", ROVERS)
+def test_a_mount_goes_with_its_body_however_that_is_turned(
+    robot: str, make_simulation: MakeSimulation
+) -> None:
+    simulation, rng = make_simulation(robot), np.random.default_rng(0)
+    model, data, frames = simulation.model, simulation.data, rover_frames(ROVERS[robot])
+    data.qpos[:] = rng.normal(size=model.nq)
+    data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
+    mujoco.mj_kinematics(model, data)
+    for link in frames.links:
+        pose = in_world(frames, link.name, data, model)
+        expected = np.vstack([pose[:3, 3], pose[:3, :3]])
+        assert frames.mount(link.name, model).pose(data) == pytest.approx(expected, abs=1e-9)
+
+
 def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) -> None:
     body = (
         '<body name="lift" pos="0.1 0 0.2" euler="90 0 0"><joint name="lift" type="slide" axis="0 0 1"/>'
@@ -139,8 +153,3 @@ def test_the_description_names_what_moves_and_holds_what_does_not() -> None:
     assert mapped.fixed == (Edge("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), *default.fixed)
     children = {child for _, child in default.moving} | {edge.child for edge in default.fixed}
     assert children == {link.name for link in frames.links}
-
-
-def test_a_rover_that_does_not_own_odom_has_no_third_dimension_there() -> None:
-    with pytest.raises(UsageError, match=r"leave out --odom-tf wheels, or --odom-tf-3d$"):
-        made(FrameOptions, {"odom_tf": "wheels", "odom_tf_3d": True})

@@ -1,6 +1,5 @@
 """The height scan against MuJoCo's own rays from above, and where its cells are."""
 
-import copy
 import math
 from types import SimpleNamespace
 from typing import Any
@@ -121,18 +120,6 @@ def test_a_map_need_not_lie_around_the_origin() -> None:
     assert np.isfinite(half[:7]).all()
 
 
-def test_another_rover_is_part_of_the_ground_and_its_own_is_not(
-    two_rovers: tuple[Simulation, Simulation],
-) -> None:
-    one, other = two_rovers
-    read = scan(one, (0.4, 0.0, 0.0), axes="world")
-    model = copy.copy(one.model)
-    model.geom_group[one.scene.geoms()] = 5
-    geoms, heights = from_above(model, one.data, read, (0, 1, 3))
-    assert read.heights == pytest.approx(heights, abs=2e-6)
-    assert 10 < np.isin(geoms, [*other.scene.geoms()]).sum() < read.heights.size
-
-
 def test_of_another_rover_every_shape_is_seen_meshes_too() -> None:
     spec, rng = terrain_spec(np.zeros((41, 41)), 0.1), np.random.default_rng(4)
     spec.worldbody.add_body(name="rover", pos=[0.0, 0.0, 0.6])
@@ -146,15 +133,9 @@ def test_of_another_rover_every_shape_is_seen_meshes_too() -> None:
     model = spec.compile()
     data, others = mujoco.MjData(model), np.flatnonzero(model.geom_group == 3)
     ground = Heightfield(np.zeros((41, 41)), 0.1)
-    scene = SimpleNamespace(world=SimpleNamespace(ground=ground), others=lambda: others)
+    scene = SimpleNamespace(world=SimpleNamespace(ground=ground), others=others.tolist)
     read = scan(SimpleNamespace(model=model, data=data, scene=scene, time_ns=7), axes="world")
     geoms, heights = from_above(model, data, read, (0, 3))
+    assert HeightScanOptions(name="scan", size=(0.04, 0.34)).cells == (1, 3)  # one at least
     assert read.heights == pytest.approx(heights, abs=2e-6)
     assert set(geoms.ravel().tolist()) == {0, *others.tolist()}
-
-
-@pytest.mark.parametrize(("size", "cells"), [((0.3, 0.7), (3, 7)), ((0.04, 0.34), (1, 3))])
-def test_a_grid_has_the_nearest_number_of_cells_and_one_at_least(
-    size: tuple[float, float], cells: tuple[int, int]
-) -> None:
-    assert HeightScanOptions(name="scan", size=size).cells == cells

@@ -9,19 +9,11 @@ from harness.sensors.lidar_spec import LidarSpec, scan_points
 from tests.support.rovers import LEO
 
 
-@pytest.mark.parametrize(("beams", "angle_max"), [(2, 1.0), (5, 0.5), (640, 3.14159)])
-def test_beams_lie_evenly_from_right_to_left_with_both_ends(beams: int, angle_max: float) -> None:
-    angles = LidarSpec(beams=beams, angle_max=angle_max).angles
-    assert angles.shape == (beams,)
-    assert (angles[0], angles[-1]) == (-angle_max, angle_max)
-    np.testing.assert_allclose(np.diff(angles), 2 * angle_max / (beams - 1))
-
-
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5, math.pi])
 def test_a_lidar_that_is_turned_looks_where_its_yaw_says(yaw: float) -> None:
     """By default backwards."""
     spec = LidarSpec(beams=7, angle_max=3.0)
-    bearings = spec.bearings_at(yaw) if yaw < math.pi else spec.bearings
+    bearings = spec.bearings(yaw) if yaw < math.pi else spec.bearings()
     assert np.exp(1j * bearings) == pytest.approx(np.exp(1j * (np.arange(-3.0, 3.5) + yaw)))
     assert np.abs(bearings).max() <= math.pi
 

@@ -8,27 +8,14 @@ from numpy.typing import NDArray
 
 from harness.samples import Imu, LaserScan, Odometry, Twist, Vector3
 from harness.sensors.corruption import AxisErrors
-from harness.sensors.noise import (
-    GAZEBO,
-    HARDWARE,
-    WHITE,
-    NoisePreset,
-    SensorNoise,
-)
+from harness.sensors.noise import GAZEBO, HARDWARE, NoisePreset, SensorNoise
 
-LIMITS = (0.15, 10.0)
-SECOND_NS = 1_000_000_000
 G, DEGREE = 9.80665, np.radians(1.0)
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 
 
-def noise(preset: NoisePreset = WHITE, scan_seed: int = 1, imu_seed: int = 2) -> SensorNoise:
-    scan_rng, imu_rng = np.random.default_rng(scan_seed), np.random.default_rng(imu_seed)
-    return SensorNoise(preset, LIMITS, scan_rng, imu_rng)
-
-
-def scan(*ranges: float) -> LaserScan:
-    return LaserScan(7, np.array(ranges, dtype=np.float32))
+def noise(preset: NoisePreset) -> SensorNoise:
+    return SensorNoise(preset, (0.5, 2.0), np.random.default_rng(1), np.random.default_rng(2))
 
 
 def imu(stamp_ns: int = 0, force: Vector3 = ORIGIN, rate: Vector3 = ORIGIN) -> Imu:
@@ -37,13 +24,6 @@ def imu(stamp_ns: int = 0, force: Vector3 = ORIGIN, rate: Vector3 = ORIGIN) -> I
 
 def odometry(speed: float) -> Odometry:
     return Odometry(0, 3.0, 4.0, 1.0, Twist(speed, 0.7))
-
-
-def read_scan(noisy: SensorNoise, *ranges: float) -> NDArray[np.float32]:
-    reading = noisy.corrupt(scan(*ranges))
-    assert isinstance(reading, LaserScan)
-    assert reading.ranges.dtype == np.float32
-    return reading.ranges
 
 
 def read(noisy: SensorNoise, quantity: str, *samples: Imu) -> NDArray[np.float64]:
@@ -82,5 +62,8 @@ def test_what_chatter_does_comes_before_the_sensors_own_errors() -> None:
 
 
 def test_ranges_beyond_the_lidars_limits_become_misses_and_near_returns() -> None:
-    noisy = SensorNoise(GAZEBO, (0.5, 2.0), np.random.default_rng(0), np.random.default_rng(0))
-    assert read_scan(noisy, 0.4, 0.6, 1.9, 2.1).tolist() == pytest.approx([-np.inf, 0.6, 1.9, np.inf])
+    noisy = noise(GAZEBO)
+    reading = noisy.corrupt(LaserScan(7, np.array([0.4, 0.6, 1.9, 2.1], dtype=np.float32)))
+    assert isinstance(reading, LaserScan)
+    assert reading.ranges.dtype == np.float32
+    assert reading.ranges.tolist() == pytest.approx([-np.inf, 0.6, 1.9, np.inf])

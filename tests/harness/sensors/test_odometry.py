@@ -2,26 +2,27 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
 
+from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
+from harness.samples import Odometry
 from harness.sensors.odometry import WheelOdometry
 from tests.support.rovers import LEO, ROVER_ZERO4WD
-
-if TYPE_CHECKING:
-    from harness.physics.simulation import Simulation
-    from harness.samples import Odometry
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 BELIEVED = {LEO.name: (0.0625, 0.358, 878.4), ROVER_ZERO4WD.name: (0.122, 0.24, 4096.0)}
 
 
+MakeSimulation = Callable[[RoverSpec], Simulation]
+MakeBench = Callable[..., "Bench"]
+
+
 class Bench:
     """A rover whose wheels are turned to so many counts; half a count more, to be clear of edges."""
 
-    def __init__(self, simulation: "Simulation", rover: RoverSpec, period_ticks: int = 5) -> None:
+    def __init__(self, simulation: Simulation, rover: RoverSpec, period_ticks: int = 5) -> None:
         self._simulation, self._rover = simulation, rover
         self.radius, self.separation, self.resolution = BELIEVED[rover.name]
         self.count = math.tau * self.radius / self.resolution  # [m]
@@ -34,31 +35,26 @@ class Bench:
             angle = (count + 0.5) * math.tau / self.resolution
             self._simulation.data.joint(name).qpos[0] = angle
 
-    def turn_by(
-        self, front_left: float, rear_left: float, front_right: float, rear_right: float
-    ) -> None:
-        steps = (front_left, rear_left, front_right, rear_right)
+    def turn_by(self, *steps: float) -> None:
+        """Front left, rear left, front right, rear right."""
         self.turned = [before + step for before, step in zip(self.turned, steps, strict=True)]
         self.turn_to(*self.turned)
 
 
-MakeBench = Callable[..., Bench]
-
-
 @pytest.fixture
-def bench(simulate: "Callable[[RoverSpec], Simulation]") -> MakeBench:
+def bench(simulate: MakeSimulation) -> MakeBench:
     return lambda rover, period_ticks=5: Bench(simulate(rover), rover, period_ticks)
 
 
-def pose(reading: "Odometry") -> tuple[float, float, float]:
+def pose(reading: Odometry) -> tuple[float, float, float]:
     return reading.x, reading.y, reading.yaw
 
 
 @BOTH
 @pytest.mark.parametrize(
     ("left", "right", "period_ticks"),
-    [(40, 50, 5), (50, 40, 2), (-30, -37, 5), (-25, 25, 2), (60, -60, 5), (0, 7, 1)],
-    ids=["left arc", "right arc", "backwards", "turn left in place", "turn right in place", "one side"],
+    [(40, 50, 5), (-30, -37, 2), (60, -60, 5), (0, 7, 1)],
+    ids=["left arc", "backwards", "turn right in place", "one side"],
 )
 def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
     rover: RoverSpec, left: int, right: int, period_ticks: int, bench: MakeBench
@@ -86,52 +82,23 @@ def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
     assert (reading.twist.linear, reading.twist.angular) == expected
 
 
-def test_an_encoder_counts_what_is_full_and_below_zero_downwards(bench: MakeBench) -> None:
-    rig = bench(LEO)
-    for angle, count in [(0.001, 0), (0.999, 0), (1.001, 1), (-0.001, -1), (-0.999, -1), (-1.001, -2)]:
-        rig.turn_to(angle - 0.5, angle + 9.5, angle + 19.5, angle + 29.5)
-        assert rig.odometry._encoders() == [count, count + 10, count + 20, count + 30]
-
-
 def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeBench) -> None:
     rig = bench(ROVER_ZERO4WD)
     rig.turn_by(100, 100, 120, 120)
     before = rig.odometry.read()
+    rig.turn_by(*[30] * 4)  # not read yet: they are not forgotten
     for elsewhere in ((5.0, -7000.0, 11.0, 300.0), (0.0, 0.0, 0.0, 0.0)):
         rig.odometry.before_reset()
         rig.turned = list(elsewhere)
         rig.turn_by(0, 0, 0, 0)
         rig.odometry.after_reset()
-        stood = rig.odometry.read()
-        assert (pose(stood), stood.twist.linear) == (pose(before), 0.0)
-    rig.turn_by(*[50] * 4)
-    moved = rig.odometry.read()
-    assert math.dist((moved.x, moved.y), (before.x, before.y)) == pytest.approx(50 * rig.count)
-
-
-def test_counts_since_the_last_reading_survive_being_put_elsewhere(bench: MakeBench) -> None:
-    rig = bench(LEO)
-    rig.turn_by(*[30] * 4)
-    rig.odometry.before_reset()
-    rig.turn_by(*[-1000] * 4)
-    rig.odometry.after_reset()
-    assert rig.odometry.read().x == pytest.approx(30 * rig.count)
-
-
-def test_where_it_would_be_now_can_be_asked_without_taking_a_reading(bench: MakeBench) -> None:
-    asked, silent = bench(ROVER_ZERO4WD), bench(ROVER_ZERO4WD)
-    for rig in (asked, silent):
-        rig.turn_by(100, 100, 120, 120)
-        rig.odometry.read()
-        rig.turn_by(30, 30, 50, 50)
-    now = asked.odometry.pose()
-    assert now == asked.odometry.pose()
-    assert asked.odometry.read() == (reading := silent.odometry.read())
-    assert now == pose(reading)
+        moved = rig.odometry.read()
+        assert math.dist(pose(moved)[:2], pose(before)[:2]) == pytest.approx(30 * rig.count)
+        assert moved.yaw == before.yaw
 
 
 def test_a_wheel_without_a_motor_has_no_encoder(
-    simulate: "Callable[[RoverSpec], Simulation]",
+    simulate: MakeSimulation,
 ) -> None:
     rear = LEO.wheel_joints[1::2]
     rover = LEO.but(drive=LEO.drive.but(driven=LEO.wheel_joints[::2]))
@@ -143,7 +110,7 @@ def test_a_wheel_without_a_motor_has_no_encoder(
 
 
 def test_six_wheels_count_as_the_means_of_their_sides(
-    foreign: "Callable[[str], RoverSpec]", simulate: "Callable[[RoverSpec], Simulation]"
+    foreign: Callable[[str], RoverSpec], simulate: MakeSimulation
 ) -> None:
     rover = foreign("sojourner")
     simulation = simulate(rover)
@@ -163,7 +130,7 @@ def test_six_wheels_count_as_the_means_of_their_sides(
 
 
 def test_steered_wheels_tell_the_curve_and_the_others_the_way(
-    foreign: "Callable[[str], RoverSpec]", simulate: "Callable[[RoverSpec], Simulation]"
+    foreign: Callable[[str], RoverSpec], simulate: MakeSimulation
 ) -> None:
     """Along a circle of 2 m about a centre on the rear axle's line, each wheel as the circle says."""
     rover = foreign("buggy").but(track=0.3)  # its controller has a separation of its own

@@ -9,7 +9,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.sensors import table
-from harness.sensors.choice import chosen
+from harness.sensors.choice import chosen, kinds
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow
 from harness.spec.sensor import parse_choice
@@ -57,22 +57,28 @@ def test_several_of_a_kind_have_names_topics_and_frames_of_their_own() -> None:
     [
         (None, {"left": 160, "right": 4, "small": 160}),
         (("none",), {}),
-        ((), {}),
-        (("right",), {"right": 4}),
         (("depth", "left"), {"depth": 160, "left": 160}),
         (("depth=roboterrain",), {"depth": 640}),
         (("left=roboterrain",), {"left": 640}),
         (("right=roboterrain",), {"right": 4}),  # its own value wins
-        (("small",), {"small": 160}),
         (("small=fisheye",), {"small": 1600}),
     ],
 )
 def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
     asked: tuple[str, ...] | None, widths: dict[str, int]
 ) -> None:
-    asked = () if asked == ("none",) else asked  # as harness.spec.sensor has it
-    rows = carried(asked, LEFT, RIGHT, SMALL)
+    rows = carried(() if asked == ("none",) else asked, LEFT, RIGHT, SMALL)  # as harness.spec.sensor
     assert {name: getattr(row.given, "width", None) for name, row in rows.items()} == widths
+
+
+def test_every_preset_is_valid_and_has_a_name() -> None:
+    for kind, row in kinds().items():
+        assert row.options is not None
+        for preset, values in row.options.presets.items():
+            (made,) = carried((f"{kind}={preset}",)).values()
+            assert made.given == row.options.model_validate({"name": kind, "preset": preset, **values})
+    with pytest.raises(UsageError, match=r"'gnss=' names no preset; give gnss alone, or gnss=PRESET"):
+        parse_choice("gnss=")
 
 
 OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics"]
@@ -86,15 +92,13 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         ({"kind": "gnss", "ratio": 3}, ["'gnss'", "key 'ratio' does not exist", "rate"]),
         ({"kind": "depth", "preset": "x"}, ["preset 'x' does not exist", "small, roboterrain"]),
         ({"kind": "gnss", "rate": 33}, ["'gnss'", "33 Hz", "20 or 25"]),
-        ({"kind": "gnss", "rate": 0}, ["0 Hz"]),
         ({"kind": "gnss", "rate": "fast"}, ["rate 'fast'", "a whole number"]),
-        ({"kind": "gnss", "xyz": [1, 2]}, ["xyz", "missing"]),
         ({"kind": "gnss", "rpy": [1, 2, math.nan]}, ["rpy", "finite"]),
         ({"kind": "gnss", "name": "2"}, ["name '2'", "a letter first"]),
-        ({"kind": "gnss", "name": "a b"}, ["name 'a b'"]),
-        ({"kind": "gnss", "name": ""}, ["name ''"]),
+        ({"kind": "gnss", "name": "é"}, ["name 'é'", "a letter first"]),
+        ({"kind": "gnss", "name": "e\u0661"}, ["name 'e", "a letter first"]),
+        ({"kind": "gnss", "rate": "2_0"}, ["rate '2_0'", "give a number"]),
         ({"kind": "gnss", "name": "clock"}, ["two sensors are named 'clock'"]),
-        ({"kind": "gnss", "name": "imu"}, ["two sensors are named 'imu'"]),
         ({"kind": "gnss", "name": "left"}, ["two are named 'left'"]),
         ({"kind": "depth", "name": "l"}, ["/l/image is the topic of left and of l"]),
         ({"kind": "gnss", "topic": "scan"}, ["/scan is the topic of scan and of gnss"]),
@@ -102,41 +106,27 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         *(({"kind": "gnss", "topic": t}, [f"topic '{t}'", "front/points"]) for t in ("/a", "a/", "a-b")),
         ({"kind": "lidar2d", "range_min": -1e-3}, ["range_min -0.001"]),
         ({"kind": "lidar2d", "range_min": 30.0}, ["range_min 30 m and range_max 30 m"]),
-        ({"kind": "lidar2d", "range_max": math.inf}, ["range_max inf"]),
         ({"kind": "lidar2d", "beams": 1}, ["beams 1", "2"]),
         ({"kind": "lidar2d", "beams": 500_001}, ["500,001 rays", "1 to 500,000"]),
         ({"kind": "lidar2d", "angle_max": 3.2}, ["field of view", "to 3.2 rad", "3.14159"]),
         ({"kind": "lidar2d", "angle_min": 0.5, "angle_max": 0.5}, ["field of view from 0.5 to 0.5"]),
         ({"kind": "lidar2d", "noise": {"white": -1e-9}}, ["noise.white"]),
-        ({"kind": "lidar2d", "noise": {"dropout": 1.01}}, ["noise.dropout", "1"]),
         ({"kind": "lidar2d", "noise": {"wait": 1}}, ["'wait' does not exist"]),
         ({"kind": "lidar3d", "rings": 1000, "columns": 10_000}, ["10,000,000 rays"]),
-        ({"kind": "lidar3d", "rings": 0}, ["rings 0"]),
         ({"kind": "lidar3d", "angle_min": -3.2}, ["field of view from -3.2"]),
         ({"kind": "lidar3d", "lowest": 0.3, "highest": 0.1}, ["elevations from 0.3 to 0.1"]),
         ({"kind": "lidar3d", "highest": 1.6}, ["elevations", "1.6 rad", "1.5708"]),
-        ({"kind": "lidar3d", "elevations": [-1.6, 0.1]}, ["elevations from -1.6"]),
         ({"kind": "lidar3d", "elevations": [0.1, 0.3, 0.2]}, ["from the lowest to the highest"]),
-        ({"kind": "lidar3d", "pattern": "zigzag"}, ["pattern 'zigzag'", "'rings' or 'spiral'"]),
-        ({"kind": "lidar3d", "misses": "zero"}, ["misses 'zero'", "'left_out' or 'nan'"]),
         ({"kind": "lidar3d", "pattern": "spiral", "organised": True}, ["a spiral has no rings"]),
-        ({"kind": "lidar3d", "pattern": "spiral", "elevations": [0.1]}, ["a spiral has no rings"]),
         ({"kind": "depth", "width": 3, "height": 0}, ["height 0", "1"]),
         ({"kind": "depth", "fov": math.pi}, ["fov 3.14159", "give 0 to"]),
-        ({"kind": "depth", "fov": -1.0}, ["fov -1"]),
-        ({"kind": "camera", "width": 20_000}, ["width 20000", "4096"]),
         ({"kind": "camera", "height": 7}, ["height 7", "8"]),
-        ({"kind": "camera", "fov": 0.0}, ["fov 0", "0"]),
         ({"kind": "camera", "fov": 3.0}, ["fov 3 rad of a pinhole camera", "2.96"]),
         ({"kind": "camera", "fov": 6.3, "lens": "fisheye"}, ["fov 6.3 rad of a fisheye", "6.28"]),
-        ({"kind": "camera", "lens": "mirror"}, ["lens 'mirror'", "'pinhole' or 'fisheye'"]),
         ({"kind": "camera", "noise": 0.6}, ["noise 0.6", "0.5"]),
         ({"kind": "magnetometer", "field": [1e-6]}, ["east, north and up in tesla"]),
         ({"kind": "magnetometer", "field": [1e-6, 2e-6, 3.0]}, ["in tesla", "0.001"]),
-        ({"kind": "magnetometer", "field": [-3.0, 0.0, 0.0]}, ["in tesla"]),
-        ({"kind": "height_scan", "axes": "moon"}, ["axes 'moon'", "'rover' or 'world'"]),
         ({"kind": "height_scan", "resolution": 0.0}, ["resolution 0"]),
-        ({"kind": "height_scan", "size": [2.0, -1.0]}, ["size.1 -1"]),
         ({"kind": "height_scan", "resolution": 0.125, "size": [62.5, 62.625]}, ["more than 250000"]),
     ],
 )
@@ -146,9 +136,8 @@ def test_a_wrong_entry_is_one_line_with_the_file_and_what_is_valid(
     with pytest.raises(UsageError) as refusal:
         carried(None, LEFT, entry)
     message = str(refusal.value)
-    assert all(part in message for part in parts), message
+    assert all(part in message for part in ("rover.yaml", *parts)), message
     assert "\n" not in message
-    assert "rover.yaml" in message
 
 
 @pytest.mark.parametrize(
@@ -159,9 +148,7 @@ def test_a_wrong_entry_is_one_line_with_the_file_and_what_is_valid(
         {"kind": "lidar2d", "beams": 500_000, "noise": {"white": 0.1, "step": 0.2, "dropout": 1}},
         {"kind": "lidar2d", "angle_min": -3.1416, "angle_max": 3.1416},  # as somebody writes who rounds
         {"kind": "lidar3d", "rings": 1, "lowest": 0.1, "highest": 0.1},
-        {"kind": "lidar3d", "elevations": [0.1]},
         {"kind": "magnetometer", "field": [1e-3, -1e-3, 0.0]},
-        {"kind": "magnetometer", "field": []},
         {"kind": "height_scan", "resolution": 0.125, "size": [62.5, 62.5]},
         {"kind": "camera", "width": 8, "height": 4096, "noise": 0.5, "fov": 2.96},
     ],
@@ -183,7 +170,6 @@ def test_values_at_the_edge_of_what_is_valid_are_taken(entry: Mapping[str, Any])
         (("depth", "none"), r"--sensors none stands alone"),
         (("depth", "depth=small"), r"--sensors has 'depth' twice; leave one out"),
         (("depth=fine",), r"--sensors depth=fine: preset 'fine' does not exist"),
-        (("",), r"sensor '' does not exist"),
     ],
 )
 def test_a_wrong_word_is_refused_with_what_is_valid(asked: tuple[str, ...], message: str) -> None:
@@ -191,15 +177,14 @@ def test_a_wrong_word_is_refused_with_what_is_valid(asked: tuple[str, ...], mess
         carried(asked, LEFT)
 
 
-@pytest.mark.parametrize("frame", ["lidar_link", LEO.imu_frame, "mast"])
-def test_a_frame_that_the_rover_has_is_not_made_again_unless_a_parent_is_given(frame: str) -> None:
+def test_a_mount_is_in_its_parent_or_else_from_where_the_lidar_is_unless_the_rover_has_its_frame() -> (
+    None
+):
     rover = BARE.but(frames=(FrameRow(parent="base_footprint", child="mast"),))
-    assert options(frame=frame).frames(rover) == ()
-    (row,) = options(frame=frame, parent="mast").frames(rover)
-    assert (row.parent, row.child) == ("mast", frame)
-
-
-def test_a_mount_is_in_its_parent_or_else_from_where_the_lidar_is() -> None:
+    for frame in ("lidar_link", LEO.imu_frame, "mast"):
+        assert options(frame=frame).frames(rover) == ()
+        (row,) = options(frame=frame, parent="mast").frames(rover)
+        assert (row.parent, row.child) == ("mast", frame)
     place, turn = (0.1, 0.2, 0.3), (0.4, 0.5, 0.6)
     (free,) = options(xyz=place, rpy=turn).frames(BARE)
     assert (free.parent, free.child, free.rpy) == ("base_footprint", "eye_link", turn)
@@ -225,10 +210,7 @@ OPTICAL = (-math.pi / 2, 0.0, -math.pi / 2)  # z ahead, x right, y down: scipy r
     ],
 )
 def test_cameras_have_an_optical_frame_and_hang_where_the_rover_has_a_place_for_them(
-    rover: RoverSpec,
-    kind: str,
-    values: dict[str, str],
-    frames: list[tuple[str, str]],
+    rover: RoverSpec, kind: str, values: dict[str, str], frames: list[tuple[str, str]]
 ) -> None:
     (row,) = carried(None, {"kind": kind, "name": "eye", "xyz": (1.0, 2.0, 3.0), **values}).values()
     assert row.given is not None

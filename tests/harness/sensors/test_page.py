@@ -7,29 +7,9 @@ from ruamel.yaml import YAML
 
 from harness.frames.rover_frames import rover_frames
 from harness.robots import find_rover
-from harness.sensors.choice import chosen, kinds
-from tools.site.sensors import described
+from harness.sensors.choice import chosen
 
 PAGE = (Path(__file__).parents[3] / "docs" / "sensors.md").read_text()
-
-
-def test_every_option_of_every_kind_is_described() -> None:
-    for kind, row in kinds().items():
-        assert row.options is not None
-        missing = set(row.options.model_fields) - set(described(row.options))
-        assert not missing, f"{kind}: {missing}"
-        assert row.summary
-
-
-def test_arguments_are_not_described_as_attributes() -> None:
-    class Told:
-        """One without attributes.
-
-        Args:
-            name: Of something else.
-        """
-
-    assert described(Told) == {}
 
 
 def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:

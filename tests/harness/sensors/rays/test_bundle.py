@@ -1,6 +1,5 @@
 """Bundles of rays in any directions against mj_multiRay over the whole scene."""
 
-import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -73,23 +72,4 @@ def test_rays_along_the_axes_of_the_bins_meet_a_wall() -> None:
     scene = flat_scene((2.0, 0.1, 1.0))
     axes = np.vstack([np.eye(3), -np.eye(3)])
     ranges = RayBundle(Surroundings(scene[0]), axes, RANGE_MAX).cast(scene[1], pose_of(scene))
-    assert ranges == pytest.approx(
-        [np.inf, np.inf, np.inf, 1.9, np.inf, 0.5]
-    )  # the site looks backwards
-
-
-@pytest.mark.parametrize("elevation", [0.3, 1.0, 1.3, 1.5])
-def test_an_obstacle_overhead_is_seen_to_its_rim(elevation: float) -> None:
-    """The nearer to the pole of the bins, the more azimuths a ball covers."""
-    world = terrain_spec(np.zeros((5, 5)), 5.0)
-    add_rover(world, 0.5)
-    place = 3.0 * np.array([np.cos(elevation), 0.0, np.sin(elevation)]) + [0.0, 0.0, 0.5]
-    world.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, size=[0.6] * 3, pos=place, group=1)
-    scene = compiled(world)
-    aim = np.array([-np.cos(elevation), 0.0, np.sin(elevation)])  # the site looks backwards
-    directions = aim + 0.15 * np.random.default_rng(5).normal(size=(400, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    ours = RayBundle(Surroundings(scene[0]), directions, RANGE_MAX).cast(scene[1], pose_of(scene))
-    theirs, _ = multi_ray(scene, directions)
-    np.testing.assert_array_equal(np.isfinite(ours), np.isfinite(theirs))
-    assert 100 < np.isfinite(ours).sum() < 400
+    assert ranges == pytest.approx([np.inf] * 3 + [1.9, np.inf, 0.5])  # the site looks backwards

@@ -44,6 +44,43 @@ def test_where_nothing_can_be_written_kernels_are_kept_in_a_temporary_folder_of_
     assert len(list(folder.rglob("*.nbc"))) == 1
 
 
+SCANS = """
+import hashlib, numpy as np
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.rays.bundle import RayBundle
+from tests.harness.sensors.test_lidar import *
+rng, digest = np.random.default_rng(8), hashlib.sha256()
+for n, tilt in ((9, 0.0), (30, 0.3), (90, 2.0)):
+    world = terrain_spec(0.2 * rng.normal(size=(n, n)), 0.2)
+    add_random_obstacles(world, rng, 0.1 * n)
+    add_rover(world, 0.5)
+    scene = compiled(world)
+    place_rover(scene, np.array([0.3, -0.2, 0.4]), tilt, rng)
+    lidar = Lidar(scene[0], LidarSpec(beams=90))
+    directions = rng.normal(size=(200, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    pose = np.vstack([scene[1].site("lidar").xpos, scene[1].site("lidar").xmat.reshape(3, 3)])
+    ranges = RayBundle(lidar.surroundings, directions, 8.0).cast(scene[1], pose)
+    digest.update(lidar.scan(scene[1]).tobytes() + ranges.tobytes())
+print(digest.hexdigest())
+"""
+
+
+def test_what_is_compiled_gives_the_bits_that_python_gives() -> None:
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", SCANS],
+            env=os.environ | {"NUMBA_DISABLE_JIT": plain},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for plain in "01"
+    }
+    assert len(told) == 1
+
+
 @pytest.mark.parametrize("trap", ["open to others", "a link", "a file"])
 def test_a_temporary_folder_that_others_could_fill_is_not_trusted(
     trap: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
