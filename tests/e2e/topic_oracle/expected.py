@@ -15,7 +15,7 @@ from scipy.ndimage import uniform_filter
 from scipy.spatial.transform import Rotation
 
 from tests.e2e.topic_oracle import ranging, surroundings
-from tests.e2e.topic_oracle.form import Expected, header, stamp, vector
+from tests.e2e.topic_oracle.form import Expected, header, in_limits, laser_scan, ray, stamp, vector
 from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
 
 BEAMS = 24
@@ -29,7 +29,7 @@ class Topic:
     """One row.
 
     Attributes:
-        rates: [Hz] of leo, of rover_zero4wd; of several, what is due at any of them. Without rates it is
+        rates: [Hz] of leo, of rover_zero4wd; of several, what is due at any of them; of none, it is
             told once, before the first tick.
         expect: The message that is due now; called at every tick at which one is, in order.
         tolerance: Absolute, of what an array holds.
@@ -59,28 +59,12 @@ def quaternion(rotation: Rotation) -> Expected:
 
 
 def scan(twin: Twin) -> Expected:
-    """Beam by beam with MuJoCo's own rays; the lidar looks backwards, beam 0 is its -x axis."""
+    """The lidar looks backwards, beam 0 is its -x axis."""
     data, angles = twin.at_present(), np.linspace(-ANGLE_MAX, ANGLE_MAX, BEAMS)
-    seen = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)  # terrain and obstacles, not the rover
-    site, hit = data.site("lidar"), np.zeros(1, dtype=np.int32)
-    ranges = np.empty(BEAMS)
-    for beam, angle in enumerate(angles):
-        ahead = site.xmat.reshape(3, 3) @ [math.cos(angle), math.sin(angle), 0.0]
-        distance = mujoco.mj_ray(twin.model, data, site.xpos, ahead, seen, 1, -1, hit)
-        ranges[beam] = distance if 0.0 <= distance <= RANGE_MAX else math.inf
-    ranges[ranges < RANGE_MIN] = -math.inf
-    return {
-        "header": header(twin, "lidar_link"),
-        "angle_min": float(np.float32(-ANGLE_MAX)),
-        "angle_max": float(np.float32(ANGLE_MAX)),
-        "angle_increment": float(np.float32(angles[1] - angles[0])),
-        "time_increment": 0.0,
-        "scan_time": 0.0,
-        "range_min": float(np.float32(RANGE_MIN)),
-        "range_max": float(np.float32(RANGE_MAX)),
-        "ranges": ranges,
-        "intensities": np.zeros(BEAMS),
-    }
+    site, near_far = data.site("lidar"), (RANGE_MIN, RANGE_MAX)
+    along = site.xmat.reshape(3, 3) @ [np.cos(angles), np.sin(angles), np.zeros(BEAMS)]
+    ranges = [in_limits(ray(twin, data, site.xpos, ahead)[0], *near_far) for ahead in along.T]
+    return laser_scan(header(twin, "lidar_link"), angles, near_far, ranges, BEAMS)
 
 
 def imu(twin: Twin) -> Expected:
@@ -356,46 +340,52 @@ def person(twin: Twin) -> Expected:
 
 def topics() -> tuple[Topic, ...]:
     """Every topic, in the order in which those of one tick go out."""
-    truth = "/rover/truth"
-    tf2 = "tf2_msgs/msg/TFMessage"
+    tf2, sensor = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg"
     moving = 50, 20  # whenever anything else is told
+    once: dict[str, Any] = {"rates": ((), ()), "depth": 1, "latched": True}
+
+    def described(twin: Twin) -> Expected:
+        return {"data": Description(twin.model)}
+
+    def clock(twin: Twin) -> Expected:
+        return {"clock": stamp(twin.time_ns)}
+
+    rows = (
+        ("/scan", f"{sensor}/LaserScan", 20, scan),
+        ("/imu/data", f"{sensor}/Imu", 20, imu),
+        ("/rover/pose_array", "geometry_msgs/msg/PoseArray", 50, pose_array),
+        ("/odometry/wheels", "nav_msgs/msg/Odometry", (20, 50), wheel_odometry()),
+        ("/odom_ground_truth", "nav_msgs/msg/Odometry", 50, ground_truth),
+        ("/joint_states", f"{sensor}/JointState", 50, joint_states),
+        ("/rover/truth/contact", "std_msgs/msg/Bool", 20, contact),
+        ("/rover/truth/traversal", "std_msgs/msg/Float64MultiArray", 20, traversal),
+        ("/lidar2d/scan", f"{sensor}/LaserScan", 5, ranging.planar_scan),
+        ("/lidar3d/points", f"{sensor}/PointCloud2", 5, ranging.lidar_points),
+        ("/depth/image", f"{sensor}/Image", 5, ranging.depth_image),
+        ("/depth/camera_info", f"{sensor}/CameraInfo", 5, ranging.depth_info),
+        ("/depth/points", f"{sensor}/PointCloud2", 5, ranging.depth_points),
+        ("/gnss/fix", f"{sensor}/NavSatFix", 5, surroundings.fix),
+        ("/imu/mag", f"{sensor}/MagneticField", 20, surroundings.magnetic_field),
+        ("/barometer/pressure", f"{sensor}/FluidPressure", 10, surroundings.pressure),
+        ("/height_scan/grid_map", "grid_map_msgs/msg/GridMap", 20, surroundings.grid_map),
+        ("/guide_actor/pose", "geometry_msgs/msg/Pose", 30, person),
+        ("/clock", "rosgraph_msgs/msg/Clock", 100, clock),
+    )
+    of_float32 = {"/scan": 1e-5, "/lidar2d/scan": 1e-5, "/height_scan/grid_map": 2e-6}
     return (
-        Topic(
-            "/robot_description",
-            "std_msgs/msg/String",
-            ((), ()),
-            lambda twin: {"data": Description(twin.model)},
-            depth=1,
-            latched=True,
-        ),
-        Topic("/tf_static", tf2, ((), ()), tf_static, depth=1, latched=True),
+        Topic("/robot_description", "std_msgs/msg/String", expect=described, **once),
+        Topic("/tf_static", tf2, expect=tf_static, **once),
         Topic("/tf", tf2, (moving, moving), tf, depth=100),
-        Topic("/scan", "sensor_msgs/msg/LaserScan", (20, 20), scan, tolerance=1e-5),
-        Topic("/imu/data", "sensor_msgs/msg/Imu", (20, 20), imu),
-        Topic("/rover/pose_array", "geometry_msgs/msg/PoseArray", (50, 50), pose_array, reliable=False),
-        Topic("/odometry/wheels", "nav_msgs/msg/Odometry", (20, 50), wheel_odometry()),
-        Topic("/odom_ground_truth", "nav_msgs/msg/Odometry", (50, 50), ground_truth),
-        Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
-        Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
-        Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
-        Topic("/lidar2d/scan", "sensor_msgs/msg/LaserScan", (5, 5), ranging.planar_scan, tolerance=1e-5),
-        Topic("/lidar3d/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.lidar_points),
-        Topic("/depth/image", "sensor_msgs/msg/Image", (5, 5), ranging.depth_image),
-        Topic("/depth/camera_info", "sensor_msgs/msg/CameraInfo", (5, 5), ranging.depth_info),
-        Topic("/depth/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.depth_points),
-        Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
-        Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
-        Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),
-        Topic(
-            "/height_scan/grid_map",
-            "grid_map_msgs/msg/GridMap",
-            (20, 20),
-            surroundings.grid_map,
-            tolerance=2e-6,
-        ),
-        Topic("/guide_actor/pose", "geometry_msgs/msg/Pose", (30, 30), person),
-        Topic(
-            "/clock", "rosgraph_msgs/msg/Clock", (100, 100), lambda twin: {"clock": stamp(twin.time_ns)}
+        *(
+            Topic(
+                name,
+                kind,
+                rates if isinstance(rates, tuple) else (rates, rates),
+                expect,
+                reliable=name != "/rover/pose_array",
+                tolerance=of_float32.get(name, EXACT),
+            )
+            for name, kind, rates, expect in rows
         ),
     )
 

@@ -7,16 +7,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tests.e2e.topic_oracle import ranging
-from tests.e2e.topic_oracle.form import header, vector
+from tests.e2e.topic_oracle.form import header, ray, vector
 from tests.e2e.topic_oracle.ranging import MOUNT, RPY
 from tests.e2e.topic_oracle.twin import Twin, Values
 
 DATUM = (38.4064, -110.7919, 1382.0)  # of Utah's Mars Desert Research Station
+AXIS, E2 = 6_378_137.0, (2 - 1 / 298.257223563) / 298.257223563  # of WGS-84
 RESOLUTION, CELLS = 0.2, (6, 4)  # [m], along x and y
 BASE = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
 SENSORS: tuple[Mapping[str, Any], ...] = (
@@ -59,26 +59,26 @@ def local_axes() -> Values:
     return np.array([(-math.sin(lam), math.cos(lam), 0.0), north, up])
 
 
-def geodetic(enu: Values) -> tuple[float, float, float]:
-    """Latitude, longitude [deg] and altitude [m] of a point near the datum, by fixed-point iteration."""
-    a, f = 6_378_137.0, 1 / 298.257223563
-    e2 = f * (2 - f)
+def radius(phi: float) -> float:
+    """Of WGS-84's prime vertical at a latitude [m]."""
+    return AXIS / math.sqrt(1 - E2 * math.sin(phi) ** 2)
 
-    def radius(phi: float) -> float:
-        return a / math.sqrt(1 - e2 * math.sin(phi) ** 2)
 
+def origin() -> Values:
+    """The datum in ECEF [m]."""
     phi, lam = np.radians(DATUM[:2])
     level = (radius(phi) + DATUM[2]) * math.cos(phi)
-    origin = (
-        level * math.cos(lam),
-        level * math.sin(lam),
-        (radius(phi) * (1 - e2) + DATUM[2]) * math.sin(phi),
-    )
-    x, y, z = origin + enu @ local_axes()
-    level = math.hypot(x, y)
+    up = (radius(phi) * (1 - E2) + DATUM[2]) * math.sin(phi)
+    return np.array([level * math.cos(lam), level * math.sin(lam), up])
+
+
+def geodetic(enu: Values) -> tuple[float, float, float]:
+    """Latitude, longitude [deg] and altitude [m] of a point near the datum, by fixed-point iteration."""
+    x, y, z = origin() + enu @ local_axes()
+    phi, level = math.radians(DATUM[0]), math.hypot(x, y)
     for _ in range(20):
         height = level / math.cos(phi) - radius(phi)
-        phi = math.atan2(z, level * (1 - e2 * radius(phi) / (radius(phi) + height)))
+        phi = math.atan2(z, level * (1 - E2 * radius(phi) / (radius(phi) + height)))
     return math.degrees(phi), math.degrees(math.atan2(y, x)), level / math.cos(phi) - radius(phi)
 
 
@@ -99,14 +99,7 @@ def fix(twin: Twin) -> Mapping[str, Any]:
 def magnetic_field(twin: Twin) -> Mapping[str, Any]:
     """sensor_msgs/MagneticField: minus the gradient of the dipole's potential, by differences."""
     g = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])
-    phi = math.radians(DATUM[0])
-    a, e2 = 6_378_137.0, (2 - 1 / 298.257223563) / 298.257223563
-    radius = a / math.sqrt(1 - e2 * math.sin(phi) ** 2)
-    lam = math.radians(DATUM[1])
-    level = (radius + DATUM[2]) * math.cos(phi)
-    at = np.array(
-        [level * math.cos(lam), level * math.sin(lam), (radius * (1 - e2) + DATUM[2]) * math.sin(phi)]
-    )
+    at = origin()
 
     def potential(where: Values) -> float:
         return float(6_371_200.0**3 * (g @ where) / np.linalg.norm(where) ** 3)
@@ -131,7 +124,6 @@ def pressure(twin: Twin) -> Mapping[str, Any]:
 def grid_map(twin: Twin) -> Mapping[str, Any]:
     """grid_map_msgs/GridMap: rows against x, columns against y, column by column; rays from above."""
     data, (x, y, _), (rows, columns) = twin.at_present(), place(twin), CELLS
-    seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
     half_x, half_y = twin.world.ground.half_size
     heights = []
     for column in range(columns):
@@ -139,7 +131,7 @@ def grid_map(twin: Twin) -> Mapping[str, Any]:
             east = x + (0.5 * (rows - 1) - row) * RESOLUTION
             north = y + (0.5 * (columns - 1) - column) * RESOLUTION
             above, down = np.array([east, north, 9.0]), np.array([0.0, 0.0, -1.0])
-            distance = mujoco.mj_ray(twin.model, data, above, down, seen, 1, -1, hit)
+            distance, _ = ray(twin, data, above, down)
             on_map = abs(east) <= half_x and abs(north) <= half_y
             heights.append(9.0 - distance if on_map else math.nan)
     dimensions = [

@@ -46,8 +46,6 @@ def stamped(linear: float, frame: str = "", at_ns: int = 0) -> TwistStamped:
 @pytest.mark.parametrize(
     ("kind", "heard"),
     [
-        ("twist", "twist"),
-        ("stamped", "stamped"),
         ("auto", "stamped" if STAMPED_BY_DEFAULT else "twist"),
         ("auto_twist", "twist"),
     ],

@@ -53,7 +53,7 @@ def test_each_rover_is_reset_by_itself_and_a_pause_is_of_all(scene: Scene) -> No
     assert "not reset at t = 1.23 s" in why
 
 
-def test_a_run_is_held_while_paused_and_the_time_adds_up(scene: Scene) -> None:
+def test_a_run_is_held_while_paused_the_time_adds_up_and_a_stop_request_ends_it(scene: Scene) -> None:
     stop, held = StopRequest(), list[float]()
     assert scene.controls.hold(stop) == 0.0
     for _ in range(2):
@@ -63,10 +63,6 @@ def test_a_run_is_held_while_paused_and_the_time_adds_up(scene: Scene) -> None:
         scene.ros.until(answer.done)
     assert min(held) > 0.0
     assert scene.controls.held_s == pytest.approx(sum(held))
-
-
-def test_a_stop_request_ends_a_pause(scene: Scene) -> None:
-    stop = StopRequest()
     scene.ask(SetBool, "/a/harness/pause", data=True)
     stop.signal = 2  # type: ignore[assignment]  # of a terminal
     assert scene.controls.hold(stop) < 1.0

@@ -117,7 +117,6 @@ def test_a_second_owner_of_the_base_is_named_with_the_mend_and_no_other_publishe
         (Description((), (WHEEL,), owns_odom=False, urdf=""), Edge(*BASE), None),
         (OWN, Edge("map", "odom"), None),
         (MAPPED, Edge("map", "odom"), "give no --map-tf here"),
-        (OWN, Edge("base_footprint", "base_link"), None),
     ],
 )
 def test_what_has_one_owner_is_what_this_run_tells_of_odom_and_map(

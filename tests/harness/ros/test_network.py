@@ -29,28 +29,22 @@ READING = 0.3  # [s]: a listener reads at once
 LOCALHOST = {RANGE: "LOCALHOST"}
 
 
-@pytest.mark.parametrize("environment", [{}, LOCALHOST, {RANGE: "localhost"}, {"ROS_DISTRO": "kilted"}])
-def test_who_asks_for_nothing_stays_on_this_machine(environment: dict[str, str], tmp_path: Path) -> None:
-    assert local_settings(environment, tmp_path) == {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}
-
-
-@pytest.mark.parametrize("wider", ["SUBNET", "SYSTEM_DEFAULT", "OFF"])
-def test_who_asks_for_the_network_gets_it(wider: str, tmp_path: Path) -> None:
-    assert local_settings({RANGE: wider}, tmp_path) == {}
-
-
-@pytest.mark.parametrize("own", USERS_OWN)
-def test_who_has_arranged_the_middleware_keeps_that(own: str, tmp_path: Path) -> None:
-    assert local_settings({own: "something"}, tmp_path) == LOCALHOST
-
-
-def test_a_profile_in_the_current_folder_is_kept(tmp_path: Path) -> None:
-    (tmp_path / OWN_PROFILE).touch()
-    assert local_settings({}, tmp_path) == LOCALHOST
-
-
-def test_an_older_ros_is_told_in_its_own_words(tmp_path: Path) -> None:
-    assert local_settings({"ROS_DISTRO": "jazzy"}, tmp_path)[FORMER_VARIABLE] == str(PROFILE)
+@pytest.mark.parametrize(
+    ("environment", "added"),
+    [
+        *((own, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}) for own in ({}, {RANGE: "localhost"})),
+        ({"ROS_DISTRO": "kilted"}, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}),
+        ({"ROS_DISTRO": "jazzy"}, {**LOCALHOST, FORMER_VARIABLE: str(PROFILE)}),
+        *(({RANGE: wider}, {}) for wider in ("SUBNET", "SYSTEM_DEFAULT", "OFF")),
+        *(({own: "something"}, LOCALHOST) for own in USERS_OWN),
+    ],
+)
+def test_a_run_stays_on_this_machine_unless_its_user_has_arranged_the_network(
+    environment: dict[str, str], added: dict[str, str], tmp_path: Path
+) -> None:
+    assert local_settings(environment, tmp_path) == added
+    (tmp_path / OWN_PROFILE).touch()  # which Fast DDS reads by itself
+    assert local_settings(environment, tmp_path) == (LOCALHOST if added else {})
 
 
 @dataclass(frozen=True)
