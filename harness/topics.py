@@ -46,11 +46,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _look(options: argparse.Namespace, console: Console) -> int:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.topic_monitor import topic_monitor  # noqa: PLC0415
+        from harness.ros.context import command_node  # noqa: PLC0415
+        from harness.ros.topic_monitor import TopicMonitor  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
-    with StopRequest() as stop, topic_monitor(options.namespace) as (monitor, executor):
-        _watch(monitor, executor, options.seconds, stop, console)
+    with StopRequest() as stop, command_node("topics") as (node, executor):
+        _watch(TopicMonitor(node, options.namespace), executor, options.seconds, stop, console)
     return 0
 
 

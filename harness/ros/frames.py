@@ -18,7 +18,7 @@ from harness.frames.tree import ODOM, Description, Edge
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
-from harness.sensors.message_types import typestore
+from harness.sensors.message_types import made, typestore
 from harness.sensors.table import SENSORS, Topic
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
@@ -36,11 +36,6 @@ RECENT = 1000  # messages sent that may still come back
 
 def transforms_bytes(edges: Sequence[Edge]) -> bytes:
     """Returns a TFMessage of frames in their parents, with stamp 0."""
-    types = typestore().types
-
-    def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
-        return types[name](*values)
-
     stamp = made("builtin_interfaces/msg/Time", 0, 0)
     transforms = [
         made(

@@ -143,12 +143,7 @@ class HostedMetrics:
 def heard_by(
     hosts: Iterable[HostedMetrics], published: Mapping[str, TopicCount]
 ) -> dict[str, TopicCount]:
-    """Returns what was published with what hosted nodes received, and the most that one of them lost.
-
-    Args:
-        hosts: Of all rovers; they share /clock.
-        published: By topic.
-    """
+    """Returns what was published with what nodes received, and of what they share the most one lost."""
     topics = dict(published)
     for host in hosts:
         for topic, received in host.received().items():

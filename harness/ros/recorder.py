@@ -142,8 +142,7 @@ class Recorder:
 
     def hear(self, topic: str, subscription: Subscription) -> Callable[[Message], object] | None:
         """Returns what records each message of a topic that is heard; None if nobody knows its type."""
-        kind = subscription.msg_type
-        if f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" not in typestore().types:
+        if type_name(subscription) not in typestore().types:
             return None
         return self._recording(topic, subscription, None)
 
@@ -151,8 +150,7 @@ class Recorder:
         self, topic: str, endpoint: Publisher | Subscription, padding: dict[int, list[int]] | None
     ) -> Callable[[Message], bytes]:
         """What records messages of a topic; `padding` keeps where it is in those of each length."""
-        kind = endpoint.msg_type
-        name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+        name = type_name(endpoint)
         identifier = self._register(topic, name, endpoint.qos_profile)
         if endpoint.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             self._latched[identifier] = None
@@ -214,14 +212,7 @@ class Recorder:
 
 
 class _Held(NamedTuple):
-    """A message that may yet be too old to be kept.
-
-    Attributes:
-        identifier: Of its channel; `name` is that of its type.
-        padding: As for `without_padding`.
-        time_ns: When it went out.
-        written: Its bytes.
-    """
+    """A message that may yet be too old to be kept, with its channel, type, padding and time."""
 
     identifier: int
     name: str
@@ -230,17 +221,23 @@ class _Held(NamedTuple):
     written: bytes
 
 
-def without_padding(written: bytes, type_name: str, known: dict[int, list[int]] | None) -> bytes:
+def type_name(endpoint: Publisher | Subscription) -> str:
+    """Returns the type of a topic's end, as in sensor_msgs/msg/LaserScan."""
+    kind = endpoint.msg_type
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+
+
+def without_padding(written: bytes, kind: str, known: dict[int, list[int]] | None) -> bytes:
     """Returns the bytes of a message with zeros where they carry nothing.
 
     Args:
         written: As DDS has them.
-        type_name: Of the message.
+        kind: The message's type.
         known: Where that is in messages of each length, if those of one length are alike; is added to.
     """
     positions = None if known is None else known.get(len(written))
     if positions is None:
-        positions = padding_of(written, type_name)
+        positions = padding_of(written, kind)
     if known is not None:
         known[len(written)] = positions
     buffer = bytearray(written)
@@ -249,14 +246,14 @@ def without_padding(written: bytes, type_name: str, known: dict[int, list[int]] 
     return bytes(buffer)
 
 
-def padding_of(data: bytes, type_name: str) -> list[int]:
+def padding_of(data: bytes, kind: str) -> list[int]:
     """Returns the positions of the bytes of a CDR message that align its fields and carry nothing.
 
     DDS leaves in them whatever was in memory. They are the bytes that writing the same message into a
     buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
     rosbags does not write.
     """
-    definition = typestore().get_msgdef(type_name)
+    definition = typestore().get_msgdef(kind)
     body = len(data) - 4  # behind the encapsulation header
     # Not `deserialize_cdr`, which refuses what DDS leaves behind lists that are empty.
     message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
@@ -267,12 +264,8 @@ def padding_of(data: bytes, type_name: str) -> list[int]:
     return [4 + i for i in np.flatnonzero(zeros != ones).tolist()]
 
 
-def full_definition(type_name: str) -> str:
-    """Returns a message's definition followed by those of the types in it, as rosbag2 stores it.
-
-    Args:
-        type_name: As in sensor_msgs/msg/LaserScan.
-    """
-    text, _ = typestore().generate_msgdef(type_name, ros_version=2)
+def full_definition(kind: str) -> str:
+    """Returns a message's definition followed by those of the types in it, as rosbag2 stores it."""
+    text, _ = typestore().generate_msgdef(kind, ros_version=2)
     definition, *nested = text.split(SEPARATOR)
     return SEPARATOR.join([definition, *sorted(nested)])

@@ -72,10 +72,7 @@ class RemoteNode:
         return self._parameters.call_async(BARRIER)
 
     def release(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
-        """Tells the node that nobody waits for it any more.
-
-        Args:
-            patience: How long [s] to wait for each of its answers.
+        """Tells the node that nobody waits for it any more; waits so long [s] for each of its answers.
 
         Returns:
             Messages that a MetricsNode has received since the start, by topic; else empty.
@@ -161,7 +158,7 @@ def wait_for_answers(
 def counted_by(
     nodes: Iterable[RemoteNode], published: dict[str, TopicCount], patience: float = ANSWER_PATIENCE
 ) -> dict[str, TopicCount]:
-    """Lets nodes go, and returns what was published with what the MetricsNodes among them received.
+    """Lets nodes go; returns what was published with what the MetricsNodes among them received.
 
     Args:
         nodes: Are waited for no more.

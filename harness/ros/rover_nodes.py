@@ -23,16 +23,10 @@ from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
-from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 
 def painter(run: Run, number: int = 0) -> CameraPainter:
-    """Returns what draws for the cameras of a rover; nothing is started before the first image.
-
-    Args:
-        run: The run.
-        number: The rover's place in it.
-    """
+    """Returns what draws for the cameras of a run's rover; the first image starts it."""
     given = (row.given for row in sensor_rows(run.rovers[number]))
     cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
     warn = get_logger("harness").warning
@@ -93,11 +87,7 @@ class RoverNodes:
         self.navigation = Navigation(self.bridge, self.run, self.number, orders)
 
     def host_metrics(self, executor: Executor, outputs: Outputs) -> None:
-        """Starts a MetricsNode and waits until DDS has connected it.
-
-        Args:
-            executor: Spins it and the bridge.
-            outputs: Where its log goes, and its settings.
+        """Starts a MetricsNode on the bridge's executor and waits until DDS has connected it.
 
         Raises:
             UsageError: DDS does not connect it, or its log cannot be created.
@@ -109,10 +99,7 @@ class RoverNodes:
         self.hosted.await_match()
 
     def begin(self, description: Description | None) -> None:
-        """Refuses other publishers of the rover's topics and publishes its fixed frames.
-
-        Args:
-            description: The frames; None of a run without transforms.
+        """Refuses other publishers of the rover's topics and publishes its fixed frames, if it has any.
 
         Raises:
             UsageError: A topic has a second publisher.
@@ -125,11 +112,6 @@ class RoverNodes:
         """Hears publishers and serves listeners that have turned up since the last look."""
         self.bridge.commands.look_around()
         self.navigation.look_around()
-
-    @property
-    def metrics(self) -> MetricsPublisher | None:
-        """What the hosted MetricsNode publishes with; None without one."""
-        return None if self.hosted is None else self.hosted.node.publisher
 
     @property
     def listeners(self) -> tuple[HostedMetrics, ...]:

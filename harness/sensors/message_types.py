@@ -46,6 +46,11 @@ def typestore() -> Typestore:
     return store
 
 
+def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
+    """Returns a message of a type, of the values of its fields."""
+    return typestore().types[name](*values)
+
+
 def check_path(type_name: str, path: str) -> str | None:
     """Returns what is wrong with a path into messages of a type; None if it leads to numbers.
 

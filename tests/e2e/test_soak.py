@@ -71,8 +71,14 @@ def test_nothing_is_lost_and_nothing_grows(
 
 
 def test_outcome_complains_of_each_harm() -> None:
-    fine = {"failure": None, "lost": 0, "rows": (60, 60), "same": True, "grown": {"harness": GROWTH}}
-    shown = {"scenario": "a run", "seconds": 60, "speed": 50.0, "messages": 20_000}
+    fine: dict[str, Any] = {
+        "failure": None,
+        "lost": 0,
+        "rows": (60, 60),
+        "same": True,
+        "grown": {"harness": GROWTH},
+    }
+    shown: dict[str, Any] = {"scenario": "a run", "seconds": 60, "speed": 50.0, "messages": 20_000}
 
     def complaints(**harm: Any) -> tuple[str, ...]:  # noqa: ANN401 - fields of an Outcome
         return Outcome(**shown | fine | harm).complaints

@@ -19,9 +19,8 @@ from sensor_msgs.msg import CameraInfo, Image, NavSatFix
 
 from harness import samples
 from harness.ros.channel import open_channel
-from harness.ros.grid_map import grid_map_fill
 from harness.ros.messages import filler, person
-from harness.ros.optional_messages import Draw, camera_info_fill, image_fill
+from harness.ros.optional_messages import Draw, grid_map_fill, image_fill, lens_info
 from harness.ros.rover_nodes import painter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.choice import chosen
@@ -143,7 +142,7 @@ def test_every_cell_of_a_grid_map_is_where_grid_map_looks_for_it_and_its_axes_tu
     [("pinhole", "plumb_bob", 4.5 / np.tan(0.5)), ("fisheye", "equidistant", 9)],
 )
 def test_camera_info_is_the_lens(lens: str, model: str, focal: float) -> None:
-    told = camera_info_fill(CameraInfo(), EYE.but(lens=lens))(SEEN)
+    told = lens_info(CameraInfo(), EYE.but(lens=lens).lens_of())(SEEN)
     assert (told.header.stamp, told.height, told.width) == (STAMP, 8, 9)
     assert told.distortion_model == model
     assert told.d.tolist() == [0.0] * {"plumb_bob": 5, "equidistant": 4}[model]

@@ -48,7 +48,7 @@ def test_an_age_is_that_of_the_last_value_and_memory_is_bounded_by_the_window() 
     assert Pace().age(1.0) is None
     assert noted((1.0, 1.0), (2.0, 2.0)).age(20.0) == pytest.approx(18.0)
     pace = noted(*((count / 100.0, count) for count in range(round(1000.0 * WINDOW) + 1)))
-    assert len(pace._points) <= 100.0 * WINDOW + 1
+    assert len(pace.points) <= 100.0 * WINDOW + 1
 
 
 FOREIGN = ("antigravity/msg/Imu", "no_such_package/msg/Imu", "sensor_msgs/srv/Imu", "os/msg/Path")
