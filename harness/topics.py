@@ -26,6 +26,7 @@ from rich.live import Live
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import Overdue, StopRequest
+from harness.spec.rover import namespace_of
 from rover_metrics.errors import OneLineParser
 
 if TYPE_CHECKING:
@@ -50,8 +51,9 @@ def _look(options: argparse.Namespace, console: Console) -> int:
         from harness.ros.topic_monitor import TopicMonitor  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
+    namespace = namespace_of(options.namespace)
     with StopRequest() as stop, command_node("topics") as (node, executor):
-        _watch(TopicMonitor(node, options.namespace), executor, options.seconds, stop, console)
+        _watch(TopicMonitor(node, namespace), executor, options.seconds, stop, console)
     return 0
 
 

@@ -20,6 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from harness.base.errors import UsageError
 from harness.ros.network import stay_local
 from rover_metrics.ros.arguments import refusal
+from rover_metrics.ros.guarded_node import GuardedNode
 
 try:
     from rclpy.experimental import EventsExecutor
@@ -63,7 +64,7 @@ def command_node(name: str) -> Iterator[tuple[Node, Executor]]:
         UsageError: ROS 2 refuses the environment.
     """
     with ros_context([]) as context, make_executor(context) as executor:
-        node = rclpy.create_node(f"{name}_{os.getpid()}", context=context, enable_rosout=False)
+        node = GuardedNode(f"{name}_{os.getpid()}", context=context, enable_rosout=False)
         executor.add_node(node)
         yield node, executor
 

@@ -7,7 +7,6 @@ in for each sample. So it costs a tenth of a message object, and needs no tf2_ms
 import struct
 from collections import deque
 from collections.abc import Sequence
-from typing import Any
 
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -18,8 +17,9 @@ from harness.frames.tree import ODOM, Description, Edge
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
-from harness.sensors.message_types import made, typestore
+from harness.sensors.message_types import made, read_message, typestore
 from harness.sensors.table import SENSORS, Topic
+from rover_metrics.errors import shown
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -157,10 +157,9 @@ class FrameTopics:
         """Takes a message of /tf, of this run or of somebody else."""
         if data in self._sent:
             return
-        message: Any = typestore().deserialize_cdr(data, TF_MESSAGE)
         owned = self._owned()
-        for transform in message.transforms:
-            parent, child = transform.header.frame_id, transform.child_frame_id
+        for transform in read_message(data, TF_MESSAGE).transforms:
+            parent, child = shown(transform.header.frame_id), transform.child_frame_id
             if child in owned:
                 self._rival = (
                     f"has {parent} -> {child} from {self._others()} too, and a frame has one owner: "

@@ -60,6 +60,7 @@ class HostedMetrics:
 
     def __init__(self, bridge: Bridge, node: MetricsNode) -> None:
         self._executor, self.node = bridge.executor, node
+        node.is_hosted = True
         self._clock = node.get_clock()
         self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_channel = bridge.clock_channel

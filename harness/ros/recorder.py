@@ -8,9 +8,11 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
+import struct
 from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple, Self
 from uuid import uuid4
@@ -94,6 +96,7 @@ class Recorder:
         self._next_flush_ns = 0
         self._last_ns = None if last is None else round(last * NANOSECONDS)
         self._held: deque[_Held] = deque()
+        self._late: list[_Held] = []  # of the nodes' metrics, until the next other message
         self._latched: dict[int, _Held | None] = {}  # the last that is no more among those, by channel
         self._messages = 0
         self._failed = False
@@ -133,11 +136,14 @@ class Recorder:
             channel.record = self._recording(channel.topic, channel.publisher, {})
         bridge.commands.record(lambda topic, heard: self._recording(topic, heard, {}))
         if metrics is not None and metrics.publisher is not None:
-            metrics.record = self._recording(metrics.publisher.topic_name, metrics.publisher, None)
+            metrics.record = self._recording(
+                metrics.publisher.topic_name, metrics.publisher, None, self._late.append
+            )
 
     def forget(self) -> None:
         """Gives up what is not written yet."""
         self._held.clear()
+        self._late.clear()
         self._latched.clear()
 
     def hear(self, topic: str, subscription: Subscription) -> Callable[[Message], object] | None:
@@ -147,14 +153,18 @@ class Recorder:
         return self._recording(topic, subscription, None)
 
     def _recording(
-        self, topic: str, endpoint: Publisher | Subscription, padding: dict[int, list[int]] | None
+        self,
+        topic: str,
+        endpoint: Publisher | Subscription,
+        padding: dict[int, list[int]] | None,
+        take: "Callable[[_Held], None] | None" = None,
     ) -> Callable[[Message], bytes]:
         """What records messages of a topic; `padding` keeps where it is in those of each length."""
         name = type_name(endpoint)
         identifier = self._register(topic, name, endpoint.qos_profile)
         if endpoint.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             self._latched[identifier] = None
-        return partial(self._record, identifier, name, padding)
+        return partial(self._record, take or self._take, identifier, name, padding)
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
         if name not in typestore().types:
@@ -168,17 +178,35 @@ class Recorder:
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
     def _record(
-        self, identifier: int, name: str, padding: dict[int, list[int]] | None, message: Message
+        self,
+        take: "Callable[[_Held], None]",
+        identifier: int,
+        name: str,
+        padding: dict[int, list[int]] | None,
+        message: Message,
     ) -> bytes:
         """Records a message and returns its bytes."""
         written = message if isinstance(message, bytes) else serialize_message(message)
-        now_ns = self._bridges[0].time_ns
-        if self._last_ns is not None:
-            self._hold(_Held(identifier, name, padding, now_ns, written))
-            return written
-        data = without_padding(written, name, padding)
-        self._write(identifier, now_ns, data)
-        return data
+        if self._last_ns is None:
+            written = without_padding(written, name, padding)
+        take(_Held(identifier, name, padding, self._bridges[0].time_ns, written))
+        return written
+
+    def _take(self, message: "_Held") -> None:
+        """Writes or holds a message, after those of metrics: several nodes publish them in any order."""
+        self._catch_up()
+        self._put(message)
+
+    def _catch_up(self) -> None:
+        late, self._late[:] = sorted(self._late, key=attrgetter("time_ns", "identifier")), []
+        for message in late:
+            self._put(message)
+
+    def _put(self, message: "_Held") -> None:
+        if self._last_ns is None:
+            self._write(message.identifier, message.time_ns, message.written)
+        else:
+            self._hold(message)
 
     def _hold(self, message: "_Held") -> None:
         """Keeps a message until it is too old; what is latched is not."""
@@ -189,6 +217,7 @@ class Recorder:
                 self._latched[old.identifier] = old
 
     def _write_held(self) -> None:
+        self._catch_up()
         first_ns = self._held[0].time_ns if self._held else 0
         latched = [old._replace(time_ns=first_ns) for old in self._latched.values() if old is not None]
         for identifier, name, padding, time_ns, written in (*latched, *self._held):
@@ -256,7 +285,10 @@ def padding_of(data: bytes, kind: str) -> list[int]:
     definition = typestore().get_msgdef(kind)
     body = len(data) - 4  # behind the encapsulation header
     # Not `deserialize_cdr`, which refuses what DDS leaves behind lists that are empty.
-    message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
+    try:
+        message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
+    except struct.error as error:
+        raise ValueError(f"no {kind}: {error}") from error
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
         definition.serialize_cdr_le(memoryview(buffer), 0, message, typestore())

@@ -9,6 +9,7 @@ from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.logging import get_logger
 
+from harness.base.errors import UsageError
 from harness.episode.assembly import actor_names, injector, scenery, sensor_rows
 from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
@@ -16,6 +17,7 @@ from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
+from harness.ros.commands import RCLError
 from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.navigation import Navigation
 from harness.samples import Twist
@@ -23,6 +25,7 @@ from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
+from rover_metrics.ros.arguments import refusal
 
 
 def painter(run: Run, number: int = 0) -> CameraPainter:
@@ -66,18 +69,21 @@ class RoverNodes:
         self.run, self.number = run, number
         self.setup = setup = run.rovers[number]
         self._context, self._at_end = context, at_end
-        self.bridge = Bridge(
-            find_rover(setup.robot),
-            LidarSpec(beams=setup.lidar_beams),
-            context=context,
-            on_command=on_command,
-            cmd_vel=cmd_vel,
-            rows=sensor_rows(setup),
-            draw=at_end.enter_context(painter(run, number)).image,
-            actors=actor_names(run.world),
-            namespace=setup.name,
-            clock=clock,
-        )
+        try:
+            self.bridge = Bridge(
+                find_rover(setup.robot),
+                LidarSpec(beams=setup.lidar_beams),
+                context=context,
+                on_command=on_command,
+                cmd_vel=cmd_vel,
+                rows=sensor_rows(setup),
+                draw=at_end.enter_context(painter(run, number)).image,
+                actors=actor_names(run.world),
+                namespace=setup.name,
+                clock=clock,
+            )
+        except RCLError as error:  # of names that are remapped
+            raise UsageError(f"ROS 2 refuses the node harness: {refusal(error)}") from error
         at_end.callback(self.bridge.destroy_node)
         self.faults = injector(run, number)
         self.hosted: HostedMetrics | None = None

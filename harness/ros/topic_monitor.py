@@ -75,7 +75,7 @@ class TopicMonitor:
     """
 
     def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.monotonic) -> None:
-        self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
+        self._node, self._now, self._below = node, now, f"/{namespace}/".replace("//", "/")
         self._qos = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.types: dict[str, str] = {}
         self.counts: dict[str, int] = {}

@@ -7,6 +7,7 @@ import random
 import re
 import select
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
@@ -274,6 +275,35 @@ def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> N
     assert "Traceback" not in end.told
     assert end.after < under_load(NO_HANG)
     assert json.loads(summary.read_text())["outcome"]["status"] == "interrupted"
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_run_whose_node_is_killed_ends_in_time_with_its_name(
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    remote = import_module("harness.ros.remote")
+    assert remote.ANSWER_PATIENCE == 30.0, "docs/driving.md states it"
+    monkeypatch.setattr(remote, "ANSWER_PATIENCE", patience := 3.0)
+    words = ["--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path / 'node'}"]
+    run = ["--no-metrics", "--wait-for", "/metrics_node", "--log-dir", str(tmp_path / "run")]
+    ended, summary = list[float](), tmp_path / "summary.json"
+    with ForkedProgram("rover_metrics.metrics_node", words) as node:
+
+        def kill() -> None:
+            wait_until(lambda: rows(tmp_path / "node") > 1)
+            node.send_signal(number)
+            ended.append(time.monotonic())
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        assert main([*ENDLESS, *run, "--summary", str(summary)]) == 1
+        killer.join()
+    assert time.monotonic() - ended[0] < under_load(patience + NO_HANG)
+    outcome = json.loads(summary.read_text())["outcome"]
+    said = {signal.SIGKILL: "/metrics_node stopped answering", signal.SIGTERM: "/metrics_node has ended"}
+    assert (outcome["status"], outcome["reason"]) == ("failed", said[number])
 
 
 def number_of(index: int) -> signal.Signals:

@@ -27,6 +27,7 @@ from harness.episode.result import Outputs, RunResult
 from harness.episode.stream import RoverOrders
 from harness.ros import session
 from harness.ros.context import make_executor, spin_until
+from harness.ros.hosted import HostedMetrics
 from harness.ros.session import run_through_ros
 from harness.samples import Place, Pose
 from harness.spec.ros import RosOptions
@@ -129,6 +130,19 @@ def test_a_navigation_stack_puts_the_rover_elsewhere_and_sends_it_to_a_goal(
     assert after.position[:2] == pytest.approx((3.0, 1.0), abs=0.05)
     assert abs(after.orientation[2]) == pytest.approx(1.0, abs=0.05)
     assert math.dist(last.position[:2], (2.0, 1.0)) < 0.4
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_a_strangers_message_in_the_log_at_the_end_of_a_run_fails_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    received = HostedMetrics.received
+    monkeypatch.setattr(
+        HostedMetrics, "received", lambda host: received(host) | {"/scan": received(host)["/scan"] + 1}
+    )
+    result = drive(tmp_path, Run.of(terrain="flat", driver="spin", duration=0.5), StopRequest())
+    assert result.failure is not None
+    assert result.failure.startswith("/scan has a second publisher")
 
 
 def test_a_paused_run_stands_still_answers_goes_on_and_can_be_stopped(

@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from harness.topics import main
+from harness.run import main as run
+from harness.topics import main as topics
 from tests.support.complaint import complaint
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -15,20 +16,29 @@ from tests.support.waiting import PATIENCE, wait_until
 def test_seconds_that_make_no_sense_are_told_in_one_line(
     seconds: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert f"'{seconds}' is not valid" in complaint(main, [f"--seconds={seconds}"], capsys)
+    assert f"'{seconds}' is not valid" in complaint(topics, [f"--seconds={seconds}"], capsys)
+
+
+@pytest.mark.parametrize("namespace", ["é", "1x", "a//b", "a b", "a" * 101, "%s"])
+def test_a_namespace_that_ros_does_not_have_is_refused_in_one_line(
+    namespace: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for main in (topics, run):
+        told = complaint(main, ["--namespace", namespace], capsys)
+        assert "is no namespace in ROS; give letters, digits and _, a letter first" in told
 
 
 def test_without_ros_the_command_says_so_in_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "harness.ros.topic_monitor", None)
-    assert complaint(main, [], capsys).startswith("harness.topics: ROS 2 is not importable (")
+    assert complaint(topics, [], capsys).startswith("harness.topics: ROS 2 is not importable (")
 
 
 @pytest.mark.usefixtures("ros_domain")
 def test_a_short_look_at_nothing_says_that_it_was_short(capfd: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
-    assert main(["--seconds", "0.01"]) == 0
+    assert topics(["--seconds", "0.01"]) == 0
     assert "no topics in so short a look; --seconds 8 is enough" in capfd.readouterr().out
 
 

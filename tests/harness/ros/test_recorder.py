@@ -217,6 +217,9 @@ def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
         ("/rover/metrics", STEP_NS),
         ("/cmd_vel", STEP_NS),
     ]
+    bridge.stop_recording()
+    assert [channel.record for channel in bridge.channels] == [None] * len(bridge.channels)
+    bridge.commands.receive("twist", Twist())  # into a file that is closed
     first, second, command = (store.deserialize_cdr(data, kind) for _, _, kind, data in found)
     assert [(m.status[0].name, m.status[0].message) for m in (first, second)] == [  # type: ignore[attr-defined]
         (f"harness: {name}", message) for name, message in names
@@ -224,6 +227,26 @@ def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
     assert command.linear.x == 0.25  # type: ignore[attr-defined]
     for one, (_, _, kind, data) in zip((first, second, command), found, strict=True):
         assert bytes(store.serialize_cdr(one, kind)) == data  # what aligns is zero
+
+
+def test_a_recording_does_not_depend_on_the_order_in_which_nodes_publish_their_metrics(
+    ros: Ros, tmp_path: Path
+) -> None:
+    fleet = [ros.bridge(namespace=name) for name in ("a", "b")]
+    nodes = [MetricsPublisher(bridge, print, enabled=True) for bridge in fleet]
+    for name, last in (("whole", None), ("last", 9.0)):
+        files = [tmp_path / f"{name}{number}.mcap" for number in (0, 1)]
+        for file, order in zip(files, (nodes, nodes[::-1]), strict=True):
+            with Recorder(file, last=last) as recorder:
+                for bridge, metrics in zip(fleet, nodes, strict=True):
+                    recorder.tap(bridge, metrics)
+                for time_ns in (10, 20, 30):
+                    fleet[0].time_ns = time_ns
+                    for node in order:
+                        node.publish(time_ns, lambda: [Status(Level.OK, "a", "b", ())])
+                    if time_ns == 20:
+                        fleet[0].commands.receive("twist", Twist())
+        assert files[0].read_bytes() == files[1].read_bytes()
 
 
 @pytest.mark.parametrize("method", ["add_message", "finish"])
