@@ -52,6 +52,9 @@ def test_a_node_that_does_not_answer_fails_the_run(rig: Rig) -> None:
     with pytest.raises(RunFailed, match=r"^/b stopped answering$"):
         wait_for_answers({one: one.ask(), other: other.ask()}, rig.bridge.executor)
     assert (one.waited_s, other.waited_s) == (1.0, 0.0)
+    rig.asked.clear()
+    assert other.release() == {}
+    assert rig.asked == [], "it is not waited for once more"
     with pytest.raises(RunFailed, match=r"^/b stopped answering$"):
         rig.node("/b")
 
