@@ -127,24 +127,11 @@ def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
 
 
 def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
-    """Scans of that lidar; scan_time and time_increment stay 0, as ros_gz_bridge leaves them."""
     message.angle_min, message.angle_max = -lidar.angle_max, lidar.angle_max
     message.angle_increment = 2 * lidar.angle_max / (lidar.beams - 1)
     message.range_min, message.range_max = lidar.range_min, lidar.range_max
     message.intensities = array("f", bytes(4 * lidar.beams))
-    whole = array("f", bytes(4 * lidar.beams))
-    ranges = np.frombuffer(whole, dtype=np.float32)
-
-    def fill(scan: samples.LaserScan) -> LaserScan:
-        set_stamp(message.header.stamp, scan.stamp_ns)
-        if scan.ranges.size == ranges.size:
-            ranges[:] = scan.ranges
-            message.ranges = whole
-        else:  # a faulty lidar
-            message.ranges = array("f", scan.ranges.tobytes())
-        return message
-
-    return fill
+    return optional.scan_fill(message)
 
 
 def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:

@@ -15,6 +15,7 @@ from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointFiel
 from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM
 from harness.ros.channel import Fill, set_stamp
+from harness.samples import LaserScan as SimulatedScan
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.sensor import CameraOptions, CameraState
@@ -36,13 +37,17 @@ PIXEL = np.dtype([(name, "<f4") for name in XYZ])
 
 
 def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
-    """Returns what makes scans of readings; scan_time and time_increment are 0, as in /scan."""
+    """Returns what makes scans of readings, without intensities."""
     message.angle_min, message.angle_max = options.angle_min, options.angle_max
     message.angle_increment = (options.angle_max - options.angle_min) / (options.beams - 1)
     message.range_min, message.range_max = options.range_min, options.range_max
-    message.intensities = array("f")
+    return scan_fill(message)
 
-    def fill(reading: RangeReading) -> LaserScan:
+
+def scan_fill(message: LaserScan) -> Fill:
+    """Returns what sets stamp and ranges; scan_time and time_increment stay 0, as in ros_gz_bridge."""
+
+    def fill(reading: RangeReading | SimulatedScan) -> LaserScan:
         set_stamp(message.header.stamp, reading.stamp_ns)
         message.ranges = array("f", reading.ranges.tobytes())
         return message

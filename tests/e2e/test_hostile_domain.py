@@ -9,9 +9,8 @@ import json
 import math
 import random
 import signal
-import time
-from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +19,14 @@ import pytest
 
 from tests.support.documents import ROOT
 from tests.support.forked_program import ForkedProgram
+from tests.support.ros import Ros
 from tests.support.waiting import PATIENCE
 
-rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
@@ -39,7 +38,6 @@ from rover_metrics.health.rejections import NO_TIME
 
 ROUNDS = 9
 WARM = 3  # rounds until what a process keeps for good is there
-ANSWER = 2.0  # [s] until a request is sent again
 MOST_GROWTH = 4_000  # kB; a few of the scans that come meanwhile, 400 kB each, would be more
 MOST_SAID = 200_000  # bytes
 FLOATS = (math.nan, math.inf, -math.inf, 1e308, -1e308, 5e-324, -0.0, 1.0)
@@ -70,48 +68,24 @@ TOLD = {  # besides /tf, to which a run listens as soon as somebody else publish
 class Enemy:
     """Broken messages and requests, from a seed, and the answers to them."""
 
-    def __init__(self, at_end: ExitStack) -> None:
+    def __init__(self, ros: Ros) -> None:
         self.random = random.Random(13)  # noqa: S311 - no secrets here
-        context = rclpy.Context()
-        rclpy.init(context=context)
-        at_end.callback(context.try_shutdown)
-        self.node = rclpy.create_node("enemy", context=context)
-        self.executor = at_end.enter_context(SingleThreadedExecutor(context=context))
-        self.executor.add_node(self.node)
+        self.node, self.until = ros.node("enemy"), ros.until
+        self.ask = partial(ros.ask, self.node)
         self._publishers: dict[str, Any] = {}
-        self._clients: dict[str, Any] = {}
-
-    def wait(self, condition: Callable[[], object]) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, "the condition did not come true"
-            self.executor.spin_once(timeout_sec=0.02)
 
     def publish(self, topic: str, kind: Any, message: Any) -> None:  # noqa: ANN401
         """Sends a message, or bytes for one of that type."""
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(kind, topic, 10)
             forget_missing_definition()
-            self.wait(self._publishers[topic].get_subscription_count)
+            self.until(self._publishers[topic].get_subscription_count)
         self._publishers[topic].publish(message)
-
-    def ask(self, kind: Any, service: str, **request: Any) -> Any:  # noqa: ANN401
-        """The answer to a request."""
-        if service not in self._clients:
-            self._clients[service] = self.node.create_client(kind, service)
-            self.wait(self._clients[service].service_is_ready)
-        deadline = time.monotonic() + PATIENCE
-        while True:  # an answer is lost while the node does not know this client yet
-            future = self._clients[service].call_async(kind.Request(**request))
-            self.executor.spin_until_future_complete(future, timeout_sec=ANSWER)
-            if future.done():
-                return future.result()
-            assert time.monotonic() < deadline, f"{service} does not answer"
 
     def ask_and_be_gone(self, kind: Any, service: str) -> None:  # noqa: ANN401
         """A request whose answer finds nobody."""
         client = self.node.create_client(kind, service)
-        self.wait(client.service_is_ready)
+        self.until(client.service_is_ready)
         client.call_async(kind.Request())
         self.node.destroy_client(client)
 
@@ -205,9 +179,8 @@ def footprint(process: ForkedProgram) -> tuple[int, int]:
     return int(line.split()[1]), len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
 
 
-@pytest.mark.usefixtures("ros_domain")
 def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a_row(
-    tmp_path: Path,
+    ros: Ros, tmp_path: Path
 ) -> None:
     alone, hosted, policy = tmp_path / "alone", tmp_path / "hosted", ROOT / "examples/point_nav.npz"
     apart = ["--ros-args", "-p", "use_sim_time:=true", "-r", "/clock:=/alone/clock"]
@@ -224,10 +197,10 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
             name: at_end.enter_context(ForkedProgram(name, given, tmp_path / f"{name}.txt"))
             for name, given in words.items()
         }
-        enemy = Enemy(at_end)
-        enemy.wait(lambda: rows(hosted) > 0)  # a run that finds strangers at its start is refused
+        enemy = Enemy(ros)
+        enemy.until(lambda: rows(hosted) > 0)  # a run that finds strangers at its start is refused
         due = {topic for topics in TOLD.values() for topic in topics}
-        enemy.wait(lambda: due <= enemy.subscriptions().keys())
+        enemy.until(lambda: due <= enemy.subscriptions().keys())
         attacked = set[str]()
         for second in range(ROUNDS):
             found = {**enemy.subscriptions(), "/tf": TF_MESSAGE}
@@ -246,7 +219,7 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
         ]
         assert all(kilobytes < MOST_GROWTH and files <= 2 for kilobytes, files in growth), growth
         account = enemy.received(HOSTED)
-        enemy.wait(lambda: enemy.received(HOSTED)["rows"] > account["rows"])
+        enemy.until(lambda: enemy.received(HOSTED)["rows"] > account["rows"])
         for process in programs.values():
             process.send_signal(signal.SIGINT)
         codes = [process.wait(PATIENCE) for process in programs.values()]
@@ -283,7 +256,7 @@ def confuse(enemy: Enemy, second: int) -> None:
         enemy.publish(CLOCKS[ALONE], Clock, Clock(clock=Time(sec=second + 1)))
         return heard.items() <= enemy.received(ALONE).items()
 
-    enemy.wait(all_is_heard)
+    enemy.until(all_is_heard)
 
 
 def check(folder: Path, seconds: list[int], *accounts: str) -> None:

@@ -3,21 +3,20 @@
 import math
 import signal
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.support.ros import Ros
 from tests.support.waiting import PATIENCE
 
-rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from rcl_interfaces.srv import GetParameters
-from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
+from rclpy.executors import Executor
 from std_srvs.srv import SetBool
 
 from harness.base.interrupt import StopRequest
@@ -37,14 +36,10 @@ from harness.spec.run import Run
 class Stack:
     """Somebody in another participant, who asks between two batches and so at known times."""
 
-    def __init__(self) -> None:
-        self._context = rclpy.Context()
-        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self.node = node = rclpy.create_node("stack", context=self._context)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
-        self.start = node.create_publisher(PoseWithCovarianceStamped, "/initialpose", 1)
-        self.goal = node.create_publisher(PoseStamped, "/goal_pose", 1)
+    def __init__(self, ros: Ros) -> None:
+        self.node = ros.node("stack")
+        self.start = self.node.create_publisher(PoseWithCovarianceStamped, "/initialpose", 1)
+        self.goal = self.node.create_publisher(PoseStamped, "/goal_pose", 1)
         self.ordered: list[int | None] = []
         self.poses: dict[int, Pose] = {}
         self.batches = 0
@@ -89,25 +84,6 @@ class Stack:
         for name in ("put", "head_for"):
             patch.setattr(RoverOrders, name, noted(getattr(RoverOrders, name)))
 
-    def call(self, kind: Any, service: str, **request: Any) -> Any:  # noqa: ANN401
-        """The answer to a request."""
-        client = self.node.create_client(kind, service)
-        assert client.wait_for_service(PATIENCE)
-        future = client.call_async(kind.Request(**request))
-        self._executor.spin_until_future_complete(future, PATIENCE)
-        return future.result()
-
-    def close(self) -> None:
-        self._executor.shutdown()
-        self._context.try_shutdown()
-
-
-@pytest.fixture
-def stack(ros_domain: int) -> Iterator[Stack]:  # noqa: ARG001 - the domain that both speak in
-    made = Stack()
-    yield made
-    made.close()
-
 
 def drive(folder: Path, run: Run, stop: StopRequest, *observers: Observer) -> RunResult:
     outputs = [Outputs(log_dir=folder, observers=observers)]
@@ -116,8 +92,9 @@ def drive(folder: Path, run: Run, stop: StopRequest, *observers: Observer) -> Ru
 
 
 def test_a_navigation_stack_puts_the_rover_elsewhere_and_sends_it_to_a_goal(
-    stack: Stack, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ros: Ros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    stack = Stack(ros)
     stack.watch(monkeypatch)
     run = Run.of(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
     result = drive(tmp_path, run, StopRequest(), stack)
@@ -145,20 +122,18 @@ def test_a_strangers_message_in_the_log_at_the_end_of_a_run_fails_it(
     assert result.failure.startswith("/scan has a second publisher")
 
 
-def test_a_paused_run_stands_still_answers_goes_on_and_can_be_stopped(
-    stack: Stack, tmp_path: Path
-) -> None:
-    stop = StopRequest()
+def test_a_paused_run_stands_still_answers_goes_on_and_can_be_stopped(ros: Ros, tmp_path: Path) -> None:
+    node, stop = ros.node("stack"), StopRequest()
 
     def pause(state: bool) -> str:
-        response = stack.call(SetBool, "harness/pause", data=state)
+        response = ros.ask(node, SetBool, "harness/pause", data=state)
         assert response.success
         return str(response.message)
 
     def meddle() -> list[str]:
         said = [pause(True), pause(True)]
         names = ["collision_threshold"]
-        told = stack.call(GetParameters, "metrics_node/get_parameters", names=names)
+        told = ros.ask(node, GetParameters, "metrics_node/get_parameters", names=names)
         assert told.values[0].double_value == 0.2
         said += [pause(False), pause(True)]
         stop.signal = signal.SIGINT  # as Ctrl-C leaves it

@@ -6,8 +6,7 @@ import re
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -18,11 +17,12 @@ from rover_metrics.core.columns import Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 from tests.support.forked_program import ForkedProgram
+from tests.support.ros import Ros
 from tests.support.waiting import PATIENCE
 
-rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
@@ -49,46 +49,27 @@ def finished(process: subprocess.Popen[str]) -> str:
     return output
 
 
-class Client:
-    """Somebody with `ros2 param set`, who also waits for conditions by spinning."""
-
-    def __init__(self, at_end: ExitStack) -> None:
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context)
-        at_end.callback(self.context.try_shutdown)
-        self.node = rclpy.create_node("client", context=self.context)
-        self.executor = rclpy.executors.SingleThreadedExecutor(context=self.context)
-        self.executor.add_node(self.node)
-
-    def wait(self, condition: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, "the condition did not come true"
-            self.executor.spin_once(timeout_sec=0.05)
-
-    def set(self, name: str, value: object) -> tuple[bool, str]:
-        parameters = AsyncParameterClient(self.node, "/metrics_node")
-        self.wait(parameters.services_are_ready)
-        future = parameters.set_parameters([Parameter(name, value=value)])
-        self.wait(future.done)
-        (result,) = future.result().results
-        return result.successful, result.reason
+def set_parameter(ros: Ros, name: str, value: object) -> tuple[bool, str]:
+    """As `ros2 param set` does; whether it is set, and why not."""
+    wish = Parameter(name, value=value).to_parameter_msg()
+    service = "/metrics_node/set_parameters"
+    (told,) = ros.ask(ros.node("client"), SetParameters, service, parameters=[wish]).results
+    return told.successful, told.reason
 
 
-def test_parameters_change_at_run_time_and_ctrl_c_ends_both_cleanly(tmp_path: Path) -> None:
+def test_parameters_change_at_run_time_and_ctrl_c_ends_both_cleanly(ros: Ros, tmp_path: Path) -> None:
     node_words = ["--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path}"]
     with ExitStack() as at_end:
         node = at_end.enter_context(started([*NODE, *node_words], tmp_path))
         words = ["--terrain", "maze", "--driver", "cmd_vel", "--duration", "36000", "--rate", "8"]
         harness = at_end.enter_context(started([*HARNESS, *words], tmp_path))
-        client = Client(at_end)
-        client.wait(lambda: len(rows(tmp_path)) >= 3)
+        ros.until(lambda: len(rows(tmp_path)) >= 3)
         assert rows(tmp_path)[-1]["Total Collisions"] == "0"
-        assert client.set("collision_threshold", 9.0) == (True, "")
-        accepted, reason = client.set("collision_threshold", -1.0)
+        assert set_parameter(ros, "collision_threshold", 9.0) == (True, "")
+        accepted, reason = set_parameter(ros, "collision_threshold", -1.0)
         assert not accepted
         assert "collision_threshold" in reason
-        client.wait(lambda: int(rows(tmp_path)[-1]["Total Collisions"]) > 0)
+        ros.until(lambda: int(rows(tmp_path)[-1]["Total Collisions"]) > 0)
         harness.send_signal(signal.SIGINT)
         told = finished(harness)
         assert harness.returncode == 130, told

@@ -15,7 +15,7 @@ from harness.ros.bridge import COMMAND_FRAMES
 from harness.ros.commands import STAMPED_BY_DEFAULT, Commands
 from harness.ros.context import ros_context
 from harness.samples import Twist as Command
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 NAN = float("nan")
 KINDS = {"twist": Twist, "stamped": TwistStamped}

@@ -11,7 +11,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.base.interrupt import StopRequest
 from harness.ros.controls import Controls
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 
 class Scene:
@@ -30,9 +30,8 @@ class Scene:
         return client.call_async(kind.Request(**fields))
 
     def ask(self, kind: Any, service: str, **fields: Any) -> tuple[bool, str]:  # noqa: ANN401
-        future = self.call(kind, service, **fields)
-        self.ros.until(future.done)
-        return future.result().success, future.result().message
+        told = self.ros.ask(self._asker, kind, service, **fields)
+        return told.success, told.message
 
 
 @pytest.fixture

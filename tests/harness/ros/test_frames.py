@@ -20,7 +20,7 @@ from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import NO_TYPE, TF_MESSAGE, TransformFill, transforms_bytes
 from harness.samples import Tick, Transforms
 from harness.sensors.message_types import typestore
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 BASE = ("odom", "base_footprint")
 WHEEL = ("base_link", "wheel_FL_link")

@@ -22,7 +22,7 @@ from harness.ros.network import reserved_domain
 from harness.samples import Imu, Pose, Tick, TruthState
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import ExtendedSettings, Settings
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 TICK_NS = 10_000_000
 

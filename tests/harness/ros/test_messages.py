@@ -32,7 +32,7 @@ from harness.sensors.ranging import RangeReading
 from harness.sensors.table import Topic
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 from tests.support.rovers import ROVER_ZERO4WD
 
 STAMP_NS, STAMP = 12_000_000_345, Time(sec=12, nanosec=345)

@@ -20,7 +20,7 @@ from harness.spec.run import Run
 from harness.world.obstacles import ObstacleKind
 from harness.world.occupancy import occupancy
 from rover_metrics.ros.subscriptions import keep_last
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 RUN = Run.of(terrain="posts", driver="goal")
 KINDS = {"initialpose": PoseWithCovarianceStamped, "goal_pose": PoseStamped}

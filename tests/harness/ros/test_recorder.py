@@ -27,7 +27,7 @@ from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder, padding_of
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 BEAMS = 4
 STEP_NS = 50_000_000

@@ -16,7 +16,7 @@ from sensor_msgs.msg import Imu
 from harness.ros.topic_monitor import WINDOW, Pace, TopicMonitor, message_class, quality
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
-from tests.harness.ros.conftest import Ros, Untyped
+from tests.support.ros import Ros, Untyped
 
 
 def noted(*points: tuple[float, float]) -> Pace:
