@@ -1,6 +1,7 @@
 """What optional sensors of position, field, air and terrain must say: rows of the oracle.
 
-Sources: WGS-84 and the ICAO atmosphere by their definitions, the first degree of WMM2025, MuJoCo's rays.
+Sources: the ICAO atmosphere by its definition, MuJoCo's rays; test_geodesy.py holds a datum's positions
+and its field to WGS-84 and the first degree of WMM2025.
 """
 
 import math
@@ -10,13 +11,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from harness.sensors.geodesy import Datum
 from tests.e2e.topic_oracle import ranging
 from tests.e2e.topic_oracle.form import header, ray, vector
 from tests.e2e.topic_oracle.ranging import MOUNT, RPY
 from tests.e2e.topic_oracle.twin import Twin, Values
 
 DATUM = (38.4064, -110.7919, 1382.0)  # of Utah's Mars Desert Research Station
-AXIS, E2 = 6_378_137.0, (2 - 1 / 298.257223563) / 298.257223563  # of WGS-84
 RESOLUTION, CELLS = 0.2, (6, 4)  # [m], along x and y
 BASE = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
 SENSORS: tuple[Mapping[str, Any], ...] = (
@@ -51,40 +52,9 @@ def place(twin: Twin) -> Values:
     return np.asarray(twin.data.qpos[:3] + twin.attitude.apply(MOUNT))
 
 
-def local_axes() -> Values:
-    """East, north and up of the datum in ECEF, by rows."""
-    phi, lam = np.radians(DATUM[:2])
-    north = -math.sin(phi) * math.cos(lam), -math.sin(phi) * math.sin(lam), math.cos(phi)
-    up = math.cos(phi) * math.cos(lam), math.cos(phi) * math.sin(lam), math.sin(phi)
-    return np.array([(-math.sin(lam), math.cos(lam), 0.0), north, up])
-
-
-def radius(phi: float) -> float:
-    """Of WGS-84's prime vertical at a latitude [m]."""
-    return AXIS / math.sqrt(1 - E2 * math.sin(phi) ** 2)
-
-
-def origin() -> Values:
-    """The datum in ECEF [m]."""
-    phi, lam = np.radians(DATUM[:2])
-    level = (radius(phi) + DATUM[2]) * math.cos(phi)
-    up = (radius(phi) * (1 - E2) + DATUM[2]) * math.sin(phi)
-    return np.array([level * math.cos(lam), level * math.sin(lam), up])
-
-
-def geodetic(enu: Values) -> tuple[float, float, float]:
-    """Latitude, longitude [deg] and altitude [m] of a point near the datum, by fixed-point iteration."""
-    x, y, z = origin() + enu @ local_axes()
-    phi, level = math.radians(DATUM[0]), math.hypot(x, y)
-    for _ in range(20):
-        height = level / math.cos(phi) - radius(phi)
-        phi = math.atan2(z, level * (1 - E2 * radius(phi) / (radius(phi) + height)))
-    return math.degrees(phi), math.degrees(math.atan2(y, x)), level / math.cos(phi) - radius(phi)
-
-
 def fix(twin: Twin) -> Mapping[str, Any]:
     """sensor_msgs/NavSatFix, exact."""
-    latitude, longitude, altitude = geodetic(place(twin))
+    latitude, longitude, altitude = Datum(*DATUM).geodetic(tuple(place(twin)))
     return {
         "header": header(twin, "gnss_link"),
         "status": {"status": 0, "service": 15},
@@ -97,19 +67,11 @@ def fix(twin: Twin) -> Mapping[str, Any]:
 
 
 def magnetic_field(twin: Twin) -> Mapping[str, Any]:
-    """sensor_msgs/MagneticField: minus the gradient of the dipole's potential, by differences."""
-    g = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])
-    at = origin()
-
-    def potential(where: Values) -> float:
-        return float(6_371_200.0**3 * (g @ where) / np.linalg.norm(where) ** 3)
-
-    step = 1000.0 * np.eye(3)  # [m]
-    gradient = np.array([(potential(at + h) - potential(at - h)) / 2000.0 for h in step])
+    """sensor_msgs/MagneticField: the datum's, in the axes of the sensor."""
     in_sensor = twin.attitude * Rotation.from_euler("xyz", RPY)
     return {
         "header": header(twin, "magnetometer_link"),
-        "magnetic_field": vector(in_sensor.inv().apply(local_axes() @ -gradient)),
+        "magnetic_field": vector(in_sensor.inv().apply(Datum(*DATUM).magnetic_field())),
         "magnetic_field_covariance": np.zeros(9),
     }
 
