@@ -11,6 +11,7 @@ a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.
 import struct
 from collections import deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -97,7 +98,7 @@ class Recorder:
         self._last_ns = None if last is None else round(last * NANOSECONDS)
         self._held: deque[_Held] = deque()
         self._late: list[_Held] = []  # of the nodes' metrics, until the next other message
-        self._latched: dict[int, _Held | None] = {}  # the last that is no more among those, by channel
+        self._latched: dict[_Topic, _Held | None] = {}  # the last that is no more among those
         self._messages = 0
         self._failed = False
         self._bridges: list[Bridge] = []
@@ -110,7 +111,8 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         try:
             with self._file:
-                self._write_held()
+                if not self._failed:
+                    self._write_held()
                 self._writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
         except OSError as full:
             if not self._failed:
@@ -160,11 +162,11 @@ class Recorder:
         take: "Callable[[_Held], None] | None" = None,
     ) -> Callable[[Message], bytes]:
         """What records messages of a topic; `padding` keeps where it is in those of each length."""
-        name = type_name(endpoint)
-        identifier = self._register(topic, name, endpoint.qos_profile)
-        if endpoint.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
-            self._latched[identifier] = None
-        return partial(self._record, take or self._take, identifier, name, padding)
+        name, qos = type_name(endpoint), endpoint.qos_profile
+        recorded = _Topic(self._register(topic, name, qos), name, padding)
+        if qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            self._latched[recorded] = None
+        return partial(self._record, take or self._take, recorded)
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
         if name not in typestore().types:
@@ -177,58 +179,53 @@ class Recorder:
         metadata = {"offered_qos_profiles": offered, "topic_type_hash": typestore().hash_rihs01(name)}
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
-    def _record(
-        self,
-        take: "Callable[[_Held], None]",
-        identifier: int,
-        name: str,
-        padding: dict[int, list[int]] | None,
-        message: Message,
-    ) -> bytes:
+    def _record(self, take: "Callable[[_Held], None]", topic: "_Topic", message: Message) -> bytes:
         """Records a message and returns its bytes."""
         written = message if isinstance(message, bytes) else serialize_message(message)
         if self._last_ns is None:
-            written = without_padding(written, name, padding)
-        take(_Held(identifier, name, padding, self._bridges[0].time_ns, written))
+            written = without_padding(written, topic.type_name, topic.padding)
+        take(_Held(self._bridges[0].time_ns, topic, written))
         return written
 
     def _take(self, message: "_Held") -> None:
         """Writes or holds a message, after those of metrics: several nodes publish them in any order."""
-        self._catch_up()
+        self._take_late()
         self._put(message)
 
-    def _catch_up(self) -> None:
-        late, self._late[:] = sorted(self._late, key=attrgetter("time_ns", "identifier")), []
+    def _take_late(self) -> None:
+        late, self._late[:] = sorted(self._late, key=attrgetter("time_ns", "topic.number")), []
         for message in late:
             self._put(message)
 
     def _put(self, message: "_Held") -> None:
         if self._last_ns is None:
-            self._write(message.identifier, message.time_ns, message.written)
+            self._write(message)
         else:
-            self._hold(message)
+            self._hold(message, message.time_ns - self._last_ns)
 
-    def _hold(self, message: "_Held") -> None:
+    def _hold(self, message: "_Held", first_ns: int) -> None:
         """Keeps a message until it is too old; what is latched is not."""
         self._held.append(message)
-        while self._held[0].time_ns < message.time_ns - (self._last_ns or 0):
+        while self._held[0].time_ns < first_ns:
             old = self._held.popleft()
-            if old.identifier in self._latched:
-                self._latched[old.identifier] = old
+            if old.topic in self._latched:
+                self._latched[old.topic] = old
 
     def _write_held(self) -> None:
-        self._catch_up()
+        self._take_late()
         first_ns = self._held[0].time_ns if self._held else 0
         latched = [old._replace(time_ns=first_ns) for old in self._latched.values() if old is not None]
-        for identifier, name, padding, time_ns, written in (*latched, *self._held):
-            self._write(identifier, time_ns, without_padding(written, name, padding))
+        for each in (*latched, *self._held):
+            data = without_padding(each.written, each.topic.type_name, each.topic.padding)
+            self._write(each._replace(written=data))
 
-    def _write(self, identifier: int, time_ns: int, data: bytes) -> None:
+    def _write(self, message: "_Held") -> None:
+        (time_ns, topic, data), writer = message, self._writer
         try:
             if time_ns >= self._next_flush_ns:
-                self._writer.flush()  # type: ignore[no-untyped-call]
+                writer.flush()  # type: ignore[no-untyped-call]
                 self._next_flush_ns = (time_ns // NANOSECONDS + 1) * NANOSECONDS
-            self._writer.add_message(identifier, time_ns, data, publish_time=time_ns)
+            writer.add_message(topic.number, time_ns, data, publish_time=time_ns)
             if not self._messages and self._made != self._path:
                 self._made.replace(self._path)
         except OSError as error:
@@ -240,13 +237,20 @@ class Recorder:
         return RunFailed(f"the recording {self._path} ended early: {error.strerror}")
 
 
-class _Held(NamedTuple):
-    """A message that may yet be too old to be kept, with its channel, type, padding and time."""
+@dataclass(frozen=True, eq=False)
+class _Topic:
+    """A channel of the file; `padding` is as for `without_padding`."""
 
-    identifier: int
-    name: str
+    number: int
+    type_name: str
     padding: dict[int, list[int]] | None
+
+
+class _Held(NamedTuple):
+    """A message on its way into the file, or one that may yet be too old to be kept."""
+
     time_ns: int
+    topic: _Topic
     written: bytes
 
 

@@ -17,7 +17,7 @@ from harness.ros import frames
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.ros.frames import NO_TYPE, TF_MESSAGE, TransformFill, transforms_bytes
+from harness.ros.frames import NO_TYPE, TF_MESSAGE, transform_fill, transforms_bytes
 from harness.samples import Tick, Transforms
 from harness.sensors.message_types import typestore
 from tests.support.ros import Ros
@@ -51,7 +51,7 @@ def test_a_sample_becomes_the_bytes_that_rosbags_reads_as_its_frames(
     pairs: list[tuple[str, str]], stamp_ns: int, values: list[float]
 ) -> None:
     count = len(pairs)
-    fill = TransformFill(pairs)
+    fill = transform_fill(pairs)
     translation, rotation = tuple(values[: 3 * count]), tuple(values[12 : 12 + 4 * count])
     fill(Transforms(5, translation[::-1], rotation[::-1]))  # another one before
     told = read(fill(Transforms(stamp_ns, translation, rotation)))
