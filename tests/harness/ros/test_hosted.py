@@ -11,6 +11,7 @@ import pytest
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from builtin_interfaces.msg import Time
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
@@ -61,6 +62,14 @@ def test_every_message_is_handled_before_time_goes_on(nodes: Nodes) -> None:
         assert nodes.metrics.rows == number // 100
     assert nodes.hosted.received()["/clock"] == 250
     assert set(nodes.hosted.lost.values()) == {0}
+
+
+def test_simulation_time_cannot_be_taken_from_a_node_that_a_run_waits_for(nodes: Nodes) -> None:
+    (told,) = nodes.metrics.set_parameters([Parameter("use_sim_time", value=False)])
+    assert (told.successful, "stays true" in told.reason) == (False, True)
+    for number in (1, 2):
+        nodes.advance(tick(number))
+    assert nodes.metrics.get_clock().now().nanoseconds == 2 * TICK_NS
 
 
 def test_message_that_never_arrives_is_given_up_and_counted(

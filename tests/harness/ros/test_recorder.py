@@ -1,6 +1,7 @@
 """The recorder on a bridge of its own: what is in the file, and when it is there."""
 
 import errno
+import re
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.recorder import Recorder, padding_of
+from harness.ros.recorder import Recorder, full_definition, padding_of
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 from tests.support.ros import Ros
@@ -131,6 +132,12 @@ def test_of_the_last_seconds_what_is_latched_stays(bridge: Bridge, tmp_path: Pat
     assert sorted(recorded("all.mcap", 9.0)) == sorted(every)
     recorded("none.mcap", 0.1, kept=False)
     assert not (tmp_path / "none.mcap").exists()
+
+
+def test_definition_holds_every_nested_type_once() -> None:
+    nested = re.findall(r"^MSG: (.*)$", full_definition("nav_msgs/msg/Odometry"), re.MULTILINE)
+    assert nested == sorted(set(nested))
+    assert {"builtin_interfaces/Time", "std_msgs/Header", "geometry_msgs/Vector3"} < set(nested)
 
 
 def test_padding_is_what_aligns_the_fields() -> None:
@@ -249,13 +256,21 @@ def test_a_recording_does_not_depend_on_the_order_in_which_nodes_publish_their_m
         assert files[0].read_bytes() == files[1].read_bytes()
 
 
-@pytest.mark.parametrize("method", ["add_message", "finish"])
+@pytest.mark.parametrize("is_full_at_once", [True, False])
 def test_a_full_disk_ends_the_run_with_the_reason_once(
-    bridge: Bridge, method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    bridge: Bridge, is_full_at_once: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(Writer, method, full)
-    with pytest.raises(RunFailed, match=r"bag\.mcap ended early: No space left on device"):
-        record(tmp_path / "bag.mcap", bridge, 1)
+    reason = r"bag\.mcap ended early: No space left on device"
+    monkeypatch.setattr(Writer, "finish", full)
+    if not is_full_at_once:
+        with pytest.raises(RunFailed, match=reason):
+            record(tmp_path / "bag.mcap", bridge, 1)
+        return
+    monkeypatch.setattr(Writer, "add_message", full)
+    with Recorder(tmp_path / "bag.mcap") as recorder:
+        recorder.tap(bridge)
+        with pytest.raises(RunFailed, match=reason):
+            publish(bridge, 1)
