@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from tests.e2e.topic_oracle import ranging, surroundings
 from tests.e2e.topic_oracle.form import Expected, header, in_limits, laser_scan, ray, stamp, vector
 from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
+from tests.harness.frames.test_rover_frames import REAL
 
 BEAMS = 24
 ANGLE_MAX, RANGE_MIN, RANGE_MAX = 3.14159, 0.15, 10.0  # of RoboTerrain's gpu_lidar
@@ -180,43 +181,20 @@ def joint_states(twin: Twin) -> Expected:
     }
 
 
-PI = math.pi
-# Parent, child, x y z [m] and roll pitch yaw [rad] of what does not move, and of what does at rest; the
-# joint of the latter and the sense in which it turns about the y axis of its frame. Leo: macros.xacro,
-# RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf and accessories, RoboTerrain's SDF.
-FIXED: dict[str, list[tuple[Any, ...]]] = {
-    "leo": [
-        ("base_footprint", "base_link", (0, 0, 0.19783), (0, 0, 0)),
-        ("base_link", "lidar_link", (0.174, 0, 0.6), (0, 0, PI)),
-        ("base_link", "imu_frame", (0.0628, -0.0314, -0.0393), None),
-        ("base_link", "antenna_link", (-0.0052, 0.056, -0.0065), (0, 0, 0)),
-        ("base_link", "camera_frame", (0.0971, 0, -0.0427), (0, 0.2094, 0)),
-        ("camera_frame", "camera_optical_frame", (0, 0, 0), (-PI / 2, 0, -PI / 2)),
-    ],
-    "rover_zero4wd": [
-        ("base_link", "chassis_link", (0, 0, 0.125), (0, 0, 0)),
-        ("chassis_link", "payload_link", (0, 0, 0.096), (0, 0, 0)),
-        ("payload_link", "imu_link", (0, 0, 0), None),
-        ("payload_link", "lidar_link", (0.174, 0, 0.1), (0, 0, PI)),
-        ("base_link", "camera_link", (0.2, 0, 0.3), (0, 0, 0)),
-    ],
-}
-MOVING: dict[str, list[tuple[Any, ...]]] = {
-    "leo": [
-        ("base_link", "rocker_L_link", (0.00263, 0.14167, -0.04731), PI, "rocker_L_joint", -1),
-        ("base_link", "rocker_R_link", (0.00263, -0.14167, -0.04731), 0, "rocker_R_joint", 1),
-        ("rocker_L_link", "wheel_FL_link", (-0.15256, -0.08214, -0.08802), 0, "wheel_FL_joint", -1),
-        ("rocker_L_link", "wheel_RL_link", (0.15256, -0.08214, -0.08802), 0, "wheel_RL_joint", -1),
-        ("rocker_R_link", "wheel_FR_link", (0.15256, -0.08214, -0.08802), 0, "wheel_FR_joint", 1),
-        ("rocker_R_link", "wheel_RR_link", (-0.15256, -0.08214, -0.08802), 0, "wheel_RR_joint", 1),
-    ],
-    "rover_zero4wd": [
-        ("chassis_link", "fl_wheel_link", (0.1415, 0.18, 0), 0, "fl_wheel_to_chassis", 1),
-        ("chassis_link", "rl_wheel_link", (-0.145, 0.18, 0), 0, "rl_wheel_to_chassis", 1),
-        ("chassis_link", "fr_wheel_link", (0.1415, -0.18, 0), 0, "fr_wheel_to_chassis", 1),
-        ("chassis_link", "rr_wheel_link", (-0.145, -0.18, 0), 0, "rr_wheel_to_chassis", 1),
-    ],
-}
+def frames(rover: str, *, moving: bool) -> list[tuple[Any, ...]]:
+    """Parent, child, x y z [m] and roll pitch yaw [rad] at rest, of what moves or of what does not."""
+    return [
+        (*names, at[:3], at[3:])
+        for names, at in REAL[rover].items()
+        if (names[1].startswith("rocker") or "wheel" in names[1]) == moving
+    ]
+
+
+def joint_of(child: str) -> tuple[str, int]:
+    """The joint of a frame that moves, and the sense in which it turns about the y axis of the frame."""
+    if child.endswith("_wheel_link"):
+        return child.replace("_wheel_link", "_wheel_to_chassis"), 1
+    return child.replace("_link", "_joint"), -1 if child.endswith("L_link") else 1
 
 
 def same(rotation: Rotation) -> Callable[[Any], bool]:
@@ -242,8 +220,9 @@ def tf_static(twin: Twin) -> Expected:
     """All that does not move; the IMU of the stage is mounted obliquely."""
     site = Rotation.from_quat(twin.model.site("imu").quat[[1, 2, 3, 0]])
     told = []
-    for parent, child, at, rpy in (*FIXED[twin.rover.name], *surroundings.frames(twin.rover.name)):
-        rotation = site if rpy is None else Rotation.from_euler("xyz", rpy)
+    carried = surroundings.frames(twin.rover.name)
+    for parent, child, at, rpy in (*frames(twin.rover.name, moving=False), *carried):
+        rotation = site if child.startswith("imu_") else Rotation.from_euler("xyz", rpy)
         told.append(transform({"stamp": stamp(0), "frame_id": parent}, child, at, rotation))
     return {"transforms": told}
 
@@ -255,9 +234,10 @@ def tf(twin: Twin) -> Expected:
     base = {"leo": "base_footprint", "rover_zero4wd": "base_link"}[twin.rover.name]
     told = [transform(header(twin, "odom"), base, (x, y, 0.0), yaw)]
     if twin.time_ns % 50_000_000 == 0:
-        for parent, child, at, turned, joint, sense in MOVING[twin.rover.name]:
+        for parent, child, at, rpy in frames(twin.rover.name, moving=True):
+            joint, sense = joint_of(child)
             angle = sense * twin.data.joint(joint).qpos[0]
-            rotation = Rotation.from_euler("z", turned) * Rotation.from_euler("y", angle)
+            rotation = Rotation.from_euler("xyz", rpy) * Rotation.from_euler("y", angle)
             told.append(transform(header(twin, parent), child, at, rotation))
     return {"transforms": told}
 
