@@ -157,9 +157,9 @@ def wait_for_answers(
         return not silent or any(node.has_left() for node in silent)
 
     spin_until(executor, all_have_answered, ANSWER_PATIENCE)
-    for node in silent:
-        node.is_gone = True
     left = [node for node in silent if node.has_left()]
+    for node in left or silent:
+        node.is_gone = True
     for node in left or silent:
         raise RunFailed(f"{node.name} {'has ended' if left else 'stopped answering'}")
 

@@ -17,6 +17,7 @@ CMD_VEL = "cmd_vel"  # the driver that obeys commands
 LIDAR_BEAMS, IMU_RATE = 640, 20
 DEFAULT_NOISE = "white"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}")
+NAMESPACE, LONGEST_NAMESPACE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII), 100
 NAMES = "give letters, digits and _, a letter first, at most 100"
 
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] in the world
@@ -52,8 +53,11 @@ def namespace_of(text: str) -> str:
         UsageError: ROS has no such namespace.
     """
     names = text.strip("/")
-    if names and (len(names) > 100 or not all(NAME.fullmatch(name) for name in names.split("/"))):
-        raise UsageError(f"--namespace '{shown(text)}' is no namespace in ROS; {NAMES}, with / between")
+    if names and not (NAMESPACE.fullmatch(names) and len(names) <= LONGEST_NAMESPACE):
+        raise UsageError(
+            f"--namespace '{shown(text)}' is no namespace in ROS; give letters, digits and _, no digit "
+            f"first, / between names, at most {LONGEST_NAMESPACE} characters"
+        )
     return names
 
 

@@ -25,7 +25,7 @@ def test_a_namespace_that_ros_does_not_have_is_refused_in_one_line(
 ) -> None:
     for main in (topics, run):
         told = complaint(main, ["--namespace", namespace], capsys)
-        assert "is no namespace in ROS; give letters, digits and _, a letter first" in told
+        assert "is no namespace in ROS; give letters, digits and _, no digit first" in told
 
 
 def test_without_ros_the_command_says_so_in_one_line(

@@ -55,6 +55,7 @@ def test_a_node_that_does_not_answer_fails_the_run(rig: Rig) -> None:
     rig.asked.clear()
     assert other.release() == {}
     assert rig.asked == [], "it is not waited for once more"
+    assert one.release()
     with pytest.raises(RunFailed, match=r"^/b stopped answering$"):
         rig.node("/b")
 
