@@ -254,6 +254,8 @@ def test_a_recording_does_not_depend_on_the_order_in_which_nodes_publish_their_m
                     if time_ns == 20:
                         fleet[0].commands.receive("twist", Twist())
         assert files[0].read_bytes() == files[1].read_bytes()
+        with AnyReader([files[0]]) as bag:
+            assert bag.message_count == 3 * len(nodes) + 1
 
 
 @pytest.mark.parametrize("is_full_at_once", [True, False])
