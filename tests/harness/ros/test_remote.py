@@ -58,6 +58,10 @@ def test_a_node_that_does_not_answer_fails_the_run(rig: Rig) -> None:
     assert one.release()
     with pytest.raises(RunFailed, match=r"^/b stopped answering$"):
         rig.node("/b")
+    rig.found, began = False, rig.now
+    with pytest.raises(RunFailed, match=r"^/a has ended$"):
+        wait_for_answers({one: one.ask()}, rig.bridge.executor)
+    assert rig.now == began
 
 
 def test_received_are_those_of_this_runs_topics_since_the_start_and_the_node_is_let_go(rig: Rig) -> None:
