@@ -7,7 +7,6 @@ Calls services of std_srvs: Trigger and Empty, which ask nothing, and SetBool, w
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -40,20 +39,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(options: argparse.Namespace) -> int:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        import rclpy  # noqa: PLC0415
-
-        from harness.ros.context import make_executor, ros_context  # noqa: PLC0415
+        from harness.ros.context import command_node  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
-    with StopRequest(), ros_context([]) as context, make_executor(context) as executor:
-        node = rclpy.create_node(f"call_{os.getpid()}", context=context, enable_rosout=False)
-        executor.add_node(node)
-        if options.service is None:
-            return _list(node, executor)
-        return _call(node, executor, options)
+    with StopRequest(), command_node("call") as (node, executor):
+        return (_list if options.service is None else _call)(node, executor, options)
 
 
-def _list(node: "Node", executor: "Executor") -> int:
+def _list(node: "Node", executor: "Executor", _: argparse.Namespace) -> int:
     found = _found(node, executor, None)
     for name, kind in sorted(found.items()):
         print(f"{name}  {kind}")

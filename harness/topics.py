@@ -27,6 +27,7 @@ from rich.live import Live
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import Overdue, StopRequest
 from harness.cli.plain import PlainConsole
+from harness.spec.rover import namespace_of
 from rover_metrics.errors import OneLineParser
 
 if TYPE_CHECKING:
@@ -47,11 +48,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _look(options: argparse.Namespace, console: Console) -> int:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.topic_monitor import topic_monitor  # noqa: PLC0415
+        from harness.ros.context import command_node  # noqa: PLC0415
+        from harness.ros.topic_monitor import TopicMonitor  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
-    with StopRequest() as stop, topic_monitor(options.namespace) as (monitor, executor):
-        _watch(monitor, executor, options.seconds, stop, console)
+    namespace = namespace_of(options.namespace)
+    with StopRequest() as stop, command_node("topics") as (node, executor):
+        _watch(TopicMonitor(node, namespace), executor, options.seconds, stop, console)
     return 0
 
 

@@ -3,6 +3,7 @@
 import gc
 import shutil
 from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import pytest
@@ -12,6 +13,7 @@ from harness.episode import stream
 from harness.ros.network import reserved_domain
 from tests.support.browser import CHROMIUM, FLAGS
 from tests.support.forking import ForkedSimulations
+from tests.support.ros import Ros
 from tests.support.surroundings import receive_signals, settle_environment
 
 if TYPE_CHECKING:
@@ -49,6 +51,14 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with reserved_domain() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
+
+
+@pytest.fixture
+def ros(ros_domain: int) -> Iterator[Ros]:  # noqa: ARG001 - sets the domain
+    """A context, an executor, and nodes on demand."""
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    with ExitStack() as at_end:
+        yield Ros(at_end)
 
 
 @pytest.fixture(scope="module")

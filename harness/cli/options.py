@@ -15,7 +15,7 @@ from harness.episode.metrics_feed import extended_settings
 from harness.robots import find_rover
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import FrameOptions, RosOptions
-from harness.spec.rover import CMD_VEL, RoverSetup
+from harness.spec.rover import CMD_VEL, RoverSetup, namespace_of
 from harness.spec.run import PARTS, Run, from_fields
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.parameter_file import read_values
@@ -68,7 +68,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     if given.list:
         return None
     run, files = _run(given), from_flags(Files, given)
-    namespace = given.namespace.strip("/")
+    namespace = namespace_of(given.namespace)
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     ros = from_flags(
         RosOptions,

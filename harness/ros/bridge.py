@@ -2,10 +2,6 @@
 
 It counts what it publishes per topic and listens to /cmd_vel. Topic names are relative, so remapping
 and namespaces work; in the root namespace they are those of the README's table.
-
-Lock-step: simulation time does not advance past a message that a listener has not handled. For each
-tick the samples go out and are handled, then /clock goes out and is handled with the timers that it
-triggers.
 """
 
 from collections import Counter
@@ -47,15 +43,12 @@ class Listener(Protocol):
 
     def make_room(self, channels: Sequence["Channel"]) -> None:
         """Returns when a message may go out on each of these channels without pushing out another."""
-        ...
 
     def wait_for_samples(self, channels: Sequence["Channel"]) -> None:
         """Returns when what went out on them is handled, or sure to be before all that follows."""
-        ...
 
     def wait_for_clock(self, stamp_ns: int) -> None:
         """Returns when the time is told and its timers have run, or sure to before all that follows."""
-        ...
 
 
 class Bridge(GuardedNode):
@@ -64,7 +57,7 @@ class Bridge(GuardedNode):
     Args:
         rover: Gives the frames.
         lidar: Gives the geometry of scans.
-        context: Of rclpy.
+        context: Of rclpy; the default one if None.
         on_command: Takes each command of /cmd_vel.
         cmd_vel: How commands come: "twist", "stamped" or "auto".
         rows: The sensors; None for those of every rover.
@@ -75,9 +68,6 @@ class Bridge(GuardedNode):
 
     Attributes:
         channels_of: The topics of each sensor's samples, in publishing order.
-        frames: /tf, /tf_static and /robot_description.
-        clock_channel: /clock.
-        commands: /cmd_vel.
         time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
     """
 

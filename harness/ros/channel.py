@@ -55,12 +55,7 @@ def set_stamp(stamp: Message, stamp_ns: int) -> None:
 
 
 def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
-    """Returns a topic of a node.
-
-    Args:
-        node: Who publishes.
-        topic: Name, type and QoS.
-        fill: Makes its messages.
+    """Returns a topic of a node, of that name, type and QoS.
 
     Raises:
         UsageError: Its type is not to be had.

@@ -18,6 +18,7 @@ from rclpy.node import Node
 
 from harness import samples
 from harness.episode.result import CommandCount
+from rover_metrics.errors import shown
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import stamp_ns
 
@@ -142,7 +143,7 @@ class Commands:
     def _receive_stamped(self, message: TwistStamped) -> None:
         frame = message.header.frame_id
         if frame and frame.rpartition("/")[2] not in self._frames:
-            what = f"a command in the frame '{frame}'"
+            what = f"a command in the frame '{shown(frame)}'"
             self._refuse(what, f"give one of {', '.join(self._frames)}, or none")
         elif self._receive(message.twist) and stamp_ns(message) < self.clock_ns:
             self.count.older += 1

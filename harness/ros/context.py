@@ -6,6 +6,7 @@ flooded (docs/design.md), so the harness only ever calls spin_once, from one loo
 and lets simulation time go on when everything is handled. Humble has none; the standard one serves.
 """
 
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -19,6 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from harness.base.errors import UsageError
 from harness.ros.network import stay_local
 from rover_metrics.ros.arguments import refusal
+from rover_metrics.ros.guarded_node import GuardedNode
 
 try:
     from rclpy.experimental import EventsExecutor
@@ -49,14 +51,22 @@ def ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
 
 
 def make_executor(context: Context, *, time_jumps: bool = False) -> Executor:
-    """Returns the fastest executor that this rclpy has and that serves timers rightly.
-
-    Args:
-        context: Of the nodes that will be added.
-        time_jumps: Whether ROS time will go back: then EventsExecutor may call a timer twice.
-    """
+    """Returns the fastest executor there is; EventsExecutor may call a timer twice where time jumps."""
     kind = SingleThreadedExecutor if time_jumps else EventsExecutor
     return kind(context=context)
+
+
+@contextmanager
+def command_node(name: str) -> Iterator[tuple[Node, Executor]]:
+    """Yields a node of a command in a context of its own, and the executor that spins it.
+
+    Raises:
+        UsageError: ROS 2 refuses the environment.
+    """
+    with ros_context([]) as context, make_executor(context) as executor:
+        node = GuardedNode(f"{name}_{os.getpid()}", context=context, enable_rosout=False)
+        executor.add_node(node)
+        yield node, executor
 
 
 def timer_is_due(node: Node) -> bool:

@@ -55,12 +55,10 @@ class Controls:
         self, reset: Reset, _: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
         at_ns = reset()
+        late = f"not reset at t = {self._now()}: the run ends before it would come into effect"
+        at = f"{(at_ns or 0) / NANOSECONDS:.2f} s"
         response.success = at_ns is not None
-        response.message = (
-            f"not reset at t = {self._now()}: the run ends before it would come into effect"
-            if at_ns is None
-            else f"the rover goes back to its start at t = {at_ns / NANOSECONDS:.2f} s"
-        )
+        response.message = late if at_ns is None else f"the rover goes back to its start at t = {at}"
         return response
 
     def _answer_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:

@@ -67,10 +67,7 @@ _kept: list[object] = []  # the middleware holds addresses of them, as long as t
 
 @cache
 def message_type(name: str) -> type | None:
-    """Returns the class of a type; one that is not installed is made, for bytes only.
-
-    Args:
-        name: As in tf2_msgs/msg/TFMessage.
+    """Returns the class of a type such as tf2_msgs/msg/TFMessage; one not installed is for bytes only.
 
     Returns:
         None if it is not installed and the middleware is not Fast DDS, or nobody knows it.

@@ -6,8 +6,7 @@ in for each sample. So it costs a tenth of a message object, and needs no tf2_ms
 
 import struct
 from collections import deque
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -18,8 +17,9 @@ from harness.frames.tree import ODOM, Description, Edge
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
-from harness.sensors.message_types import typestore
+from harness.sensors.message_types import made, read_message, typestore
 from harness.sensors.table import SENSORS, Topic
+from rover_metrics.errors import shown
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -36,11 +36,6 @@ RECENT = 1000  # messages sent that may still come back
 
 def transforms_bytes(edges: Sequence[Edge]) -> bytes:
     """Returns a TFMessage of frames in their parents, with stamp 0."""
-    types = typestore().types
-
-    def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
-        return types[name](*values)
-
     stamp = made("builtin_interfaces/msg/Time", 0, 0)
     transforms = [
         made(
@@ -58,35 +53,30 @@ def transforms_bytes(edges: Sequence[Edge]) -> bytes:
     return bytes(typestore().serialize_cdr(made(TF_MESSAGE, transforms), TF_MESSAGE))
 
 
-class TransformFill:
-    """Makes a TFMessage's bytes of each sample of the same frames.
+def transform_fill(frames: Sequence[tuple[str, str]]) -> Callable[[Transforms], bytes]:
+    """Returns what makes a TFMessage's bytes of each sample of the same parents and children."""
+    buffer = bytearray(transforms_bytes([Edge(*names) for names in frames]))
+    places: list[tuple[int, int]] = []  # of stamp and translation
+    end = ENCAPSULATION + 4  # behind the number of transforms
+    for names in frames:
+        stamp = end = _aligned(end, 4)
+        end += 8
+        for name in names:
+            end = _aligned(end, 4) + 4 + len(name.encode()) + 1
+        values = _aligned(end, 8)
+        end = values + 7 * 8
+        places.append((stamp, values))
 
-    Args:
-        frames: Parent and child of each pose.
-    """
-
-    def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
-        self._buffer = bytearray(transforms_bytes([Edge(*names) for names in frames]))
-        self._places: list[tuple[int, int]] = []  # of stamp and translation
-        end = ENCAPSULATION + 4  # behind the number of transforms
-        for names in frames:
-            stamp = end = _aligned(end, 4)
-            end += 8
-            for name in names:
-                end = _aligned(end, 4) + 4 + len(name.encode()) + 1
-            values = _aligned(end, 8)
-            end = values + 7 * 8
-            self._places.append((stamp, values))
-
-    def __call__(self, sample: Transforms) -> bytes:
-        """Returns the bytes for a sample."""
-        buffer, (sec, nanosec) = self._buffer, divmod(sample.stamp_ns, NANOSECONDS)
+    def fill(sample: Transforms) -> bytes:
+        sec, nanosec = divmod(sample.stamp_ns, NANOSECONDS)
         moved, turned = sample.translation, sample.rotation
-        for index, (stamp, values) in enumerate(self._places):
+        for index, (stamp, values) in enumerate(places):
             struct.pack_into("<iI", buffer, stamp, sec, nanosec)
             xyz, xyzw = moved[3 * index : 3 * index + 3], turned[4 * index : 4 * index + 4]
             struct.pack_into("<7d", buffer, values, *xyz, *xyzw)
         return bytes(buffer)
+
+    return fill
 
 
 def _aligned(position: int, size: int) -> int:
@@ -115,7 +105,7 @@ class FrameTopics:
         self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
         self.fixed = [self._urdf, *self._static]
         self._description = Description((), (), owns_odom=False, urdf="")
-        self._fills: dict[int, TransformFill] = {}
+        self._fills: dict[int, Callable[[Transforms], bytes]] = {}
         self._sent: deque[bytes] = deque(maxlen=RECENT)
         self._watched = False
         self._rival: str | None = None
@@ -131,7 +121,7 @@ class FrameTopics:
         """The message for a sample of the description's frames, or of the first of them."""
         count = len(sample.translation) // 3
         if count not in self._fills:
-            self._fills[count] = TransformFill(self._description.moving[:count])
+            self._fills[count] = transform_fill(self._description.moving[:count])
         data = self._fills[count](sample)
         self._sent.append(data)
         return data
@@ -162,10 +152,9 @@ class FrameTopics:
         """Takes a message of /tf, of this run or of somebody else."""
         if data in self._sent:
             return
-        message: Any = typestore().deserialize_cdr(data, TF_MESSAGE)
         owned = self._owned()
-        for transform in message.transforms:
-            parent, child = transform.header.frame_id, transform.child_frame_id
+        for transform in read_message(data, TF_MESSAGE).transforms:
+            parent, child = shown(transform.header.frame_id), transform.child_frame_id
             if child in owned:
                 self._rival = (
                     f"has {parent} -> {child} from {self._others()} too, and a frame has one owner: "

@@ -60,6 +60,7 @@ class HostedMetrics:
 
     def __init__(self, bridge: Bridge, node: MetricsNode) -> None:
         self._executor, self.node = bridge.executor, node
+        node.is_hosted = True
         self._clock = node.get_clock()
         self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_channel = bridge.clock_channel
@@ -143,12 +144,7 @@ class HostedMetrics:
 def heard_by(
     hosts: Iterable[HostedMetrics], published: Mapping[str, TopicCount]
 ) -> dict[str, TopicCount]:
-    """Returns what was published with what hosted nodes received, and the most that one of them lost.
-
-    Args:
-        hosts: Of all rovers; they share /clock.
-        published: By topic.
-    """
+    """Returns what was published with what nodes received, and of what they share the most one lost."""
     topics = dict(published)
     for host in hosts:
         for topic, received in host.received().items():

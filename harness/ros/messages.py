@@ -31,7 +31,7 @@ from harness import samples
 from harness.robots import RoverSpec
 from harness.ros import optional_messages as optional
 from harness.ros.channel import Fill, Message, set_stamp
-from harness.ros.grid_map import grid_map_fill
+from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions
@@ -58,7 +58,7 @@ def filler(
         draw: Gives the images of cameras; without it there are none.
     """
     if isinstance(row.given, HeightScanOptions):
-        return grid_map_fill(row.given)
+        return optional.grid_map_fill(row.given)
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
@@ -73,13 +73,13 @@ def filler(
 
 def person(index: int) -> Fill:
     """Returns a filler of the pose of one of the people; as RoboTerrain's, it has no stamp."""
-    sources = {"position": attrgetter("position"), "orientation": attrgetter("orientation")}
-    fields_of = {path: partial(_of_one, value_of, index) for path, value_of in sources.items()}
-    return _refilled(Pose(), fields_of)
-
-
-def _of_one(values: Callable[[Any], Any], index: int, sample: samples.Sample) -> object:
-    return values(sample)[index]
+    return _refilled(
+        Pose(),
+        {
+            "position": lambda sample: sample.position[index],
+            "orientation": lambda sample: sample.orientation[index],
+        },
+    )
 
 
 def by_names(message: Message, sample_type: type) -> Fill:
@@ -127,24 +127,11 @@ def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
 
 
 def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
-    """Scans of that lidar; scan_time and time_increment stay 0, as ros_gz_bridge leaves them."""
     message.angle_min, message.angle_max = -lidar.angle_max, lidar.angle_max
     message.angle_increment = 2 * lidar.angle_max / (lidar.beams - 1)
     message.range_min, message.range_max = lidar.range_min, lidar.range_max
     message.intensities = array("f", bytes(4 * lidar.beams))
-    whole = array("f", bytes(4 * lidar.beams))
-    ranges = np.frombuffer(whole, dtype=np.float32)
-
-    def fill(scan: samples.LaserScan) -> LaserScan:
-        set_stamp(message.header.stamp, scan.stamp_ns)
-        if scan.ranges.size == ranges.size:
-            ranges[:] = scan.ranges
-            message.ranges = whole
-        else:  # a faulty lidar
-            message.ranges = array("f", scan.ranges.tobytes())
-        return message
-
-    return fill
+    return optional.scan_fill(message)
 
 
 def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
@@ -229,7 +216,9 @@ OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
     (CloudLidarOptions, PointCloud2): optional.lidar_cloud,
     (DepthOptions, PointCloud2): optional.depth_cloud,
     (DepthOptions, Image): optional.depth_image,
-    (DepthOptions, CameraInfo): optional.depth_camera_info,
-    (CameraOptions, CameraInfo): optional.camera_info_fill,
+    (DepthOptions, CameraInfo): lambda message, given: optional.lens_info(
+        message, Pinhole(given.width, given.height, given.fov)
+    ),
+    (CameraOptions, CameraInfo): lambda message, given: optional.lens_info(message, given.lens_of()),
     (GnssOptions, NavSatFix): _nav_sat_fix,
 }

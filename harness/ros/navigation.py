@@ -28,6 +28,7 @@ from harness.spec.run import Run
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.occupancy import OccupancyMap, occupancy
 from rover_metrics.core import rotation
+from rover_metrics.errors import shown
 
 FRAMES = ("map", "odom", "world")
 MAP = Topic("map", "nav_msgs/msg/OccupancyGrid", depth=1, latched=True)
@@ -101,7 +102,7 @@ class Navigation:
         if reason is None and (at_ns := order(place)) is not None:
             where = f"({place.x:.2f}, {place.y:.2f}) m, yaw {place.yaw:.2f} rad"
             taken = f"{topic}: {where}, from t = {at_ns / NANOSECONDS:.2f} s on"
-            self._bridge.get_logger().info(taken)
+            self._bridge.get_logger().info(taken, throttle_duration_sec=1.0)
         else:
             self._refuse(topic, reason or "the run ends before it would come into effect")
 
@@ -110,7 +111,7 @@ class Navigation:
         (at_x, at_y), half = self.occupancy.middle, self.occupancy.half_size
         most_x, most_y = (length - EDGE_MARGIN for length in half)
         if frame and frame.rpartition("/")[2] not in FRAMES:
-            return f"it is in the frame '{frame}'; give one of {', '.join(FRAMES)}, or none"
+            return f"it is in the frame '{shown(frame)}'; give one of {', '.join(FRAMES)}, or none"
         is_on_map = abs(place.x - at_x) < most_x and abs(place.y - at_y) < most_y  # NaN is not
         if not (is_on_map and math.isfinite(place.yaw)):
             about = "" if (at_x, at_y) == (0.0, 0.0) else f" of the middle, {at_x:g},{at_y:g}"
@@ -122,7 +123,7 @@ class Navigation:
         return None
 
     def _refuse(self, topic: str, reason: str) -> None:
-        self._bridge.get_logger().warning(f"ignored {topic}: {reason}")
+        self._bridge.get_logger().warning(f"ignored {topic}: {reason}", throttle_duration_sec=1.0)
 
 
 def place_of(pose: Any) -> Place:  # noqa: ANN401 - rclpy's classes have no types

@@ -36,11 +36,9 @@ def stay_local() -> None:
 
 
 def local_settings(environment: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """Returns what to add to an environment so that nothing listens beyond the machine.
+    """Returns what to add to an environment, for a process in a folder, so that nothing listens beyond.
 
-    Args:
-        environment: As the user has it; what it says about the network stays so.
-        folder: In which the process runs.
+    What the user has said about the network stays so.
     """
     if environment.get(RANGE, LOCAL).upper() != LOCAL:
         return {}

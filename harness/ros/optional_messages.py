@@ -1,4 +1,4 @@
-"""Readings of optional lidars, cameras and depth cameras as LaserScan, PointCloud2, Image, CameraInfo.
+"""Readings of optional sensors as LaserScan, PointCloud2, Image, CameraInfo and GridMap.
 
 Points are made here, in the process that publishes, so that the one that simulates is not kept from it.
 Their layout is that of velodyne_pointcloud: x, y, z and intensity as float32, ring as uint16, time as
@@ -12,12 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 
+from harness.base.sim_time import NANOSECONDS
+from harness.frames.tree import ODOM
 from harness.ros.channel import Fill, set_stamp
+from harness.samples import LaserScan as SimulatedScan
 from harness.samples import Sample
-from harness.sensors.camera.lens import Lens, Pinhole
+from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
+from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.message_types import GRID_MAP, made, typestore
 from harness.sensors.ranging import RangeReading
 
 Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL
@@ -27,17 +32,22 @@ ON_GROUND, ON_OBSTACLE = 25.0, 50.0
 XYZ = ("x", "y", "z")
 POINT = np.dtype([*((name, "<f4") for name in (*XYZ, "intensity")), ("ring", "<u2"), ("time", "<f4")])
 FIELD_TYPES = {"<f4": PointField.FLOAT32, "<u2": PointField.UINT16}
+LAYER = "elevation"
 PIXEL = np.dtype([(name, "<f4") for name in XYZ])
 
 
 def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
-    """Returns what makes scans of readings; scan_time and time_increment are 0, as in /scan."""
+    """Returns what makes scans of readings, without intensities."""
     message.angle_min, message.angle_max = options.angle_min, options.angle_max
     message.angle_increment = (options.angle_max - options.angle_min) / (options.beams - 1)
     message.range_min, message.range_max = options.range_min, options.range_max
-    message.intensities = array("f")
+    return scan_fill(message)
 
-    def fill(reading: RangeReading) -> LaserScan:
+
+def scan_fill(message: LaserScan) -> Fill:
+    """Returns what sets stamp and ranges; scan_time and time_increment stay 0, as in ros_gz_bridge."""
+
+    def fill(reading: RangeReading | SimulatedScan) -> LaserScan:
         set_stamp(message.header.stamp, reading.stamp_ns)
         message.ranges = array("f", reading.ranges.tobytes())
         return message
@@ -69,15 +79,7 @@ def _cloud(
     *,
     keeps_misses: bool,
 ) -> Fill:
-    """What makes clouds.
-
-    Args:
-        message: Is refilled.
-        directions: Shape (n, 3); a range tells how often they fit.
-        whole: All points, with what does not change.
-        shape: Rows and columns of an organised cloud; None for one row.
-        keeps_misses: Whether they are NaN instead of left out.
-    """
+    """What makes clouds along directions (n, 3) from all points with what does not change of them."""
     message.fields = [
         PointField(name=name, offset=offset, datatype=FIELD_TYPES[kind.str], count=1)
         for name, (kind, offset, *_) in (whole.dtype.fields or {}).items()
@@ -117,11 +119,6 @@ def depth_image(message: Image, options: DepthOptions) -> Fill:
     return fill
 
 
-def depth_camera_info(message: CameraInfo, options: DepthOptions) -> Fill:
-    """Returns what makes the calibration that goes with an image: a pinhole without distortion."""
-    return lens_info(message, Pinhole(options.width, options.height, options.fov))
-
-
 def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fill:
     """Returns a filler that has the image of each sample drawn; None for a message without one."""
     message.encoding, message.is_bigendian = ENCODING, 0
@@ -139,11 +136,6 @@ def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fil
     return fill
 
 
-def camera_info_fill(message: CameraInfo, options: CameraOptions) -> Fill:
-    """Returns a filler of what is known of the camera's lens."""
-    return lens_info(message, options.lens_of())
-
-
 def lens_info(message: CameraInfo, lens: Lens) -> Fill:
     """Returns a filler of what is known of a lens, which is without further distortion."""
     message.width, message.height = lens.width, lens.height
@@ -156,5 +148,45 @@ def lens_info(message: CameraInfo, lens: Lens) -> Fill:
     def fill(sample: Sample) -> CameraInfo:
         set_stamp(message.header.stamp, sample.stamp_ns)
         return message
+
+    return fill
+
+
+def grid_map_fill(options: HeightScanOptions) -> Fill:
+    """Returns a filler of GridMaps of absolute heights, in odom, which is the world, as bytes.
+
+    A GridMap counts its rows against x and its columns against y, and stores column after column.
+
+    With axes `rover` the pose of the map is turned with the rover, which readers that know only its
+    position leave out; with axes `world` it is not.
+    """
+    rows, columns = options.cells
+    dimensions = [
+        made("std_msgs/msg/MultiArrayDimension", "column_index", columns, rows * columns),
+        made("std_msgs/msg/MultiArrayDimension", "row_index", rows, rows),
+    ]
+    layout = made("std_msgs/msg/MultiArrayLayout", dimensions, 0)
+    lengths = rows * options.resolution, columns * options.resolution
+
+    def fill(scan: HeightScan) -> bytes:
+        stamp = made("builtin_interfaces/msg/Time", *divmod(scan.stamp_ns, NANOSECONDS))
+        turned = (0.0, 0.0, float(np.sin(scan.yaw / 2)), float(np.cos(scan.yaw / 2)))
+        pose = made(
+            "geometry_msgs/msg/Pose",
+            made("geometry_msgs/msg/Point", scan.x, scan.y, 0.0),
+            made("geometry_msgs/msg/Quaternion", *turned),
+        )
+        heights = np.asarray(scan.heights[::-1, ::-1].ravel(order="F") + np.float32(scan.z), np.float32)
+        message = made(
+            GRID_MAP,
+            made("std_msgs/msg/Header", stamp, ODOM),
+            made("grid_map_msgs/msg/GridMapInfo", options.resolution, *lengths, pose),
+            [LAYER],
+            [LAYER],
+            [made("std_msgs/msg/Float32MultiArray", layout, heights)],
+            0,
+            0,
+        )
+        return bytes(typestore().serialize_cdr(message, GRID_MAP))
 
     return fill

@@ -8,9 +8,12 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
+import struct
 from collections import deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple, Self
 from uuid import uuid4
@@ -96,7 +99,8 @@ class Recorder:
         self._next_flush_ns = 0
         self._last_ns = None if last is None else round(last * NANOSECONDS)
         self._held: deque[_Held] = deque()
-        self._latched: dict[int, _Held | None] = {}  # the last that is no more among those, by channel
+        self._late: list[_Held] = []  # of the nodes' metrics, until the next other message
+        self._latched: dict[_Topic, _Held | None] = {}  # the last that is no more among those
         self._messages = 0
         self._failed = False
         self._bridges: list[Bridge] = []
@@ -109,7 +113,8 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         try:
             with self._file:
-                self._write_held()
+                if not self._failed:
+                    self._write_held()
                 self._writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
         except OSError as full:
             if not self._failed:
@@ -136,30 +141,35 @@ class Recorder:
             channel.record = self._recording(channel.topic, channel.publisher, {})
         bridge.commands.record(lambda topic, heard: self._recording(topic, heard, {}))
         if metrics is not None and metrics.publisher is not None:
-            metrics.record = self._recording(metrics.publisher.topic_name, metrics.publisher, None)
+            metrics.record = self._recording(
+                metrics.publisher.topic_name, metrics.publisher, None, self._late.append
+            )
 
     def forget(self) -> None:
         """Gives up what is not written yet."""
         self._held.clear()
+        self._late.clear()
         self._latched.clear()
 
     def hear(self, topic: str, subscription: Subscription) -> Callable[[Message], object] | None:
         """Returns what records each message of a topic that is heard; None if nobody knows its type."""
-        kind = subscription.msg_type
-        if f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" not in typestore().types:
+        if type_name(subscription) not in typestore().types:
             return None
         return self._recording(topic, subscription, None)
 
     def _recording(
-        self, topic: str, endpoint: Publisher | Subscription, padding: dict[int, list[int]] | None
+        self,
+        topic: str,
+        endpoint: Publisher | Subscription,
+        padding: dict[int, list[int]] | None,
+        take: "Callable[[_Held], None] | None" = None,
     ) -> Callable[[Message], bytes]:
         """What records messages of a topic; `padding` keeps where it is in those of each length."""
-        kind = endpoint.msg_type
-        name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-        identifier = self._register(topic, name, endpoint.qos_profile)
-        if endpoint.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
-            self._latched[identifier] = None
-        return partial(self._record, identifier, name, padding)
+        name, qos = type_name(endpoint), endpoint.qos_profile
+        recorded = _Topic(self._register(topic, name, qos), name, padding)
+        if qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            self._latched[recorded] = None
+        return partial(self._record, take or self._take, recorded)
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
         if name not in typestore().types:
@@ -172,39 +182,53 @@ class Recorder:
         metadata = {"offered_qos_profiles": offered, "topic_type_hash": typestore().hash_rihs01(name)}
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
-    def _record(
-        self, identifier: int, name: str, padding: dict[int, list[int]] | None, message: Message
-    ) -> bytes:
+    def _record(self, take: "Callable[[_Held], None]", topic: "_Topic", message: Message) -> bytes:
         """Records a message and returns its bytes."""
         written = message if isinstance(message, bytes) else serialize_message(message)
-        now_ns = self._bridges[0].time_ns
-        if self._last_ns is not None:
-            self._hold(_Held(identifier, name, padding, now_ns, written))
-            return written
-        data = without_padding(written, name, padding)
-        self._write(identifier, now_ns, data)
-        return data
+        if self._last_ns is None:
+            written = without_padding(written, topic.type_name, topic.padding)
+        take(_Held(self._bridges[0].time_ns, topic, written))
+        return written
 
-    def _hold(self, message: "_Held") -> None:
+    def _take(self, message: "_Held") -> None:
+        """Writes or holds a message, after those of metrics: several nodes publish them in any order."""
+        self._take_late()
+        self._put(message)
+
+    def _take_late(self) -> None:
+        late, self._late[:] = sorted(self._late, key=attrgetter("time_ns", "topic.number")), []
+        for message in late:
+            self._put(message)
+
+    def _put(self, message: "_Held") -> None:
+        if self._last_ns is None:
+            self._write(message)
+        else:
+            self._hold(message, message.time_ns - self._last_ns)
+
+    def _hold(self, message: "_Held", first_ns: int) -> None:
         """Keeps a message until it is too old; what is latched is not."""
         self._held.append(message)
-        while self._held[0].time_ns < message.time_ns - (self._last_ns or 0):
+        while self._held[0].time_ns < first_ns:
             old = self._held.popleft()
-            if old.identifier in self._latched:
-                self._latched[old.identifier] = old
+            if old.topic in self._latched:
+                self._latched[old.topic] = old
 
     def _write_held(self) -> None:
+        self._take_late()
         first_ns = self._held[0].time_ns if self._held else 0
         latched = [old._replace(time_ns=first_ns) for old in self._latched.values() if old is not None]
-        for identifier, name, padding, time_ns, written in (*latched, *self._held):
-            self._write(identifier, time_ns, without_padding(written, name, padding))
+        for each in (*latched, *self._held):
+            data = without_padding(each.written, each.topic.type_name, each.topic.padding)
+            self._write(each._replace(written=data))
 
-    def _write(self, identifier: int, time_ns: int, data: bytes) -> None:
+    def _write(self, message: "_Held") -> None:
+        (time_ns, topic, data), writer = message, self._writer
         try:
             if time_ns >= self._next_flush_ns:
-                self._writer.flush()  # type: ignore[no-untyped-call]
+                writer.flush()  # type: ignore[no-untyped-call]
                 self._next_flush_ns = (time_ns // NANOSECONDS + 1) * NANOSECONDS
-            self._writer.add_message(identifier, time_ns, data, publish_time=time_ns)
+            writer.add_message(topic.number, time_ns, data, publish_time=time_ns)
             if not self._messages and self._made != self._path:
                 self._made.replace(self._path)
         except OSError as error:
@@ -216,34 +240,40 @@ class Recorder:
         return RunFailed(f"the recording {self._path} ended early: {error.strerror}")
 
 
-class _Held(NamedTuple):
-    """A message that may yet be too old to be kept.
+@dataclass(frozen=True, eq=False)
+class _Topic:
+    """A channel of the file; `padding` is as for `without_padding`."""
 
-    Attributes:
-        identifier: Of its channel; `name` is that of its type.
-        padding: As for `without_padding`.
-        time_ns: When it went out.
-        written: Its bytes.
-    """
-
-    identifier: int
-    name: str
+    number: int
+    type_name: str
     padding: dict[int, list[int]] | None
+
+
+class _Held(NamedTuple):
+    """A message on its way into the file, or one that may yet be too old to be kept."""
+
     time_ns: int
+    topic: _Topic
     written: bytes
 
 
-def without_padding(written: bytes, type_name: str, known: dict[int, list[int]] | None) -> bytes:
+def type_name(endpoint: Publisher | Subscription) -> str:
+    """Returns the type of a topic's end, as in sensor_msgs/msg/LaserScan."""
+    kind = endpoint.msg_type
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+
+
+def without_padding(written: bytes, kind: str, known: dict[int, list[int]] | None) -> bytes:
     """Returns the bytes of a message with zeros where they carry nothing.
 
     Args:
         written: As DDS has them.
-        type_name: Of the message.
+        kind: The message's type.
         known: Where that is in messages of each length, if those of one length are alike; is added to.
     """
     positions = None if known is None else known.get(len(written))
     if positions is None:
-        positions = padding_of(written, type_name)
+        positions = padding_of(written, kind)
     if known is not None:
         known[len(written)] = positions
     buffer = bytearray(written)
@@ -252,17 +282,20 @@ def without_padding(written: bytes, type_name: str, known: dict[int, list[int]] 
     return bytes(buffer)
 
 
-def padding_of(data: bytes, type_name: str) -> list[int]:
+def padding_of(data: bytes, kind: str) -> list[int]:
     """Returns the positions of the bytes of a CDR message that align its fields and carry nothing.
 
     DDS leaves in them whatever was in memory. They are the bytes that writing the same message into a
     buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
     rosbags does not write.
     """
-    definition = typestore().get_msgdef(type_name)
+    definition = typestore().get_msgdef(kind)
     body = len(data) - 4  # behind the encapsulation header
     # Not `deserialize_cdr`, which refuses what DDS leaves behind lists that are empty.
-    message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
+    try:
+        message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
+    except struct.error as error:
+        raise ValueError(f"no {kind}: {error}") from error
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
         definition.serialize_cdr_le(memoryview(buffer), 0, message, typestore())
@@ -270,12 +303,8 @@ def padding_of(data: bytes, type_name: str) -> list[int]:
     return [4 + i for i in np.flatnonzero(zeros != ones).tolist()]
 
 
-def full_definition(type_name: str) -> str:
-    """Returns a message's definition followed by those of the types in it, as rosbag2 stores it.
-
-    Args:
-        type_name: As in sensor_msgs/msg/LaserScan.
-    """
-    text, _ = typestore().generate_msgdef(type_name, ros_version=2)
+def full_definition(kind: str) -> str:
+    """Returns a message's definition followed by those of the types in it, as rosbag2 stores it."""
+    text, _ = typestore().generate_msgdef(kind, ros_version=2)
     definition, *nested = text.split(SEPARATOR)
     return SEPARATOR.join([definition, *sorted(nested)])

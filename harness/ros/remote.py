@@ -42,6 +42,7 @@ class RemoteNode:
         name: The full name.
         keeps_order: Whether it has promised to handle everything in the order of its arrival.
         waited_s: Wall time for which the run has stood still for its answers [s].
+        is_gone: Whether it has stopped answering: then nobody asks it any more.
 
     Raises:
         UsageError: There is no such node, or it runs on wall time.
@@ -65,25 +66,26 @@ class RemoteNode:
             promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
             self.keeps_order = promise is not None and promise.message == KEEPS_ORDER
         self._received_before = self._ask_received()
-        self.waited_s = 0.0
+        self.waited_s, self.is_gone = 0.0, False
 
     def ask(self) -> Future:
         """Returns what is done when the node has handled all that arrived before."""
         return self._parameters.call_async(BARRIER)
 
     def release(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
-        """Tells the node that nobody waits for it any more.
-
-        Args:
-            patience: How long [s] to wait for each of its answers.
+        """Tells the node that nobody waits for it any more; waits so long [s] for each of its answers.
 
         Returns:
             Messages that a MetricsNode has received since the start, by topic; else empty.
         """
-        now = self._ask_received(patience)
+        now = {} if self.is_gone else self._ask_received(patience)
         if now:
             self._call(self._lock_step, SetBool.Request(data=False), patience)
         return {topic: count - self._received_before.get(topic, 0) for topic, count in now.items()}
+
+    def has_left(self) -> bool:
+        """Returns whether the graph does not show it any more: it ended, or was killed a while ago."""
+        return not self._parameters.service_is_ready()
 
     def _runs_on_sim_time(self) -> bool:
         future = self.ask()
@@ -157,16 +159,20 @@ def wait_for_answers(
             node.waited_s += time.monotonic() - began
         if silent:
             check()
-        return not silent
+        return not silent or any(node.has_left() for node in silent)
 
-    if not spin_until(executor, all_have_answered, ANSWER_PATIENCE):
-        raise RunFailed(f"{next(iter(silent)).name} stopped answering")
+    spin_until(executor, all_have_answered, ANSWER_PATIENCE)
+    left = [node for node in silent if node.has_left()]
+    for node in left or silent:
+        node.is_gone = True
+    for node in left or silent:
+        raise RunFailed(f"{node.name} {'has ended' if left else 'stopped answering'}")
 
 
 def counted_by(
     nodes: Iterable[RemoteNode], published: dict[str, TopicCount], patience: float = ANSWER_PATIENCE
 ) -> dict[str, TopicCount]:
-    """Lets nodes go, and returns what was published with what the MetricsNodes among them received.
+    """Lets nodes go; returns what was published with what the MetricsNodes among them received.
 
     Args:
         nodes: Are waited for no more.

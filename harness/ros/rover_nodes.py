@@ -9,6 +9,7 @@ from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.logging import get_logger
 
+from harness.base.errors import UsageError
 from harness.episode.assembly import actor_names, injector, scenery, sensor_rows
 from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
@@ -16,6 +17,7 @@ from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
+from harness.ros.commands import RCLError
 from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.navigation import Navigation
 from harness.samples import Twist
@@ -23,16 +25,11 @@ from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
-from rover_metrics.ros.metrics_publisher import MetricsPublisher
+from rover_metrics.ros.arguments import refusal
 
 
 def painter(run: Run, number: int = 0) -> CameraPainter:
-    """Returns what draws for the cameras of a rover; nothing is started before the first image.
-
-    Args:
-        run: The run.
-        number: The rover's place in it.
-    """
+    """Returns what draws for the cameras of a run's rover; the first image starts it."""
     given = (row.given for row in sensor_rows(run.rovers[number]))
     cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
     warn = get_logger("harness").warning
@@ -72,18 +69,21 @@ class RoverNodes:
         self.run, self.number = run, number
         self.setup = setup = run.rovers[number]
         self._context, self._at_end = context, at_end
-        self.bridge = Bridge(
-            find_rover(setup.robot),
-            LidarSpec(beams=setup.lidar_beams),
-            context=context,
-            on_command=on_command,
-            cmd_vel=cmd_vel,
-            rows=sensor_rows(setup),
-            draw=at_end.enter_context(painter(run, number)).image,
-            actors=actor_names(run.world),
-            namespace=setup.name,
-            clock=clock,
-        )
+        try:
+            self.bridge = Bridge(
+                find_rover(setup.robot),
+                LidarSpec(beams=setup.lidar_beams),
+                context=context,
+                on_command=on_command,
+                cmd_vel=cmd_vel,
+                rows=sensor_rows(setup),
+                draw=at_end.enter_context(painter(run, number)).image,
+                actors=actor_names(run.world),
+                namespace=setup.name,
+                clock=clock,
+            )
+        except RCLError as error:  # of names that are remapped
+            raise UsageError(f"ROS 2 refuses the node harness: {refusal(error)}") from error
         at_end.callback(self.bridge.destroy_node)
         self.faults = injector(run, number)
         self.hosted: HostedMetrics | None = None
@@ -93,11 +93,7 @@ class RoverNodes:
         self.navigation = Navigation(self.bridge, self.run, self.number, orders)
 
     def host_metrics(self, executor: Executor, outputs: Outputs) -> None:
-        """Starts a MetricsNode and waits until DDS has connected it.
-
-        Args:
-            executor: Spins it and the bridge.
-            outputs: Where its log goes, and its settings.
+        """Starts a MetricsNode on the bridge's executor and waits until DDS has connected it.
 
         Raises:
             UsageError: DDS does not connect it, or its log cannot be created.
@@ -109,10 +105,7 @@ class RoverNodes:
         self.hosted.await_match()
 
     def begin(self, description: Description | None) -> None:
-        """Refuses other publishers of the rover's topics and publishes its fixed frames.
-
-        Args:
-            description: The frames; None of a run without transforms.
+        """Refuses other publishers of the rover's topics and publishes its fixed frames, if it has any.
 
         Raises:
             UsageError: A topic has a second publisher.
@@ -125,11 +118,6 @@ class RoverNodes:
         """Hears publishers and serves listeners that have turned up since the last look."""
         self.bridge.commands.look_around()
         self.navigation.look_around()
-
-    @property
-    def metrics(self) -> MetricsPublisher | None:
-        """What the hosted MetricsNode publishes with; None without one."""
-        return None if self.hosted is None else self.hosted.node.publisher
 
     @property
     def listeners(self) -> tuple[HostedMetrics, ...]:

@@ -15,7 +15,6 @@ from rclpy.executors import ExternalShutdownException
 from harness.base.errors import RunFailed
 from harness.base.interrupt import GRACE, Overdue, StopRequest
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.batch import EpisodeInfo
 from harness.episode.loop import Pacer, Route, drive
 from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeProcess
@@ -61,7 +60,8 @@ def run_through_ros(
         session = _Session(run, outputs, options, source, at_end)
         if recorder is not None:
             for rover in session.rovers:
-                recorder.tap(rover.bridge, rover.metrics, [rover.navigation.map])
+                metrics = rover.hosted.node.publisher if rover.hosted else None
+                recorder.tap(rover.bridge, metrics, [rover.navigation.map])
         return session.drive(stop, show, started)
 
 
@@ -80,11 +80,9 @@ class _Session:
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
+            more = {"cmd_vel": options.cmd_vel, "context": context}
             clock = self.rovers[0].bridge.clock_channel if self.rovers else None
-            cmd_vel, command = options.cmd_vel, orders.command
-            self.rovers.append(
-                RoverNodes(run, number, command, at_end, cmd_vel=cmd_vel, context=context, clock=clock)
-            )
+            self.rovers.append(RoverNodes(run, number, orders.command, at_end, clock=clock, **more))
         jumps = any(rover.faults.disturbs_time for rover in self.rovers)
         self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
         for rover, orders in zip(self.rovers, source.rovers, strict=True):
@@ -107,15 +105,8 @@ class _Session:
         """The nodes elsewhere; of several rovers none has a namespace that they could be below."""
         first, *others = (rover.bridge for rover in self.rovers)
         root = "/" if self._run.rover.name else ""
-        return [
-            RemoteNode(
-                name if name.startswith("/") else root + name,
-                bridge=first,
-                time_jumps=time_jumps,
-                others=others,
-            )
-            for name in self._options.wait_for
-        ]
+        names = (n if n.startswith("/") else root + n for n in self._options.wait_for)
+        return [RemoteNode(name, first, time_jumps=time_jumps, others=others) for name in names]
 
     def drive(self, stop: StopRequest, show: Show | None, started: float) -> tuple[RunResult, ...]:
         """Publishes the episodes tick by tick until their end, a failure or a stop request."""
@@ -124,7 +115,14 @@ class _Session:
         for rover, (_, description) in zip(self.rovers, begun, strict=True):
             rover.begin(description)
         accounts = [
-            self._account(rover, info, None if rover.number else show, started)
+            RunAccount(
+                RunResult(run=self._run, number=rover.number, mode=self._mode(), info=info),
+                started,
+                None if rover.number else show,
+                topics=rover.topics,
+                rows=rover.rows,
+                paused_s=lambda: self._controls.held_s,
+            )
             for rover, (info, _) in zip(self.rovers, begun, strict=True)
         ]
         failure, interrupted = None, None
@@ -151,18 +149,6 @@ class _Session:
             failure = "ROS 2 was shut down from outside this run"
         ended = [account.ended(failure=failure, interrupted=interrupted) for account in accounts]
         return self._counted(ended)
-
-    def _account(
-        self, rover: RoverNodes, info: EpisodeInfo, show: Show | None, started: float
-    ) -> RunAccount:
-        return RunAccount(
-            RunResult(run=self._run, number=rover.number, mode=self._mode(), info=info),
-            started,
-            show,
-            topics=rover.topics,
-            rows=rover.rows,
-            paused_s=lambda: self._controls.held_s,
-        )
 
     def _routes(self, accounts: Sequence[RunAccount]) -> list[Route]:
         """Where the ticks and the batches of each rover go."""

@@ -1,23 +1,18 @@
 """A node that looks at the topics around it, and the table of what it has seen."""
 
-import os
 import re
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import rclpy
-from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
-from harness.ros.context import make_executor, ros_context
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import TF_MESSAGE
 from harness.sensors.message_types import GRID_MAP
@@ -36,38 +31,34 @@ class Pace:
     """How fast something grows, and when it last did: messages of a topic, or a simulation's time."""
 
     def __init__(self) -> None:
-        self._points: deque[tuple[float, float]] = deque()  # the last WINDOW, and always the last one
+        self.points: deque[tuple[float, float]] = deque()  # the last WINDOW, and always the last one
 
     def note(self, now: float, value: float) -> None:
         """Takes down a value [any unit] at a time [s]; a value that falls starts anew."""
-        if self._points and value < self._points[-1][1]:
-            self._points.clear()
-        self._points.append((now, value))
+        if self.points and value < self.points[-1][1]:
+            self.points.clear()
+        self.points.append((now, value))
         self._forget(now)
 
     def rate(self, now: float) -> float | None:
         """Returns the growth per second over the last WINDOW; None of values less than LEAST apart."""
         if self.span(now) < LEAST:
             return None
-        (begin, first), (end, last) = self._points[0], self._points[-1]
+        (begin, first), (end, last) = self.points[0], self.points[-1]
         return (last - first) / (end - begin)
 
     def span(self, now: float) -> float:
         """Returns the seconds that the rate is taken over; 0 without one."""
         self._forget(now)
-        return self._points[-1][0] - self._points[0][0] if self._points else 0.0
+        return self.points[-1][0] - self.points[0][0] if self.points else 0.0
 
     def age(self, now: float) -> float | None:
         """Returns the seconds since the last value; None before the first."""
-        return now - self._points[-1][0] if self._points else None
-
-    def forget(self) -> None:
-        """Drops all messages that were counted."""
-        self._points.clear()
+        return now - self.points[-1][0] if self.points else None
 
     def _forget(self, now: float) -> None:
-        while len(self._points) > 1 and self._points[0][0] < now - WINDOW:
-            self._points.popleft()
+        while len(self.points) > 1 and self.points[0][0] < now - WINDOW:
+            self.points.popleft()
 
 
 class TopicMonitor:
@@ -84,7 +75,7 @@ class TopicMonitor:
     """
 
     def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.monotonic) -> None:
-        self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
+        self._node, self._now, self._below = node, now, f"/{namespace}/".replace("//", "/")
         self._qos = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.types: dict[str, str] = {}
         self.counts: dict[str, int] = {}
@@ -99,7 +90,7 @@ class TopicMonitor:
         """
         if self._is_settling:
             for pace in (*self.paces.values(), self.clock):
-                pace.forget()
+                pace.points.clear()
         known = len(self.types)
         for topic, types in self._node.get_topic_names_and_types():
             shown = topic.startswith(self._below) or topic == CLOCK
@@ -152,19 +143,6 @@ class TopicMonitor:
 
         self._node.create_subscription(kind, topic, received, self._qos, raw=topic != CLOCK)
         forget_missing_definition()
-
-
-@contextmanager
-def topic_monitor(namespace: str) -> Iterator[tuple[TopicMonitor, Executor]]:
-    """Yields a monitor in a context of its own, and the executor that spins it.
-
-    Raises:
-        UsageError: ROS 2 refuses the environment.
-    """
-    with ros_context([]) as context, make_executor(context) as executor:
-        node = rclpy.create_node(f"topics_{os.getpid()}", context=context, enable_rosout=False)
-        executor.add_node(node)
-        yield TopicMonitor(node, namespace), executor
 
 
 def message_class(type_name: str) -> type | None:

@@ -16,7 +16,7 @@ from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class
 from harness.scenario.arrivals import Arrivals
 from harness.scenario.topic import AGE, TopicQuantity, check_messages
-from harness.sensors.message_types import typestore
+from harness.sensors.message_types import read_message
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -107,7 +107,7 @@ class Subscriptions:
     ) -> None:
         for each in record:
             each(message)
-        content = message if made is None else typestore().deserialize_cdr(message, made)
+        content = message if made is None else read_message(message, made)
         try:
             arrivals.take(content, *self._now())
         except (AttributeError, TypeError, ValueError) as error:  # of a type that rosbags does not know

@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 from rosbags.interfaces import Nodetype
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -44,6 +45,23 @@ def typestore() -> Typestore:
     for name, definition in DEFINITIONS.items():
         store.register(get_types_from_msg(definition, name))
     return store
+
+
+def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
+    """Returns a message of a type, of the values of its fields."""
+    return typestore().types[name](*values)
+
+
+def read_message(data: bytes, name: str) -> Any:  # noqa: ANN401 - rosbags makes its classes
+    """Returns the message of that type that these bytes are.
+
+    Raises:
+        ValueError: They are none.
+    """
+    try:
+        return typestore().deserialize_cdr(data, name)
+    except SerdeError as error:
+        raise ValueError(str(error)) from error
 
 
 def check_path(type_name: str, path: str) -> str | None:

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from harness.base.errors import UsageError
-from harness.spec.rover import CMD_VEL, NAME, RoverSetup
+from harness.spec.rover import CMD_VEL, NAME, NAMES, RoverSetup
 from harness.spec.value import made
+from rover_metrics.errors import shown
 
 FORM = "ROBOT[:NAME][,KEY=VALUE]..."
 PLACE, WORDS = ("x", "y", "yaw"), ("driver", "noise")
@@ -39,9 +40,7 @@ def _parsed(text: str, number: int, shared: RoverSetup) -> RoverSetup:
     robot, colon, name = head.rpartition(":")
     robot, name = (robot, name) if colon else (head, f"rover{number + 1}")
     if not NAME.fullmatch(name):
-        raise UsageError(
-            f"--rover {text}: '{name}' is no name in ROS; give letters, digits and _, a letter first"
-        )
+        raise UsageError(f"--rover {shown(text)}: '{shown(name)}' is no name in ROS; {NAMES}")
     given: dict[str, Any] = {"start": shared.start if number == 0 else None}
     place: dict[str, str] = {}
     faults: list[str] = []

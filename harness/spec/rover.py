@@ -11,11 +11,14 @@ from harness.base.sim_time import CONTROL_PERIOD, period_ticks
 from harness.spec.fault import FORM, FaultText
 from harness.spec.sensor import SensorChoices
 from harness.spec.value import Finite, Option, Value, checked, listed, numbers
+from rover_metrics.errors import shown
 
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 LIDAR_BEAMS, IMU_RATE = 640, 20
 DEFAULT_NOISE = "white"
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}")
+NAMESPACE, LONGEST_NAMESPACE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII), 100
+NAMES = "give letters, digits and _, a letter first, at most 100"
 
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] in the world
 Area = tuple[float, float, float, float]  # x from, to, y from, to [m]
@@ -40,7 +43,22 @@ def _check_area(area: Area) -> None:
 
 def _check_name(name: str) -> None:
     if name and not NAME.fullmatch(name):
-        raise UsageError(f"'{name}' is no name in ROS; give letters, digits and _, a letter first")
+        raise UsageError(f"'{shown(name)}' is no name in ROS; {NAMES}")
+
+
+def namespace_of(text: str) -> str:
+    """Returns a namespace of ROS without the slashes around it; "" for the root.
+
+    Raises:
+        UsageError: ROS has no such namespace.
+    """
+    names = text.strip("/")
+    if names and not (NAMESPACE.fullmatch(names) and len(names) <= LONGEST_NAMESPACE):
+        raise UsageError(
+            f"--namespace '{shown(text)}' is no namespace in ROS; give letters, digits and _, no digit "
+            f"first, / between names, at most {LONGEST_NAMESPACE} characters"
+        )
+    return names
 
 
 StartText = Annotated[

@@ -21,6 +21,12 @@ OWN = ("harness", "rover_metrics")
 SCRIPTS = "rover-"  # how the names of the installed commands begin
 
 
+def shown(text: str, most: int = 60) -> str:
+    """Returns a stranger's text for a line: what does not print escaped, the rest cut off."""
+    escaped = text[:most].encode("unicode_escape").decode() if not text.isprintable() else text[:most]
+    return escaped if len(text) <= most else f"{escaped}..."
+
+
 class KnownError(Exception):
     """A known mistake; its message is one line that names the valid choices or the mend."""
 

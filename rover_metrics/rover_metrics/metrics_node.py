@@ -62,6 +62,7 @@ class MetricsNode(GuardedNode):
         topics: The resolved name of each topic that is listened to.
         last_row: The latest row, written or not; None before the first.
         in_lock_step: Whether a simulator waits until this node has handled what it sent.
+        is_hosted: Whether it is part of a simulator's process, which waits for it too.
 
     Raises:
         ParameterError: A parameter was given a value that is not valid.
@@ -98,7 +99,7 @@ class MetricsNode(GuardedNode):
             super().destroy_node()
             raise
         self.last_row: Row | None = None
-        self.in_lock_step = False
+        self.in_lock_step = self.is_hosted = False
         self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
         self._view = LiveView()
@@ -213,6 +214,11 @@ class MetricsNode(GuardedNode):
 
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Takes changed parameters into use at once, all of them or none."""
+        if (self.in_lock_step or self.is_hosted) and any(
+            each.name == "use_sim_time" and each.value is False for each in parameters
+        ):
+            reason = "use_sim_time stays true while a simulator waits for this node"
+            return SetParametersResult(successful=False, reason=reason)
         try:
             settings = self.settings.updated({each.name: each.value for each in parameters})
             require_same_columns(self.settings, settings)

@@ -7,6 +7,7 @@ import random
 import re
 import select
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
@@ -17,7 +18,6 @@ from typing import Any
 
 import pytest
 
-from harness.base.interrupt import Interrupted, Overdue, StopRequest
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.episode.batch import Batch
@@ -160,48 +160,6 @@ def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
     assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": "SIGHUP"}
 
 
-def test_nohup_is_respected() -> None:
-    previous = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        with StopRequest() as stop:
-            signal.raise_signal(signal.SIGHUP)
-            assert stop.signal is None
-    finally:
-        signal.signal(signal.SIGHUP, previous)
-
-
-def test_request_that_the_loop_does_not_answer_ends_it() -> None:
-    def drive_on() -> None:
-        with StopRequest() as stop, stop.deferred():
-            signal.raise_signal(signal.SIGINT)
-            wait_until(lambda: False, NO_HANG)
-
-    with pytest.raises(Overdue) as caught:
-        drive_on()
-    assert caught.value.exit_code == 128 + signal.SIGINT
-    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
-
-
-def test_interruption_that_a_c_extension_reports_as_something_else_is_told_as_what_it_is() -> None:
-    def interrupted_binding() -> None:
-        try:
-            signal.raise_signal(signal.SIGINT)
-        except Interrupted:
-            message = "incompatible function arguments"
-            raise TypeError(message) from None
-
-    with pytest.raises(Interrupted), StopRequest():
-        interrupted_binding()
-
-
-def test_sleeper_wakes_up_at_a_request() -> None:
-    with StopRequest() as stop, stop.deferred():
-        signal.raise_signal(signal.SIGTERM)
-        began = time.monotonic()
-        stop.sleep(PATIENCE)
-    assert time.monotonic() - began < PATIENCE / 2
-
-
 class SlowDrawing(Drawing):
     """Draws nothing; a signal comes while the run drives, and another while it is drawn."""
 
@@ -214,25 +172,21 @@ class SlowDrawing(Drawing):
     def observers(self) -> Sequence[Observer]:
         return [self]
 
-    def take(self, batch: Batch) -> None:  # noqa: ARG002 - as the real one
-        self.signalled()
+    def take(self, _: Batch) -> None:
+        if number := next(SlowDrawing.signals, None):
+            signal.raise_signal(number)
 
     def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         show(0, 1)
-        self.signalled()
-        return [Path("drawn.mp4")]
-
-    def signalled(self) -> None:
-        for number in SlowDrawing.signals:
+        if number := next(SlowDrawing.signals, None):
             signal.raise_signal(number)
-            return
+        return [Path("drawn.mp4")]
 
 
 @pytest.mark.parametrize(
     ("signals", "told", "not_told"),
     [
         ([signal.SIGTERM], "nothing was drawn: stopped by SIGTERM", "drawn: drawn.mp4"),
-        ([signal.SIGHUP], "nothing was drawn: stopped by SIGHUP", "drawn: drawn.mp4"),
         ([signal.SIGINT], "drawn: drawn.mp4", "nothing was drawn"),
         ([signal.SIGINT, signal.SIGINT], "Ctrl-C again leaves it out", "drawn: drawn.mp4"),
     ],
@@ -262,9 +216,6 @@ def crash(self: Wander, observation: Observation) -> Twist:  # noqa: ARG001 - a 
     return Twist()
 
 
-CRASH = ["--terrain", "flat", "--duration", "36000", "--log-dir"]
-
-
 def crashing(words: list[str]) -> int:
     """harness.run with a driver that has a bug."""
     Wander.command = crash  # type: ignore[method-assign]
@@ -272,21 +223,16 @@ def crashing(words: list[str]) -> int:
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(tmp_path: Path) -> None:
-    with ForkedProgram(crashing, [*CRASH, str(tmp_path)], tmp_path / "said.txt") as program:
+@pytest.mark.parametrize("way", [[], ["--direct"]])
+def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(
+    way: list[str], tmp_path: Path
+) -> None:
+    words = ["--terrain", "flat", "--duration", "36000", "--log-dir", str(tmp_path), *way]
+    with ForkedProgram(crashing, words, tmp_path / "said.txt") as program:
         told = program.finished(PATIENCE)
     assert program.returncode == 1
     assert "ZeroDivisionError: the driver fell asleep" in told
     assert "in crash" in told
-    assert rows(tmp_path) == 1
-
-
-def test_bug_in_a_driver_of_a_direct_run_passes_and_keeps_the_rows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Wander, "command", crash)
-    with pytest.raises(ZeroDivisionError, match="the driver fell asleep"):
-        main([*CRASH, str(tmp_path), "--direct"])
     assert rows(tmp_path) == 1
 
 
@@ -329,6 +275,35 @@ def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> N
     assert "Traceback" not in end.told
     assert end.after < under_load(NO_HANG)
     assert json.loads(summary.read_text())["outcome"]["status"] == "interrupted"
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_run_whose_node_is_killed_ends_in_time_with_its_name(
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    remote = import_module("harness.ros.remote")
+    assert remote.ANSWER_PATIENCE == 30.0, "docs/driving.md states it"
+    monkeypatch.setattr(remote, "ANSWER_PATIENCE", patience := 3.0)
+    words = ["--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path / 'node'}"]
+    run = ["--no-metrics", "--wait-for", "/metrics_node", "--log-dir", str(tmp_path / "run")]
+    ended, summary = list[float](), tmp_path / "summary.json"
+    with ForkedProgram("rover_metrics.metrics_node", words) as node:
+
+        def kill() -> None:
+            wait_until(lambda: rows(tmp_path / "node") > 1)
+            node.send_signal(number)
+            ended.append(time.monotonic())
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        assert main([*ENDLESS, *run, "--summary", str(summary)]) == 1
+        killer.join()
+    assert time.monotonic() - ended[0] < under_load(patience + NO_HANG)
+    outcome = json.loads(summary.read_text())["outcome"]
+    said = {signal.SIGKILL: "/metrics_node stopped answering", signal.SIGTERM: "/metrics_node has ended"}
+    assert (outcome["status"], outcome["reason"]) == ("failed", said[number])
 
 
 def number_of(index: int) -> signal.Signals:

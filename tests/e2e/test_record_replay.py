@@ -10,7 +10,6 @@ from rosbags.highlevel import AnyReader
 
 from harness.run import main as run
 from rover_metrics.replay import main as replay
-from tests.support.complaint import complaint
 from tests.support.forked_program import ForkedProgram
 from tests.support.layouts import foxglove_paths, look_up, plotjuggler_paths
 from tests.support.waiting import wait_until
@@ -32,37 +31,19 @@ def rows(log: Path) -> list[list[str]]:
         return list(csv.reader(file))
 
 
-def recorded(bag: Path, *but: str) -> list[tuple[str, int, bytes]]:
-    """Topic, time and bytes of every message of the other topics."""
-    with AnyReader([bag]) as reader:
-        return [(c.topic, t, bytes(data)) for c, t, data in reader.messages() if c.topic not in but]
-
-
 @pytest.mark.usefixtures("ros_domain")
 def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_path: Path) -> None:
-    bags = [tmp_path / "one.mcap", tmp_path / "two.mcap"]
+    bag, params = tmp_path / "run.mcap", tmp_path / "leo.yaml"
     words = ["--terrain", "rocky", "--duration", "6.5", "--log-dir", str(tmp_path / "live")]
-    for bag, more in zip(bags, ([], ["--extended"]), strict=True):
-        assert run([*words, "--record", str(bag), *more]) == 0
-    assert recorded(bags[0], "/rover/metrics") == recorded(bags[1], "/rover/metrics")
-    assert len(recorded(bags[0])) - len(recorded(bags[0], "/rover/metrics")) == 6
-    logs = sorted((tmp_path / "live").glob("*.csv"), key=size)
-    live, extended = (log.read_bytes() for log in logs)
-    counts = json.loads(logs[1].with_suffix(".json").read_text())["topics"]
-    for topic in ("/odom_ground_truth", "/rover/truth/contact", "/rover/truth/traversal"):
-        assert counts[topic]["received"] == counts[topic]["published"] > 120
-    assert live.count(b"\n") == 1 + 6
-    walk_layouts(bags[0])
-    params = tmp_path / "leo.yaml"
+    assert run([*words, "--record", str(bag), "--extended"]) == 0
+    (live,) = tmp_path.glob("live/*.csv")
+    walk_layouts(bag)
     params.write_text(PARAMETERS)
-    plain = tmp_path / "plain.csv"
-    assert replay([str(bags[0]), "-o", str(plain)]) == 0
-    assert plain.read_bytes() == live
     for source in ("auto", "sim", "recorded", "header"):
         output = tmp_path / f"{source}.csv"
         more = ["--extended", "--params", str(params), "--time", source]
-        assert replay([str(bags[0]), "-o", str(output), *more]) == 0
-        assert output.read_bytes() == extended
+        assert replay([str(bag), "-o", str(output), *more]) == 0
+        assert output.read_bytes() == live.read_bytes()
 
 
 def walk_layouts(bag: Path) -> None:
@@ -72,10 +53,6 @@ def walk_layouts(bag: Path) -> None:
     shown = [look_up(path, messages) for path in (*foxglove_paths(), *plotjuggler_paths())]
     assert sum(isinstance(value, float) for value in shown) >= 20
     assert all(isinstance(value, float) or hasattr(value, "__msgtype__") for value in shown)
-
-
-def size(path: Path) -> int:
-    return path.stat().st_size
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -116,21 +93,3 @@ def test_remapped_topics_and_node_parameters_work_the_ros_way_and_replay(tmp_pat
     more = ["--remap", "scan:=front/scan", "--params", str(params)]
     assert replay([str(bag), "-o", str(output), *more]) == 0
     assert output.read_bytes() == log.read_bytes()
-
-
-@pytest.mark.usefixtures("ros_domain")
-def test_recording_is_refused_before_the_run_where_it_cannot_be_written(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ("--terrain", "flat", "--duration", "1", "--log-dir", str(tmp_path / "live"), "--record")
-    taken = tmp_path / "taken.mcap"
-    taken.touch()
-    assert "taken.mcap exists already, not overwriting" in complaint(run, [*words, str(taken)], capsys)
-    nowhere = str(tmp_path / "nowhere" / "x.mcap")
-    assert "create it first" in complaint(run, [*words, nowhere], capsys)
-    assert "cannot be written: " in complaint(run, [*words, "/proc/x.mcap"], capsys)
-    assert "name a file that ends in .mcap" in complaint(run, [*words, "x.bag"], capsys)
-    assert "--record needs ROS; leave out --direct" in complaint(
-        run, [*words, "x.mcap", "--direct"], capsys
-    )
-    assert [path.name for path in tmp_path.iterdir()] == ["taken.mcap"]

@@ -45,7 +45,7 @@ def visit(desktop: Visit) -> Iterator[Visit]:
     for button in ("Whole run", "Path"):
         desktop.page.get_by_role("button", name=button).click()
     wait_for(desktop.page, "document.getElementById('series-9').layout.xaxis.range[0] === 0")
-    desktop.said.clear()
+    assert desktop.said == []
     del desktop.asked_for[opened:]
 
 
@@ -54,13 +54,21 @@ def test_page_opens_without_a_complaint_and_asks_for_nothing_but_itself(
 ) -> None:
     assert visit.page.title() == "leo on maze, seed 0: complete"
     assert visit.page.locator(".plot .main-svg").count() >= 11
-    assert visit.said == []
     assert [url for url in visit.asked_for if not url.startswith("data:")] == [page_file.as_uri()]
+    visit.page.locator("#series-5").hover()
+    with visit.page.expect_download() as saved:
+        visit.page.locator("#series-5 .modebar-btn").first.click()
+    assert saved.value.suggested_filename.endswith(".png")
 
 
-def test_drag_zooms_all_time_axes_and_the_button_zooms_out_again(visit: Visit) -> None:
+def test_drags_zoom_time_and_map_their_buttons_zoom_out_and_the_pointer_shows_on_the_map(
+    visit: Visit,
+) -> None:
     page = visit.page
-    whole = x_range(page, "series-0")
+    whole, path = x_range(page, "series-0"), x_range(page, "map")
+    visit.page.locator("#series-5 .nsewdrag").first.hover()
+    note = "document.querySelector('#map .annotation-text')?.textContent"
+    wait_for(visit.page, f"/^1[01]\\.\\d s$/.test({note})")
     drag(page, "series-5")
     wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
     zoomed = x_range(page, "series-0")
@@ -69,35 +77,12 @@ def test_drag_zooms_all_time_axes_and_the_button_zooms_out_again(visit: Visit) -
     page.get_by_role("button", name="Whole run").click()
     wait_for(page, "document.getElementById('series-9').layout.xaxis.range[0] === 0")
     assert x_range(page, "series-5") == whole
-    assert visit.said == []
-
-
-def test_map_zooms_by_drag_and_its_buttons_show_the_whole_map_or_the_path(visit: Visit) -> None:
-    page = visit.page
-    path = x_range(page, "map")
     drag(page, "map")
     wait_for(page, f"document.getElementById('map').layout.xaxis.range[0] > {path[0] + 0.5}")
     page.get_by_role("button", name="Whole map").click()
     wait_for(page, "document.getElementById('map').layout.xaxis.range[0] < -11.9")
     page.get_by_role("button", name="Path").click()
     wait_for(page, f"document.getElementById('map').layout.xaxis.range[0] > {path[0] - 0.5}")
-    assert visit.said == []
-
-
-def test_pointer_on_a_time_series_shows_on_the_map_where_it_was(visit: Visit) -> None:
-    area = visit.page.locator("#series-5 .nsewdrag").first
-    area.hover()
-    note = "document.querySelector('#map .annotation-text')?.textContent"
-    wait_for(visit.page, f"/^1[01]\\.\\d s$/.test({note})")
-    assert visit.said == []
-
-
-def test_a_plot_is_saved_as_a_picture_without_a_server(visit: Visit) -> None:
-    visit.page.locator("#series-5").hover()
-    with visit.page.expect_download() as saved:
-        visit.page.locator("#series-5 .modebar-btn").first.click()
-    assert saved.value.suggested_filename.endswith(".png")
-    assert visit.said == []
 
 
 def test_page_is_readable_on_a_phone_and_a_finger_scrolls_it(
@@ -124,7 +109,6 @@ def test_colours_follow_the_system_with_enough_contrast_and_the_view_stays(visit
     assert_contrast(page)
     assert all(before != after for before, after in zip(light, dark, strict=True))
     assert x_range(page, "series-0") == zoomed
-    assert visit.said == []
 
 
 def assert_contrast(page: "Page") -> None:

@@ -23,11 +23,10 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import Vector3
 from mcap.reader import make_reader
-from nav_msgs.msg import OccupancyGrid
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import Trigger
 
 from harness.base.interrupt import StopRequest
 from harness.episode import assembly, stream
@@ -81,7 +80,6 @@ class Listener:
     batches: int = 0
     clocks: int = 0
     answer: Any = None
-    said: str = ""
     joined: float = 0.0
     drove_s: float = 0.0
 
@@ -98,8 +96,7 @@ class Listener:
         self.resetter = node.create_client(Trigger, "/harness/reset")
         self._until(lambda: all(c.publisher.get_subscription_count() for c in bridge.channels))
         self._until(lambda: self.sender.get_subscription_count() > 0)
-        self.pauser = node.create_client(SetBool, "/harness/pause")
-        self._until(lambda: self.resetter.service_is_ready() and self.pauser.service_is_ready())
+        self._until(self.resetter.service_is_ready)
         self.joined = time.monotonic()
         for name in {c.topic for c in bridge.channels}:
             (info,) = node.get_publishers_info_by_topic(name)
@@ -115,9 +112,6 @@ class Listener:
             future = self.resetter.call_async(Trigger.Request())
             self._until(future.done)
             self.answer = future.result()
-            future = self.pauser.call_async(SetBool.Request(data=False))
-            self._until(future.done)
-            self.said = future.result().message
         if self.batches in SCRIPT:
             self._command(SCRIPT[self.batches])
 
@@ -256,14 +250,12 @@ def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
         reader = make_reader(file, validate_crcs=True)
         recorded = list(reader.iter_messages(log_time_order=False))
     kept = [entry for entry in recorded if entry[1].topic not in UNHEARD]
-    (grid,) = [message for _, channel, message in recorded if channel.topic == "/map"]
     kinds = {channel.topic: schema.name for schema, channel, _ in kept if schema}
     with AnyReader([drive.recording]) as bag:
         qos = {c.topic: c.ext.offered_qos_profiles[0] for c in bag.connections}  # type: ignore[union-attr]
     latched, *_ = [qos.pop(topic, None) for topic in UNHEARD]
     assert latched is not None
     assert (latched.depth, latched.durability.name) == (1, "TRANSIENT_LOCAL")
-    check_map(deserialize_message(grid.data, OccupancyGrid))
     assert [(c.topic, m.data) for _, c, m in kept] == drive.listener.heard
     times = [time_ns for time_ns, _, _ in drive.due]
     assert [m.log_time for *_, m in kept] == [m.publish_time for *_, m in kept] == times
@@ -278,54 +270,27 @@ def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
     }
 
 
-def check_map(grid: OccupancyGrid) -> None:
-    """On the stage: the wall and the edge are occupied, start and hillside are free."""
-    cells = np.array(grid.data).reshape(grid.info.height, grid.info.width)
-    corner, side = grid.info.origin.position, grid.info.resolution
-    told = {
-        (x, y): int(cells[int((y - corner.y) / side), int((x - corner.x) / side)])
-        for x, y in ((0.95, -0.1), (0.93, 0.35), (0.0, 2.9), (-2.9, 0.0), (0.0, 0.0), (-1.5, 1.5))
-    }
-    assert list(told.values()) == [100, 100, 100, 100, 0, 0], told
-
-
-def test_commands_are_the_finite_ones_and_the_services_say_when(drive: Drive) -> None:
+def test_commands_are_the_finite_ones_and_the_service_says_when(drive: Drive) -> None:
     assert drive.listener.taken == list(SCRIPT.values())
     at = RESET * TICKS_PER_BATCH * TICK_NS / 1e9
     assert drive.listener.answer.success
     assert drive.listener.answer.message == f"the rover goes back to its start at t = {at:.2f} s"
-    assert drive.listener.said == f"was not paused at t = {at:.2f} s"
     assert drive.result.truth.resets == 1
 
 
-def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
+def test_the_run_tells_how_far_it_is_and_keeps_its_pace(drive: Drive) -> None:
     result, hosts = drive.result, drive.twin.rover.name == "leo"
     seconds = [0.05 * (batch + 1) for batch in range(BATCHES)]
     assert [p.simulated_s for p in drive.progress] == pytest.approx(seconds)
-    assert {p.run for p in drive.progress} == {result.run}
     last = drive.progress[-1]
     assert last.truth.path_length == pytest.approx(drive.twin.path_length)
-    assert (last.messages, last.wall_s) == (len(drive.due), result.wall_s)
+    assert (last.messages, last.wall_s, last.truth) == (len(drive.due), result.wall_s, result.truth)
     assert drive.progress[0].messages == sum(time_ns <= 50_000_000 for time_ns, *_ in drive.due)
-    assert result.truth == last.truth
-    assert (result.failure, result.interrupted, result.paused_s) == (None, None, 0.0)
     assert 0.0 < result.wall_s < drive.listener.drove_s, "what came before the drive does not count"
-    assert (result.first_row_s is not None) == hosts
     assert result.mode == f"ROS 2, {'hosted metrics_node' if hosts else 'no metrics_node'}"
-    assert result.recording == drive.recording
+    assert (result.lost, result.rows, result.segments) == (0, *((4, 1) if hosts else (0, None)))
     ticks = [TICK_NS * (tick + 1) for tick in range(BATCHES * TICKS_PER_BATCH)]
     assert drive.paced == [entry for time_ns in ticks for entry in (0.0, time_ns)]
-    assert result.info is not None
-    assert result.info.obstacles == 2
-    heard = {"/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels", "/clock"} if hosts else set()
-    assert {t: c.received for t, c in result.topics.items() if c.received is not None} == {
-        topic: result.topics[topic].published for topic in heard
-    }
-    assert result.lost == 0
-    assert result.rows == (int(BATCHES * 0.05) if hosts else 0)
-    assert (result.log_path is None, result.reception is None, result.segments) == (
-        (False, False, 1) if hosts else (True, True, None)
-    )
 
 
 def test_the_drive_shows_everything_that_a_field_can_say(drive: Drive) -> None:
@@ -342,13 +307,11 @@ def test_the_drive_shows_everything_that_a_field_can_say(drive: Drive) -> None:
     for signal in (speed, *slips):
         assert signal.min() < -0.05 < 0.1 < signal.max()
     assert roughness.max() > 2 * roughness.min() > 0.0
-    ranges = np.concatenate([e["ranges"] for e in said_by("/scan")])
-    assert {-np.inf, np.inf} < set(ranges)
-    depths = np.concatenate([e["data"].values for e in said_by("/depth/image")])
-    planar = np.concatenate([e["ranges"] for e in said_by("/lidar2d/scan")])
+    ranges = [[e["ranges"] for e in said_by(name)] for name in ("/scan", "/lidar2d/scan")]
+    ranges.append([e["data"].values for e in said_by("/depth/image")])
+    for some in ranges:
+        assert {-np.inf, np.inf} < set(np.concatenate(some).ravel())
     points = np.concatenate([e["data"].values for e in said_by("/lidar3d/points")])
-    for ranges in (depths, planar):
-        assert {-np.inf, np.inf} < set(ranges.ravel())
     assert set(points[:, 3]) == {EARTH, THING}
     assert set(points[:, 4]) == {0.0, 1.0, 2.0}
     turned = [e["pose"]["pose"]["orientation"]["z"] for _, t, e in drive.due if "wheels" in t.name]

@@ -59,6 +59,7 @@ class Evidence:
         messages: What was recorded, in the order of the file.
         replayed: The logs that the recording gives.
         files: All files of the run through ROS.
+        recordings: Of a fleet driven twice through ROS, byte for byte.
     """
 
     run: GoldenRun
@@ -71,6 +72,7 @@ class Evidence:
     messages: Sequence[Message] = ()
     replayed: Sequence[str] = ()
     files: Sequence[str] = ()
+    recordings: Sequence[bytes] = ()
 
     @property
     def namespaces(self) -> list[str]:
@@ -93,7 +95,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     options = run_options(run, files, live)
     carried = {str(sensor) for rover in options.run.rovers for sensor in rover.sensors or ()}
     extra = next(name for name in ("magnetometer", "height_scan", "gnss") if name not in carried)
-    for name in ("direct", "again", "extra", "ros"):
+    for name in ("direct", "again", "extra", "ros", "ros_again"):
         (folder / name).mkdir()
     evidence = Evidence(
         run=run,
@@ -109,6 +111,10 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     logs = zip(evidence.options.settings, evidence.namespaces, strict=True)
     replayed = [replay(bag, *log, folder / "replayed") for log in logs]
     later = {"ros": ros, "messages": list(read(bag)), "replayed": replayed, "files": files_below(live)}
+    if run.is_fleet:
+        once_more = folder / "again.mcap"
+        drive_through_ros(run, files, folder / "ros_again", once_more)
+        later["recordings"] = [each.read_bytes() for each in (bag, once_more)]
     return Evidence(**vars(evidence) | later)
 
 

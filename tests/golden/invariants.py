@@ -44,6 +44,12 @@ def second_run_is_the_same(evidence: Evidence) -> Iterator[str]:
         yield from _same_keys(direct.manifest, again.manifest, sorted(direct.manifest), "a second time")
 
 
+def second_recording_is_the_same(evidence: Evidence) -> Iterator[str]:
+    """What the nodes of several rovers publish stands in the same places of a recording."""
+    if len(set(evidence.recordings)) > 1:
+        yield f"two recordings differ: {', '.join(str(len(each)) for each in evidence.recordings)} bytes"
+
+
 def sensor_more_changes_nothing_else(evidence: Evidence) -> Iterator[str]:
     """What a sensor adds stands beside all else."""
     for direct, more in zip(evidence.direct, evidence.with_extra, strict=True):
@@ -198,6 +204,7 @@ INVARIANTS: tuple[Callable[[Evidence], Iterator[str]], ...] = (
     page_is_whole,
     nothing_is_lost,
     second_run_is_the_same,
+    second_recording_is_the_same,
     sensor_more_changes_nothing_else,
     ros_is_direct,
     replay_is_the_log,

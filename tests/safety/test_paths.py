@@ -5,8 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from harness.base.errors import HarnessError
-from harness.base.files import whole_file
 from harness.run import main as run
 from rover_metrics import analyze
 from rover_metrics.bag.bag_reader import Bag
@@ -77,17 +75,6 @@ def test_yaml_makes_no_objects(read: Callable[[Path], object], tmp_path: Path) -
     assert not (tmp_path / "touched").exists()
 
 
-def test_a_link_that_somebody_has_planted_is_replaced_not_followed(
-    tmp_path: Path, outside: Path
-) -> None:
-    target = tmp_path / "run.json"
-    target.symlink_to(outside)
-    with whole_file(target) as part:
-        part.write_text("the run's")
-    assert (target.read_text(), target.is_symlink()) == ("the run's", False)
-    assert outside.read_text() == SECRET
-
-
 def test_what_a_run_writes_follows_no_link_and_leaves_nothing_else(
     tmp_path: Path, outside: Path
 ) -> None:
@@ -103,12 +90,3 @@ def test_what_a_run_writes_follows_no_link_and_leaves_nothing_else(
     assert not page.is_symlink()
     assert not summary.is_symlink()
     assert {path.suffix for path in tree(chosen / "logs")} == {".csv", ".json"}
-
-
-def test_a_recording_never_takes_the_place_of_anything(tmp_path: Path, outside: Path) -> None:
-    recorder = pytest.importorskip("harness.ros.recorder", exc_type=ImportError)
-    link = tmp_path / "run.mcap"
-    link.symlink_to(outside)
-    with pytest.raises(HarnessError):
-        recorder.Recorder(link)
-    assert outside.read_text() == SECRET

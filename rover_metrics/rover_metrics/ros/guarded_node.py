@@ -13,6 +13,7 @@ from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
+from rover_metrics.errors import shown
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.ros.parameters import BEST_EFFORT
@@ -122,4 +123,4 @@ def _refused(request: Message, response: Message, reason: str) -> Message:
 
 
 def _in_one_line(error: Exception) -> str:
-    return " ".join(str(error).split())
+    return shown(" ".join(str(error).split()), 300)

@@ -15,8 +15,9 @@ from scipy.ndimage import uniform_filter
 from scipy.spatial.transform import Rotation
 
 from tests.e2e.topic_oracle import ranging, surroundings
-from tests.e2e.topic_oracle.form import Expected, header, stamp, vector
+from tests.e2e.topic_oracle.form import Expected, header, in_limits, laser_scan, ray, stamp, vector
 from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
+from tests.harness.frames.test_rover_frames import REAL
 
 BEAMS = 24
 ANGLE_MAX, RANGE_MIN, RANGE_MAX = 3.14159, 0.15, 10.0  # of RoboTerrain's gpu_lidar
@@ -29,7 +30,7 @@ class Topic:
     """One row.
 
     Attributes:
-        rates: [Hz] of leo, of rover_zero4wd; of several, what is due at any of them. Without rates it is
+        rates: [Hz] of leo, of rover_zero4wd; of several, what is due at any of them; of none, it is
             told once, before the first tick.
         expect: The message that is due now; called at every tick at which one is, in order.
         tolerance: Absolute, of what an array holds.
@@ -59,28 +60,12 @@ def quaternion(rotation: Rotation) -> Expected:
 
 
 def scan(twin: Twin) -> Expected:
-    """Beam by beam with MuJoCo's own rays; the lidar looks backwards, beam 0 is its -x axis."""
+    """The lidar looks backwards, beam 0 is its -x axis."""
     data, angles = twin.at_present(), np.linspace(-ANGLE_MAX, ANGLE_MAX, BEAMS)
-    seen = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)  # terrain and obstacles, not the rover
-    site, hit = data.site("lidar"), np.zeros(1, dtype=np.int32)
-    ranges = np.empty(BEAMS)
-    for beam, angle in enumerate(angles):
-        ahead = site.xmat.reshape(3, 3) @ [math.cos(angle), math.sin(angle), 0.0]
-        distance = mujoco.mj_ray(twin.model, data, site.xpos, ahead, seen, 1, -1, hit)
-        ranges[beam] = distance if 0.0 <= distance <= RANGE_MAX else math.inf
-    ranges[ranges < RANGE_MIN] = -math.inf
-    return {
-        "header": header(twin, "lidar_link"),
-        "angle_min": float(np.float32(-ANGLE_MAX)),
-        "angle_max": float(np.float32(ANGLE_MAX)),
-        "angle_increment": float(np.float32(angles[1] - angles[0])),
-        "time_increment": 0.0,
-        "scan_time": 0.0,
-        "range_min": float(np.float32(RANGE_MIN)),
-        "range_max": float(np.float32(RANGE_MAX)),
-        "ranges": ranges,
-        "intensities": np.zeros(BEAMS),
-    }
+    site, near_far = data.site("lidar"), (RANGE_MIN, RANGE_MAX)
+    along = site.xmat.reshape(3, 3) @ [np.cos(angles), np.sin(angles), np.zeros(BEAMS)]
+    ranges = [in_limits(ray(twin, data, site.xpos, ahead)[0], *near_far) for ahead in along.T]
+    return laser_scan(header(twin, "lidar_link"), angles, near_far, ranges, BEAMS)
 
 
 def imu(twin: Twin) -> Expected:
@@ -196,56 +181,30 @@ def joint_states(twin: Twin) -> Expected:
     }
 
 
-PI = math.pi
-# Parent, child, x y z [m] and roll pitch yaw [rad] of what does not move, and of what does at rest; the
-# joint of the latter and the sense in which it turns about the y axis of its frame. Leo: macros.xacro,
-# RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf and accessories, RoboTerrain's SDF.
-FIXED: dict[str, list[tuple[Any, ...]]] = {
-    "leo": [
-        ("base_footprint", "base_link", (0, 0, 0.19783), (0, 0, 0)),
-        ("base_link", "lidar_link", (0.174, 0, 0.6), (0, 0, PI)),
-        ("base_link", "imu_frame", (0.0628, -0.0314, -0.0393), None),
-        ("base_link", "antenna_link", (-0.0052, 0.056, -0.0065), (0, 0, 0)),
-        ("base_link", "camera_frame", (0.0971, 0, -0.0427), (0, 0.2094, 0)),
-        ("camera_frame", "camera_optical_frame", (0, 0, 0), (-PI / 2, 0, -PI / 2)),
-    ],
-    "rover_zero4wd": [
-        ("base_link", "chassis_link", (0, 0, 0.125), (0, 0, 0)),
-        ("chassis_link", "payload_link", (0, 0, 0.096), (0, 0, 0)),
-        ("payload_link", "imu_link", (0, 0, 0), None),
-        ("payload_link", "lidar_link", (0.174, 0, 0.1), (0, 0, PI)),
-        ("base_link", "camera_link", (0.2, 0, 0.3), (0, 0, 0)),
-    ],
-}
-MOVING: dict[str, list[tuple[Any, ...]]] = {
-    "leo": [
-        ("base_link", "rocker_L_link", (0.00263, 0.14167, -0.04731), PI, "rocker_L_joint", -1),
-        ("base_link", "rocker_R_link", (0.00263, -0.14167, -0.04731), 0, "rocker_R_joint", 1),
-        ("rocker_L_link", "wheel_FL_link", (-0.15256, -0.08214, -0.08802), 0, "wheel_FL_joint", -1),
-        ("rocker_L_link", "wheel_RL_link", (0.15256, -0.08214, -0.08802), 0, "wheel_RL_joint", -1),
-        ("rocker_R_link", "wheel_FR_link", (0.15256, -0.08214, -0.08802), 0, "wheel_FR_joint", 1),
-        ("rocker_R_link", "wheel_RR_link", (-0.15256, -0.08214, -0.08802), 0, "wheel_RR_joint", 1),
-    ],
-    "rover_zero4wd": [
-        ("chassis_link", "fl_wheel_link", (0.1415, 0.18, 0), 0, "fl_wheel_to_chassis", 1),
-        ("chassis_link", "rl_wheel_link", (-0.145, 0.18, 0), 0, "rl_wheel_to_chassis", 1),
-        ("chassis_link", "fr_wheel_link", (0.1415, -0.18, 0), 0, "fr_wheel_to_chassis", 1),
-        ("chassis_link", "rr_wheel_link", (-0.145, -0.18, 0), 0, "rr_wheel_to_chassis", 1),
-    ],
-}
+def frames(rover: str, *, moving: bool) -> list[tuple[Any, ...]]:
+    """Parent, child, x y z [m] and roll pitch yaw [rad] at rest, of what moves or of what does not."""
+    return [
+        (*names, at[:3], at[3:])
+        for names, at in REAL[rover].items()
+        if (names[1].startswith("rocker") or "wheel" in names[1]) == moving
+    ]
 
 
-@dataclass(frozen=True)
-class Same:
+def joint_of(child: str) -> tuple[str, int]:
+    """The joint of a frame that moves, and the sense in which it turns about the y axis of the frame."""
+    if child.endswith("_wheel_link"):
+        return child.replace("_wheel_link", "_wheel_to_chassis"), 1
+    return child.replace("_link", "_joint"), -1 if child.endswith("L_link") else 1
+
+
+def same(rotation: Rotation) -> Callable[[Any], bool]:
     """A quaternion or its negative, which are one rotation."""
 
-    rotation: Rotation
+    def is_same(told: Any) -> bool:  # noqa: ANN401 - of rosbags
+        turn = Rotation.from_quat([told.x, told.y, told.z, told.w])
+        return float((turn.inv() * rotation).magnitude()) < EXACT
 
-    def __eq__(self, told: object) -> bool:
-        turn = Rotation.from_quat([told.x, told.y, told.z, told.w])  # type: ignore[attr-defined]
-        return float((turn.inv() * self.rotation).magnitude()) < EXACT
-
-    __hash__ = None  # type: ignore[assignment]  # nobody asks
+    return is_same
 
 
 def transform(header: Expected, child: str, at: Any, rotation: Rotation) -> Expected:  # noqa: ANN401
@@ -253,7 +212,7 @@ def transform(header: Expected, child: str, at: Any, rotation: Rotation) -> Expe
     return {
         "header": header,
         "child_frame_id": child,
-        "transform": {"translation": vector(map(float, at)), "rotation": Same(rotation)},
+        "transform": {"translation": vector(map(float, at)), "rotation": same(rotation)},
     }
 
 
@@ -261,8 +220,9 @@ def tf_static(twin: Twin) -> Expected:
     """All that does not move; the IMU of the stage is mounted obliquely."""
     site = Rotation.from_quat(twin.model.site("imu").quat[[1, 2, 3, 0]])
     told = []
-    for parent, child, at, rpy in (*FIXED[twin.rover.name], *surroundings.frames(twin.rover.name)):
-        rotation = site if rpy is None else Rotation.from_euler("xyz", rpy)
+    carried = surroundings.frames(twin.rover.name)
+    for parent, child, at, rpy in (*frames(twin.rover.name, moving=False), *carried):
+        rotation = site if child.startswith("imu_") else Rotation.from_euler("xyz", rpy)
         told.append(transform({"stamp": stamp(0), "frame_id": parent}, child, at, rotation))
     return {"transforms": told}
 
@@ -274,26 +234,24 @@ def tf(twin: Twin) -> Expected:
     base = {"leo": "base_footprint", "rover_zero4wd": "base_link"}[twin.rover.name]
     told = [transform(header(twin, "odom"), base, (x, y, 0.0), yaw)]
     if twin.time_ns % 50_000_000 == 0:
-        for parent, child, at, turned, joint, sense in MOVING[twin.rover.name]:
+        for parent, child, at, rpy in frames(twin.rover.name, moving=True):
+            joint, sense = joint_of(child)
             angle = sense * twin.data.joint(joint).qpos[0]
-            rotation = Rotation.from_euler("z", turned) * Rotation.from_euler("y", angle)
+            rotation = Rotation.from_euler("xyz", rpy) * Rotation.from_euler("y", angle)
             told.append(transform(header(twin, parent), child, at, rotation))
     return {"transforms": told}
 
 
-@dataclass(frozen=True)
-class Description:
-    """A URDF of that rover: test_urdf.py holds it to the model."""
+def described(twin: Twin) -> Expected:
+    """std_msgs/String with a URDF of that rover: test_urdf.py holds it to the model."""
 
-    model: mujoco.MjModel
-
-    def __eq__(self, told: object) -> bool:
-        back = mujoco.MjSpec.from_string(str(told))
+    def is_of_its_mass(told: str) -> bool:
+        back = mujoco.MjSpec.from_string(told)
         back.compiler.fusestatic = False
-        masses = back.compile().body_mass.sum(), self.model.body_mass.sum()
+        masses = back.compile().body_mass.sum(), twin.model.body_mass.sum()
         return math.isclose(*masses, abs_tol=1e-6)
 
-    __hash__ = None  # type: ignore[assignment]  # nobody asks
+    return {"data": is_of_its_mass}
 
 
 def forces(twin: Twin, kind: str) -> list[float]:
@@ -356,46 +314,49 @@ def person(twin: Twin) -> Expected:
 
 def topics() -> tuple[Topic, ...]:
     """Every topic, in the order in which those of one tick go out."""
-    truth = "/rover/truth"
-    tf2 = "tf2_msgs/msg/TFMessage"
+    tf2, sensor = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg"
     moving = 50, 20  # whenever anything else is told
+    once: dict[str, Any] = {"rates": ((), ()), "depth": 1, "latched": True}
+
+    def clock(twin: Twin) -> Expected:
+        return {"clock": stamp(twin.time_ns)}
+
+    rows = (
+        ("/scan", f"{sensor}/LaserScan", 20, scan),
+        ("/imu/data", f"{sensor}/Imu", 20, imu),
+        ("/rover/pose_array", "geometry_msgs/msg/PoseArray", 50, pose_array),
+        ("/odometry/wheels", "nav_msgs/msg/Odometry", (20, 50), wheel_odometry()),
+        ("/odom_ground_truth", "nav_msgs/msg/Odometry", 50, ground_truth),
+        ("/joint_states", f"{sensor}/JointState", 50, joint_states),
+        ("/rover/truth/contact", "std_msgs/msg/Bool", 20, contact),
+        ("/rover/truth/traversal", "std_msgs/msg/Float64MultiArray", 20, traversal),
+        ("/lidar2d/scan", f"{sensor}/LaserScan", 5, ranging.planar_scan),
+        ("/lidar3d/points", f"{sensor}/PointCloud2", 5, ranging.lidar_points),
+        ("/depth/image", f"{sensor}/Image", 5, ranging.depth_image),
+        ("/depth/camera_info", f"{sensor}/CameraInfo", 5, ranging.depth_info),
+        ("/depth/points", f"{sensor}/PointCloud2", 5, ranging.depth_points),
+        ("/gnss/fix", f"{sensor}/NavSatFix", 5, surroundings.fix),
+        ("/imu/mag", f"{sensor}/MagneticField", 20, surroundings.magnetic_field),
+        ("/barometer/pressure", f"{sensor}/FluidPressure", 10, surroundings.pressure),
+        ("/height_scan/grid_map", "grid_map_msgs/msg/GridMap", 20, surroundings.grid_map),
+        ("/guide_actor/pose", "geometry_msgs/msg/Pose", 30, person),
+        ("/clock", "rosgraph_msgs/msg/Clock", 100, clock),
+    )
+    of_float32 = {"/scan": 1e-5, "/lidar2d/scan": 1e-5, "/height_scan/grid_map": 2e-6}
     return (
-        Topic(
-            "/robot_description",
-            "std_msgs/msg/String",
-            ((), ()),
-            lambda twin: {"data": Description(twin.model)},
-            depth=1,
-            latched=True,
-        ),
-        Topic("/tf_static", tf2, ((), ()), tf_static, depth=1, latched=True),
+        Topic("/robot_description", "std_msgs/msg/String", expect=described, **once),
+        Topic("/tf_static", tf2, expect=tf_static, **once),
         Topic("/tf", tf2, (moving, moving), tf, depth=100),
-        Topic("/scan", "sensor_msgs/msg/LaserScan", (20, 20), scan, tolerance=1e-5),
-        Topic("/imu/data", "sensor_msgs/msg/Imu", (20, 20), imu),
-        Topic("/rover/pose_array", "geometry_msgs/msg/PoseArray", (50, 50), pose_array, reliable=False),
-        Topic("/odometry/wheels", "nav_msgs/msg/Odometry", (20, 50), wheel_odometry()),
-        Topic("/odom_ground_truth", "nav_msgs/msg/Odometry", (50, 50), ground_truth),
-        Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
-        Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
-        Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
-        Topic("/lidar2d/scan", "sensor_msgs/msg/LaserScan", (5, 5), ranging.planar_scan, tolerance=1e-5),
-        Topic("/lidar3d/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.lidar_points),
-        Topic("/depth/image", "sensor_msgs/msg/Image", (5, 5), ranging.depth_image),
-        Topic("/depth/camera_info", "sensor_msgs/msg/CameraInfo", (5, 5), ranging.depth_info),
-        Topic("/depth/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.depth_points),
-        Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
-        Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
-        Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),
-        Topic(
-            "/height_scan/grid_map",
-            "grid_map_msgs/msg/GridMap",
-            (20, 20),
-            surroundings.grid_map,
-            tolerance=2e-6,
-        ),
-        Topic("/guide_actor/pose", "geometry_msgs/msg/Pose", (30, 30), person),
-        Topic(
-            "/clock", "rosgraph_msgs/msg/Clock", (100, 100), lambda twin: {"clock": stamp(twin.time_ns)}
+        *(
+            Topic(
+                name,
+                kind,
+                rates if isinstance(rates, tuple) else (rates, rates),
+                expect,
+                reliable=name != "/rover/pose_array",
+                tolerance=of_float32.get(name, EXACT),
+            )
+            for name, kind, rates, expect in rows
         ),
     )
 
@@ -421,8 +382,8 @@ def fields_of(message: Any) -> list[str]:  # noqa: ANN401 - of rclpy, or of rosb
 
 
 def _different(value: Any, expected: Any, tolerance: float, place: str) -> list[str]:  # noqa: ANN401
-    if isinstance(expected, Same | Description | ranging.Records):
-        return [] if expected == value else [f"{place}: {value}, should be {expected}"]
+    if callable(expected):
+        return [] if expected(value) else [f"{place}: {value}, should be {expected}"]
     if isinstance(expected, Mapping):
         return differences(value, expected, tolerance, place)
     if isinstance(expected, list) and expected and isinstance(expected[0], Mapping):

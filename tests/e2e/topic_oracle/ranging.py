@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tests.e2e.topic_oracle.form import header
+from tests.e2e.topic_oracle.form import header, in_limits, laser_scan, ray
 from tests.e2e.topic_oracle.twin import Twin, Values
 
 MOUNT, RPY = [0.1, -0.05, 0.3], [0.1, 0.2, -0.3]
@@ -21,6 +21,8 @@ NEAR, FAR = 0.3, 1.2  # [m]: on the stage some rays meet something nearer, some 
 PLANAR = {"beams": 9, "angle_min": -2.4, "angle_max": 1.6}
 RINGS, COLUMNS, LOWEST, HIGHEST = 3, 6, -0.6, 0.4
 WIDTH, HEIGHT, FOV = 5, 4, 1.3
+FOCAL = WIDTH / (2 * math.tan(FOV / 2))  # [pixels]
+XYZI = ("x", "y", "z", "intensity")
 LIMITS = {"range_min": NEAR, "range_max": FAR}
 SENSORS: tuple[Mapping[str, Any], ...] = (
     {"kind": "lidar2d", "rate": 5, **PLANAR, **LIMITS},
@@ -41,7 +43,8 @@ class Records:
     values: Values  # shape (n, fields)
     layout: np.dtype[Any]
 
-    def __eq__(self, told: object) -> bool:
+    def __call__(self, told: object) -> bool:
+        """Whether these are the bytes of a message."""
         records = np.frombuffer(bytes(told), self.layout)  # type: ignore[call-overload]
         names = self.layout.names
         columns = [records[name] for name in names] if names else [records]
@@ -50,27 +53,18 @@ class Records:
             found, self.values, 0.0, CLOSE, equal_nan=True
         )
 
-    __hash__ = None  # type: ignore[assignment]  # nobody asks
-
-
-def ray(twin: Twin, data: mujoco.MjData, turn: Rotation, direction: Values) -> tuple[float, bool]:
-    """How often a vector of the sensor's frame fits up to what it meets; whether that is an obstacle."""
-    seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
-    origin = twin.data.qpos[:3] + twin.attitude.apply(MOUNT)
-    length = float(np.linalg.norm(direction))
-    ahead = turn.apply(direction / length)
-    distance = mujoco.mj_ray(twin.model, data, origin, ahead, seen, 1, -1, hit)
-    if distance < 0.0 or distance / length > FAR:
-        return math.inf, False
-    thing = twin.model.geom(int(hit[0])).type[0] != mujoco.mjtGeom.mjGEOM_HFIELD
-    return (distance / length if distance / length >= NEAR else -math.inf), bool(thing)
-
 
 def cast(twin: Twin, directions: Values, turn: Rotation) -> tuple[Values, Values]:
-    """Ranges and intensities along vectors."""
-    data = twin.at_present()
-    met = [ray(twin, data, twin.attitude * turn, direction) for direction in directions]
-    return np.array([r for r, _ in met]), np.array([THING if is_thing else EARTH for _, is_thing in met])
+    """How often vectors of the sensor's frame fit up to what they meet, and its intensities."""
+    data, origin = twin.at_present(), twin.data.qpos[:3] + twin.attitude.apply(MOUNT)
+    ranges, intensities = [], []
+    for direction in directions:
+        length = float(np.linalg.norm(direction))
+        distance, geom = ray(twin, data, origin, (twin.attitude * turn).apply(direction / length))
+        ranges.append(in_limits(distance / length, NEAR, FAR))
+        met = geom >= 0 and twin.model.geom(geom).type[0] != mujoco.mjtGeom.mjGEOM_HFIELD
+        intensities.append(THING if met else EARTH)
+    return np.array(ranges), np.array(intensities)
 
 
 def spherical(azimuth: float, elevation: float) -> Values:
@@ -80,19 +74,11 @@ def spherical(azimuth: float, elevation: float) -> Values:
 
 
 def planar_scan(twin: Twin) -> Mapping[str, Any]:
-    """sensor_msgs/LaserScan."""
-    first, last, beams = PLANAR["angle_min"], PLANAR["angle_max"], int(PLANAR["beams"])
-    step = (last - first) / (beams - 1)
-    directions = np.array([spherical(first + beam * step, 0.0) for beam in range(beams)])
-    told = {"angle_min": first, "angle_max": last, "angle_increment": step} | LIMITS
-    return {
-        "header": header(twin, "lidar2d_link"),
-        **{name: float(np.float32(value)) for name, value in told.items()},
-        "time_increment": 0.0,
-        "scan_time": 0.0,
-        "ranges": cast(twin, directions, Rotation.from_euler("xyz", RPY))[0],
-        "intensities": np.zeros(0),
-    }
+    """The lidar that scans a plane."""
+    angles = np.linspace(PLANAR["angle_min"], PLANAR["angle_max"], int(PLANAR["beams"]))
+    directions = np.array([spherical(angle, 0.0) for angle in angles])
+    ranges, _ = cast(twin, directions, Rotation.from_euler("xyz", RPY))
+    return laser_scan(header(twin, "lidar2d_link"), angles, (NEAR, FAR), ranges, 0)
 
 
 def cloud(
@@ -127,27 +113,14 @@ def lidar_points(twin: Twin) -> Mapping[str, Any]:
     with np.errstate(invalid="ignore"):
         at = directions * ranges[:, None]
     points = np.column_stack([at, intensities, rings, np.zeros(len(rings))])[np.isfinite(ranges)]
-    names = [
-        ("x", "<f4"),
-        ("y", "<f4"),
-        ("z", "<f4"),
-        ("intensity", "<f4"),
-        ("ring", "<u2"),
-        ("time", "<f4"),
-    ]
-    return cloud(header(twin, "lidar3d_link"), np.dtype(names), points, (1, len(points)))  # type: ignore[no-any-return]
+    layout = np.dtype([*((name, "<f4") for name in XYZI), ("ring", "<u2"), ("time", "<f4")])
+    return cloud(header(twin, "lidar3d_link"), layout, points, (1, len(points)))  # type: ignore[no-any-return]
 
 
 def pixels() -> Values:
     """What each pixel looks at, of depth 1, row by row; the optical axis is in the image's middle."""
-    focal = WIDTH / (2 * math.tan(FOV / 2))
-    return np.array(
-        [
-            [(u - (WIDTH - 1) / 2) / focal, (v - (HEIGHT - 1) / 2) / focal, 1.0]
-            for v in range(HEIGHT)
-            for u in range(WIDTH)
-        ]
-    )
+    u, v = np.meshgrid(np.arange(WIDTH) - (WIDTH - 1) / 2, np.arange(HEIGHT) - (HEIGHT - 1) / 2)
+    return np.column_stack([u.ravel() / FOCAL, v.ravel() / FOCAL, np.ones(u.size)])
 
 
 def depths(twin: Twin) -> Values:
@@ -178,8 +151,7 @@ def depth_points(twin: Twin) -> Mapping[str, Any]:
 
 def depth_info(twin: Twin) -> Mapping[str, Any]:
     """sensor_msgs/CameraInfo of a pinhole."""
-    focal = WIDTH / (2 * math.tan(FOV / 2))
-    k = np.array([[focal, 0.0, (WIDTH - 1) / 2], [0.0, focal, (HEIGHT - 1) / 2], [0.0, 0.0, 1.0]])
+    k = np.array([[FOCAL, 0.0, (WIDTH - 1) / 2], [0.0, FOCAL, (HEIGHT - 1) / 2], [0.0, 0.0, 1.0]])
     roi = dict.fromkeys(("x_offset", "y_offset", "height", "width"), 0) | {"do_rectify": False}
     return {
         "header": header(twin, "depth_link_optical"),

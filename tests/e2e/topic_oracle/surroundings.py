@@ -1,18 +1,19 @@
 """What optional sensors of position, field, air and terrain must say: rows of the oracle.
 
-Sources: WGS-84 and the ICAO atmosphere by their definitions, the first degree of WMM2025, MuJoCo's rays.
+Sources: the ICAO atmosphere by its definition, MuJoCo's rays; test_geodesy.py holds a datum's positions
+and its field to WGS-84 and the first degree of WMM2025.
 """
 
 import math
 from collections.abc import Mapping
 from typing import Any
 
-import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from harness.sensors.geodesy import Datum
 from tests.e2e.topic_oracle import ranging
-from tests.e2e.topic_oracle.form import header, vector
+from tests.e2e.topic_oracle.form import header, ray, vector
 from tests.e2e.topic_oracle.ranging import MOUNT, RPY
 from tests.e2e.topic_oracle.twin import Twin, Values
 
@@ -51,40 +52,9 @@ def place(twin: Twin) -> Values:
     return np.asarray(twin.data.qpos[:3] + twin.attitude.apply(MOUNT))
 
 
-def local_axes() -> Values:
-    """East, north and up of the datum in ECEF, by rows."""
-    phi, lam = np.radians(DATUM[:2])
-    north = -math.sin(phi) * math.cos(lam), -math.sin(phi) * math.sin(lam), math.cos(phi)
-    up = math.cos(phi) * math.cos(lam), math.cos(phi) * math.sin(lam), math.sin(phi)
-    return np.array([(-math.sin(lam), math.cos(lam), 0.0), north, up])
-
-
-def geodetic(enu: Values) -> tuple[float, float, float]:
-    """Latitude, longitude [deg] and altitude [m] of a point near the datum, by fixed-point iteration."""
-    a, f = 6_378_137.0, 1 / 298.257223563
-    e2 = f * (2 - f)
-
-    def radius(phi: float) -> float:
-        return a / math.sqrt(1 - e2 * math.sin(phi) ** 2)
-
-    phi, lam = np.radians(DATUM[:2])
-    level = (radius(phi) + DATUM[2]) * math.cos(phi)
-    origin = (
-        level * math.cos(lam),
-        level * math.sin(lam),
-        (radius(phi) * (1 - e2) + DATUM[2]) * math.sin(phi),
-    )
-    x, y, z = origin + enu @ local_axes()
-    level = math.hypot(x, y)
-    for _ in range(20):
-        height = level / math.cos(phi) - radius(phi)
-        phi = math.atan2(z, level * (1 - e2 * radius(phi) / (radius(phi) + height)))
-    return math.degrees(phi), math.degrees(math.atan2(y, x)), level / math.cos(phi) - radius(phi)
-
-
 def fix(twin: Twin) -> Mapping[str, Any]:
     """sensor_msgs/NavSatFix, exact."""
-    latitude, longitude, altitude = geodetic(place(twin))
+    latitude, longitude, altitude = Datum(*DATUM).geodetic(tuple(place(twin)))
     return {
         "header": header(twin, "gnss_link"),
         "status": {"status": 0, "service": 15},
@@ -97,26 +67,11 @@ def fix(twin: Twin) -> Mapping[str, Any]:
 
 
 def magnetic_field(twin: Twin) -> Mapping[str, Any]:
-    """sensor_msgs/MagneticField: minus the gradient of the dipole's potential, by differences."""
-    g = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])
-    phi = math.radians(DATUM[0])
-    a, e2 = 6_378_137.0, (2 - 1 / 298.257223563) / 298.257223563
-    radius = a / math.sqrt(1 - e2 * math.sin(phi) ** 2)
-    lam = math.radians(DATUM[1])
-    level = (radius + DATUM[2]) * math.cos(phi)
-    at = np.array(
-        [level * math.cos(lam), level * math.sin(lam), (radius * (1 - e2) + DATUM[2]) * math.sin(phi)]
-    )
-
-    def potential(where: Values) -> float:
-        return float(6_371_200.0**3 * (g @ where) / np.linalg.norm(where) ** 3)
-
-    step = 1000.0 * np.eye(3)  # [m]
-    gradient = np.array([(potential(at + h) - potential(at - h)) / 2000.0 for h in step])
+    """sensor_msgs/MagneticField: the datum's, in the axes of the sensor."""
     in_sensor = twin.attitude * Rotation.from_euler("xyz", RPY)
     return {
         "header": header(twin, "magnetometer_link"),
-        "magnetic_field": vector(in_sensor.inv().apply(local_axes() @ -gradient)),
+        "magnetic_field": vector(in_sensor.inv().apply(Datum(*DATUM).magnetic_field())),
         "magnetic_field_covariance": np.zeros(9),
     }
 
@@ -131,7 +86,6 @@ def pressure(twin: Twin) -> Mapping[str, Any]:
 def grid_map(twin: Twin) -> Mapping[str, Any]:
     """grid_map_msgs/GridMap: rows against x, columns against y, column by column; rays from above."""
     data, (x, y, _), (rows, columns) = twin.at_present(), place(twin), CELLS
-    seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
     half_x, half_y = twin.world.ground.half_size
     heights = []
     for column in range(columns):
@@ -139,7 +93,7 @@ def grid_map(twin: Twin) -> Mapping[str, Any]:
             east = x + (0.5 * (rows - 1) - row) * RESOLUTION
             north = y + (0.5 * (columns - 1) - column) * RESOLUTION
             above, down = np.array([east, north, 9.0]), np.array([0.0, 0.0, -1.0])
-            distance = mujoco.mj_ray(twin.model, data, above, down, seen, 1, -1, hit)
+            distance, _ = ray(twin, data, above, down)
             on_map = abs(east) <= half_x and abs(north) <= half_y
             heights.append(9.0 - distance if on_map else math.nan)
     dimensions = [

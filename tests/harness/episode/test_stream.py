@@ -1,5 +1,6 @@
 import multiprocessing
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode import stream
 from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
-from harness.episode.stream import EpisodeProcess
+from harness.episode.stream import EpisodeProcess, RoverOrders
 from harness.samples import Place, Pose, Twist
 from harness.spec.fleet import parse_rovers
+from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 from tests.support.forking import Forked
 
@@ -51,6 +53,16 @@ def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told(
     assert np.abs(before).max() < 0.02
     assert np.abs(np.array(there) - (5.0, 3.0)).max() < 0.02
     assert poses[-1].position[:2] == pytest.approx((5.7, -3.0), abs=0.4)
+
+
+def test_a_reset_forgets_a_command_of_the_same_period() -> None:
+    rover = RoverSetup(driver="cmd_vel")
+    orders = RoverOrders(SimpleNamespace(next_ns=5), rover)  # type: ignore[arg-type]  # of a process
+    orders.command(Twist(0.5, 0.1))
+    assert orders.reset() == 5
+    told = orders.take()
+    assert told is not None
+    assert (told.reset, told.command) == (True, None)
 
 
 def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from tests.support.rovers import LEO, ROVER_ZERO4WD
 PI = math.pi
 # Parent and child, x y z [m] and roll pitch yaw [rad] of the child in it, at rest. Leo: macros.xacro
 # 1.2.1 and RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf, its accessories and RoboTerrain's SDF.
+# In the order of the models, in which they are told.
 REAL: dict[str, dict[tuple[str, str], tuple[float, ...]]] = {
     "leo": {
         ("base_footprint", "base_link"): (0, 0, 0.19783, 0, 0, 0),
@@ -25,11 +26,11 @@ REAL: dict[str, dict[tuple[str, str], tuple[float, ...]]] = {
         ("rocker_L_link", "wheel_RL_link"): (0.15256, -0.08214, -0.08802, 0, 0, 0),
         ("rocker_R_link", "wheel_FR_link"): (0.15256, -0.08214, -0.08802, 0, 0, 0),
         ("rocker_R_link", "wheel_RR_link"): (-0.15256, -0.08214, -0.08802, 0, 0, 0),
-        ("base_link", "camera_frame"): (0.0971, 0, -0.0427, 0, 0.2094, 0),
-        ("camera_frame", "camera_optical_frame"): (0, 0, 0, -PI / 2, 0, -PI / 2),
+        ("base_link", "lidar_link"): (0.174, 0, 0.6, 0, 0, PI),
         ("base_link", "imu_frame"): (0.0628, -0.0314, -0.0393, 0, 0, 0),
         ("base_link", "antenna_link"): (-0.0052, 0.056, -0.0065, 0, 0, 0),
-        ("base_link", "lidar_link"): (0.174, 0, 0.6, 0, 0, PI),
+        ("base_link", "camera_frame"): (0.0971, 0, -0.0427, 0, 0.2094, 0),
+        ("camera_frame", "camera_optical_frame"): (0, 0, 0, -PI / 2, 0, -PI / 2),
     },
     "rover_zero4wd": {
         ("base_link", "chassis_link"): (0, 0, 0.125, 0, 0, 0),

@@ -14,7 +14,7 @@ from harness.base.errors import UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.samples import Imu, Pose, Tick
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 POSE, IMU = Pose(5, (0.1, 0.0, 0.0), LEVEL), Imu(5, LEVEL, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8))

@@ -11,7 +11,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.base.interrupt import StopRequest
 from harness.ros.controls import Controls
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 
 class Scene:
@@ -30,9 +30,8 @@ class Scene:
         return client.call_async(kind.Request(**fields))
 
     def ask(self, kind: Any, service: str, **fields: Any) -> tuple[bool, str]:  # noqa: ANN401
-        future = self.call(kind, service, **fields)
-        self.ros.until(future.done)
-        return future.result().success, future.result().message
+        told = self.ros.ask(self._asker, kind, service, **fields)
+        return told.success, told.message
 
 
 @pytest.fixture
@@ -53,7 +52,7 @@ def test_each_rover_is_reset_by_itself_and_a_pause_is_of_all(scene: Scene) -> No
     assert "not reset at t = 1.23 s" in why
 
 
-def test_a_run_is_held_while_paused_and_the_time_adds_up(scene: Scene) -> None:
+def test_a_run_is_held_while_paused_the_time_adds_up_and_a_stop_request_ends_it(scene: Scene) -> None:
     stop, held = StopRequest(), list[float]()
     assert scene.controls.hold(stop) == 0.0
     for _ in range(2):
@@ -63,10 +62,6 @@ def test_a_run_is_held_while_paused_and_the_time_adds_up(scene: Scene) -> None:
         scene.ros.until(answer.done)
     assert min(held) > 0.0
     assert scene.controls.held_s == pytest.approx(sum(held))
-
-
-def test_a_stop_request_ends_a_pause(scene: Scene) -> None:
-    stop = StopRequest()
     scene.ask(SetBool, "/a/harness/pause", data=True)
     stop.signal = 2  # type: ignore[assignment]  # of a terminal
     assert scene.controls.hold(stop) < 1.0

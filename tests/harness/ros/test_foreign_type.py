@@ -11,16 +11,19 @@ from sensor_msgs.msg import Imu
 from harness.ros import foreign_type
 from harness.ros.context import make_executor, spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.sensors.message_types import typestore
+from harness.sensors.message_types import GRID_MAP, typestore
 from rover_metrics.ros.subscriptions import keep_last
 
 TF = "tf2_msgs/msg/TFMessage"
 # tf2_msgs of Kilted: what `ros2 topic info -v /tf` shows.
 TF_HASH = "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
+GRID_MAP_HASH = "RIHS01_343b0e72887541beda6b035cc053f2d6fffaad9d6dcb2773c15a808dfca31fde"
 
 
-def test_a_type_that_is_installed_is_the_installed_one() -> None:
+def test_a_type_that_is_installed_is_the_installed_one_others_are_those_of_their_packages() -> None:
     assert message_type("sensor_msgs/msg/Imu") is Imu
+    assert typestore().hash_rihs01(GRID_MAP) == GRID_MAP_HASH
+    assert getattr(message_type(GRID_MAP), "__name__", None) == "GridMap"
 
 
 def test_bytes_go_under_the_name_and_the_hash_of_a_type_also_to_who_comes_later(

@@ -1,7 +1,6 @@
 """The hosted node: what must stand before a run, and that time waits until it has handled everything."""
 
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,56 +18,32 @@ from sensor_msgs.msg import Imu as ImuMessage
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros import hosted
-from harness.ros.bridge import Bridge
-from harness.ros.context import make_executor, spin_until
 from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
 from harness.ros.network import reserved_domain
 from harness.samples import Imu, Pose, Tick, TruthState
-from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.core.thresholds import Thresholds
-from rover_metrics.extended.footprint import Footprint
 from rover_metrics.extended.settings import ExtendedSettings, Settings
-from rover_metrics.metrics_node import MetricsNode
-from tests.harness.ros.conftest import Ros
-from tests.support.rovers import LEO
+from tests.support.ros import Ros
 
 TICK_NS = 10_000_000
 
 
 class Nodes:
-    """A bridge and a hosted MetricsNode in a context of their own."""
+    """A bridge and a hosted MetricsNode in the test's context."""
 
-    def __init__(self, log_dir: Path, **parameters: object) -> None:
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context)
-        self.bridge = Bridge(LEO, LidarSpec(beams=4), context=self.context)
-        values = {"use_sim_time": True, "log_dir": str(log_dir), **parameters}
-        overrides = [Parameter(name, value=value) for name, value in values.items()]
-        self.metrics = MetricsNode(context=self.context, parameter_overrides=overrides)
-        self.executor = make_executor(self.context)
-        self.executor.add_node(self.bridge)
-        self.executor.add_node(self.metrics)
+    def __init__(self, ros: Ros, log_dir: Path, settings: Settings | None = None) -> None:
+        self.until, self.bridge = ros.until, ros.bridge()
+        self.metrics = ros.added(metrics_node(ros.context, log_dir, settings=settings))
         self.hosted = HostedMetrics(self.bridge, self.metrics)
         self.hosted.await_match()
 
     def advance(self, tick: Tick) -> None:
         self.bridge.advance(tick, tick, listeners=(self.hosted,))
 
-    def until(self, condition: object) -> None:
-        assert spin_until(self.executor, condition, 10.0)  # type: ignore[arg-type]
-
-    def close(self) -> None:
-        self.executor.shutdown()
-        self.metrics.destroy_node()
-        self.bridge.destroy_node()
-        self.context.try_shutdown()
-
 
 @pytest.fixture
-def nodes(ros_domain: int, tmp_path: Path) -> Iterator[Nodes]:  # noqa: ARG001 - sets the domain
-    made = Nodes(tmp_path)
-    yield made
-    made.close()
+def nodes(ros: Ros, tmp_path: Path) -> Nodes:
+    return Nodes(ros, tmp_path)
 
 
 def tick(number: int) -> Tick:
@@ -89,6 +64,14 @@ def test_every_message_is_handled_before_time_goes_on(nodes: Nodes) -> None:
     assert set(nodes.hosted.lost.values()) == {0}
 
 
+def test_simulation_time_cannot_be_taken_from_a_node_that_a_run_waits_for(nodes: Nodes) -> None:
+    (told,) = nodes.metrics.set_parameters([Parameter("use_sim_time", value=False)])
+    assert (told.successful, "stays true" in told.reason) == (False, True)
+    for number in (1, 2):
+        nodes.advance(tick(number))
+    assert nodes.metrics.get_clock().now().nanoseconds == 2 * TICK_NS
+
+
 def test_message_that_never_arrives_is_given_up_and_counted(
     nodes: Nodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -106,12 +89,10 @@ def test_message_that_never_arrives_is_given_up_and_counted(
 
 
 def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
-    ros_domain: int,  # noqa: ARG001 - sets the domain
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    ros: Ros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(hosted, "PATIENCE", 0.2)
-    nodes = Nodes(tmp_path, extended_columns=True)
+    nodes = Nodes(ros, tmp_path, Settings(extended_columns=True))
     state = TruthState(TICK_NS, True, False, False, 5.0, 0.3, 1.0, (0.1, 0.1, 0.1, 0.1), 0.01)
     nodes.advance(Tick(TICK_NS, (state,)))
     contact, traversal = nodes.bridge.channels_of[TruthState]
@@ -119,7 +100,6 @@ def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
     contact.published += 1  # one that DDS swallowed
     nodes.advance(tick(2))
     assert nodes.hosted.lost[contact.topic] == 1
-    nodes.close()
 
 
 def test_a_clock_that_never_arrives_is_given_up_and_counted(
@@ -170,41 +150,29 @@ def test_a_node_that_dds_does_not_connect_is_refused_with_its_topics(
         context.shutdown()
 
 
-def test_the_hosted_node_runs_on_simulation_time_and_logs_where_it_is_told(
-    ros_domain: int, tmp_path: Path
-) -> None:
-    context = rclpy.Context()
-    rclpy.init(args=[], context=context, domain_id=ros_domain)
-    node = metrics_node(context, tmp_path / "logs")
-    assert node.get_parameter("use_sim_time").value is True
-    assert node.log.path.parent == tmp_path / "logs"
-    node.destroy_node()
-    (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match="file"):
-        metrics_node(context, tmp_path / "file" / "logs")
-    context.shutdown()
-
-
 def test_settings_reach_the_hosted_node_as_a_value_and_the_command_line_wins(
     ros_domain: int, tmp_path: Path
 ) -> None:
     context = rclpy.Context()
     words = ["--ros-args", "-p", "collision_threshold:=0.3", "-p", "log_dir:=/elsewhere"]
     rclpy.init(args=words, context=context, domain_id=ros_domain)
-    outline = Footprint.rectangle((-0.2, 0.2, -0.1, 0.1))
     given = Settings(
         log_dir="/nowhere",
         extended_columns=True,
         thresholds=Thresholds(collision_threshold=0.7, distance_threshold=0.8),
-        extended=ExtendedSettings(footprint=outline, wheels="left,right"),
+        extended=ExtendedSettings(wheels="left,right"),
     )
     node = metrics_node(context, tmp_path, "leo", settings=given)
     thresholds = Thresholds(collision_threshold=0.3, distance_threshold=0.8)
     assert node.settings == replace(given, log_dir=str(tmp_path), thresholds=thresholds)
-    assert [*node.get_parameter("footprint").value] == given.parameters["footprint"]
+    assert node.get_parameter("use_sim_time").value is True
+    assert node.log.path.parent == tmp_path
     assert "True Slip Left" in node.log.path.read_text()
     assert "/leo/rover/truth/contact" in node.received
     node.destroy_node()
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match="file"):
+        metrics_node(context, tmp_path / "file" / "logs")
     context.shutdown()
 
 

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,17 +11,16 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
-from scipy.spatial.transform import Rotation
 
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
-from harness.ros.navigation import Navigation, place_of
+from harness.ros.navigation import Navigation
 from harness.samples import Place
 from harness.spec.run import Run
 from harness.world.obstacles import ObstacleKind
 from harness.world.occupancy import occupancy
 from rover_metrics.ros.subscriptions import keep_last
-from tests.harness.ros.conftest import Ros
+from tests.support.ros import Ros
 
 RUN = Run.of(terrain="posts", driver="goal")
 KINDS = {"initialpose": PoseWithCovarianceStamped, "goal_pose": PoseStamped}
@@ -150,13 +148,3 @@ def test_the_map_goes_out_once_when_somebody_listens(ros: Ros) -> None:
     )
     assert (info.origin.orientation.w, message.header.frame_id) == (1.0, "map")
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == (2, 300_000_000)
-
-
-def test_a_place_is_a_pose_from_above() -> None:
-    for angles in ((0.0, 0.0, 3.0), (0.2, -0.3, -2.5), (-0.4, 0.1, 1.2)):
-        x, y, z, w = Rotation.from_euler("xyz", angles).as_quat()
-        orientation = SimpleNamespace(x=x, y=y, z=z, w=w)
-        pose = SimpleNamespace(position=SimpleNamespace(x=4.0, y=5.0), orientation=orientation)
-        place = place_of(pose)
-        assert (place.x, place.y) == (4.0, 5.0)
-        assert place.yaw == pytest.approx(angles[2])

@@ -3,12 +3,9 @@
 import os
 import re
 import socket
-import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
-from ipaddress import IPv4Address, IPv6Address, ip_address
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -25,69 +22,44 @@ from harness.ros.network import (
 from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import wait_until
 
+LOOPBACK = re.compile(r".{6}7F|0{24}01000000")  # 127.x.x.x and ::1, of a little-endian machine
 READING = 0.3  # [s]: a listener reads at once
 LOCALHOST = {RANGE: "LOCALHOST"}
 
 
-@pytest.mark.parametrize("environment", [{}, LOCALHOST, {RANGE: "localhost"}, {"ROS_DISTRO": "kilted"}])
-def test_who_asks_for_nothing_stays_on_this_machine(environment: dict[str, str], tmp_path: Path) -> None:
-    assert local_settings(environment, tmp_path) == {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}
+@pytest.mark.parametrize(
+    ("environment", "added"),
+    [
+        *((own, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}) for own in ({}, {RANGE: "localhost"})),
+        ({"ROS_DISTRO": "kilted"}, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}),
+        ({"ROS_DISTRO": "jazzy"}, {**LOCALHOST, FORMER_VARIABLE: str(PROFILE)}),
+        *(({RANGE: wider}, {}) for wider in ("SUBNET", "SYSTEM_DEFAULT", "OFF")),
+        *(({own: "something"}, LOCALHOST) for own in USERS_OWN),
+    ],
+)
+def test_a_run_stays_on_this_machine_unless_its_user_has_arranged_the_network(
+    environment: dict[str, str], added: dict[str, str], tmp_path: Path
+) -> None:
+    assert local_settings(environment, tmp_path) == added
+    (tmp_path / OWN_PROFILE).touch()  # which Fast DDS reads by itself
+    assert local_settings(environment, tmp_path) == (LOCALHOST if added else {})
 
 
-@pytest.mark.parametrize("wider", ["SUBNET", "SYSTEM_DEFAULT", "OFF"])
-def test_who_asks_for_the_network_gets_it(wider: str, tmp_path: Path) -> None:
-    assert local_settings({RANGE: wider}, tmp_path) == {}
-
-
-@pytest.mark.parametrize("own", USERS_OWN)
-def test_who_has_arranged_the_middleware_keeps_that(own: str, tmp_path: Path) -> None:
-    assert local_settings({own: "something"}, tmp_path) == LOCALHOST
-
-
-def test_a_profile_in_the_current_folder_is_kept(tmp_path: Path) -> None:
-    (tmp_path / OWN_PROFILE).touch()
-    assert local_settings({}, tmp_path) == LOCALHOST
-
-
-def test_an_older_ros_is_told_in_its_own_words(tmp_path: Path) -> None:
-    assert local_settings({"ROS_DISTRO": "jazzy"}, tmp_path)[FORMER_VARIABLE] == str(PROFILE)
-
-
-@dataclass(frozen=True)
-class Socket:
-    """A bound socket: its kind as in /proc/net, where it is bound, bytes that nobody has read."""
-
-    kind: str
-    address: IPv4Address | IPv6Address
-    port: int
-    unread: int
-
-    @property
-    def local(self) -> bool:
-        return self.address.is_loopback
-
-
-def sockets(process: int) -> Iterator[Socket]:
-    """The internet sockets of a process."""
+def sockets(process: int) -> dict[tuple[str, str, int], int]:
+    """Unread bytes of a process's internet sockets, by kind and address as in /proc/net, and port."""
     links = []
     for descriptor in Path(f"/proc/{process}/fd").iterdir():
-        try:
+        with suppress(OSError):  # closed meanwhile
             links.append(str(descriptor.readlink()))
-        except OSError:  # noqa: PERF203 - closed meanwhile
-            continue
-    own = {found[1] for link in links if (found := re.fullmatch(r"socket:\[(\d+)\]", link))}
+    own = {link.removeprefix("socket:[").rstrip("]") for link in links}
+    found = {}
     for kind in ("udp", "udp6", "tcp", "tcp6"):
         for line in Path(f"/proc/{process}/net/{kind}").read_text().splitlines()[1:]:
             _, bound, _, _, queues, *_, inode = line.split()[:10]
             if inode in own:
                 address, port = bound.split(":")
-                yield Socket(kind, parsed(address), int(port, 16), int(queues.split(":")[1], 16))
-
-
-def parsed(address: str) -> IPv4Address | IPv6Address:
-    """An address as /proc/net has it: in words of four bytes, each in the machine's own order."""
-    words = [bytes.fromhex(address[i : i + 8]) for i in range(0, len(address), 8)]
-    return ip_address(b"".join(word[:: 1 if sys.byteorder == "big" else -1] for word in words))
+                found[kind, address, int(port, 16)] = int(queues.split(":")[1], 16)
+    return found
 
 
 @contextmanager
@@ -101,20 +73,19 @@ def run(log_dir: Path, **settings: str) -> Iterator[int]:
         yield program.pid
 
 
-def is_heard(process: int, listener: Socket) -> bool:
+def is_heard(process: int, kind: str, address: str, port: int) -> bool:
     """Whether the process takes what arrives at one of its sockets from outside the machine.
 
     A socket that only sends is bound, too; what arrives there lies unread.
     """
-    if listener.kind.startswith("tcp"):
+    if kind.startswith("tcp"):
         return True
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        to = "127.0.0.1" if listener.address.is_unspecified else str(listener.address)
-        stranger.sendto(b"not a message of DDS", (to, listener.port))
+        to = "127.0.0.1" if set(address) == {"0"} else socket.inet_ntoa(bytes.fromhex(address)[::-1])
+        stranger.sendto(b"not a message of DDS", (to, port))
     deadline = time.monotonic() + READING
     while time.monotonic() < deadline:
-        now = {(one.kind, one.port): one.unread for one in sockets(process)}
-        if not now.get((listener.kind, listener.port)):
+        if not sockets(process).get((kind, address, port)):
             return True
     return False
 
@@ -123,6 +94,7 @@ def is_heard(process: int, listener: Socket) -> bool:
 def test_a_run_hears_nobody_outside_this_machine(tmp_path: Path) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     with run(tmp_path) as process:
-        bound = list(sockets(process))
+        bound = sockets(process)
         assert bound, "a run without sockets?"
-        assert [one for one in bound if not one.local and is_heard(process, one)] == []
+        outside = [one for one in bound if not LOOPBACK.fullmatch(one[1])]
+        assert [one for one in outside if is_heard(process, *one)] == []

@@ -1,16 +1,14 @@
 """Nodes in a domain of the test's own, as a run has them."""
 
-from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
-
-import pytest
 
 from harness.sensors.lidar_spec import LidarSpec
 from tests.support.rovers import LEO
 from tests.support.waiting import PATIENCE
 
 Untyped = Any  # rclpy has no types
+ANSWER = 2.0  # [s] until a request is sent again
 
 
 class Ros:
@@ -21,6 +19,7 @@ class Ros:
 
         self.at_end = at_end
         self.context: Untyped = at_end.enter_context(ros_context([]))
+        self._clients: dict[str, Untyped] = {}
         self.executor: Untyped = at_end.enter_context(make_executor(self.context))
 
     def node(self, name: str) -> Untyped:
@@ -51,10 +50,13 @@ class Ros:
 
         assert spin_until(self.executor, condition, PATIENCE)
 
-
-@pytest.fixture
-def ros(ros_domain: int) -> Iterator[Ros]:  # noqa: ARG001 - sets the domain
-    """A context, an executor, and nodes on demand."""
-    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
-    with ExitStack() as at_end:
-        yield Ros(at_end)
+    def ask(self, node: Untyped, kind: Untyped, service: str, **request: Any) -> Untyped:  # noqa: ANN401
+        """The answer that a node gets to a request."""
+        if service not in self._clients:
+            self._clients[service] = node.create_client(kind, service)
+            self.until(self._clients[service].service_is_ready)
+        while True:  # an answer is lost while the server does not know this client yet
+            future = self._clients[service].call_async(kind.Request(**request))
+            self.executor.spin_until_future_complete(future, timeout_sec=ANSWER)
+            if future.done():
+                return future.result()
