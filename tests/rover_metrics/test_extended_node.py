@@ -14,7 +14,6 @@ from geometry_msgs.msg import PoseArray
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
-from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.health.rejections import BELOW_LIMIT
@@ -114,14 +113,6 @@ def test_topics_follow_the_namespace_and_a_remap_and_what_each_lost_is_in_its_co
     cells = row(node)
     told = [cells[f"{name} Lost"] for name in ("Scan", "IMU", "Pose", "Odometry")]
     assert told == [1, 2, 3, 4]
-
-
-def test_without_the_parameter_nothing_listens_to_the_truth_and_the_log_has_twelve_columns(
-    rig: "Rig",
-) -> None:
-    node = rig.start()
-    assert "/rover/truth/contact" not in node.received
-    assert tuple(node.log.path.read_text().rstrip().split(",")) == COLUMNS
 
 
 def test_callbacks_serve_every_topic_and_refuse_what_the_twelve_refuse_and_another_truth(

@@ -96,26 +96,6 @@ def test_rows_are_the_timers_calls_that_the_nodes_guard_lets_through(
     assert [now for now in clock if schedule.is_due(now)] == rows_of_the_rule(events, PERIOD)
 
 
-@pytest.mark.parametrize(
-    ("start", "clock", "expected"),
-    [
-        (0.0, [0.5, 0.99, 1.0, 1.01, 1.9, 2.0], [1.0, 2.0]),
-        (100.3, [100.9, 101.0, 102.0], [101.0, 102.0]),
-        (0.0, [1.0, 2.0, 3602.5, 3603.0], [1.0, 2.0, 3602.5, 3603.0]),  # one row for an hour
-        (0.0, [1.0, 2.0, 0.0, 0.9, 1.0], [1.0, 2.0, 1.0]),  # starts again
-        (0.0, [1.0, 1.4, 0.6, 1.5, 1.6], [1.0, 1.6]),  # back before the latest call
-        (0.0, [1.0, 1.9, 1.2, 2.0], [1.0, 2.0]),  # back, but not so far
-        # A late row, then back by half a period or more: the same second has another row,
-        (0.0, [1.7, 0.8, 1.1, 1.4, 1.7, 1.9], [1.7, 1.9]),
-        (0.0, [1.7, 1.35, 0.86, 1.2, 1.5, 1.86], [1.7]),  # unless it was less,
-        (0.0, [1.7, 0.8, 1.3, 1.6, 1.85], [1.7]),  # or the clock leaps by half a period in between,
-    ],
-)
-def test_rows_of_a_clock(start: float, clock: list[float], expected: list[float]) -> None:
-    schedule = RowSchedule(SECOND, round(start * SECOND))
-    assert [now for now in clock if schedule.is_due(round(now * SECOND))] == expected
-
-
 def due(timer: FullSeconds | ClockRows, *times: float) -> list[int]:
     return [at_ns // SECOND for t in times for at_ns in timer.due(round(t * SECOND))]
 
@@ -170,10 +150,7 @@ def test_rows_on_the_clock_topic_are_the_nodes_and_its_jumps_are_told() -> None:
     assert timer.jumps == ["time jumps from 2.00 s to 5.50 s", "time jumps from 6.00 s to 3.25 s"]
     assert timer.rest() == []
     assert timer.due(round(6.25 * SECOND)) == [round(6.25 * SECOND)]
-
-
-def test_a_recording_that_begins_amid_a_run_has_its_first_row_at_a_full_second() -> None:
-    assert due(ClockRows(), 100.3, 100.9, 101.0, 102.0) == [101, 102]
+    assert due(ClockRows(), 100.3, 100.9, 101.0, 102.0) == [101, 102]  # begins amid a run
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,12 @@ import random
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from statistics import fmean
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.core.metrics import TraversalMetrics
@@ -191,39 +194,66 @@ def test_ranges_count_as_a_message_would_carry_them_in_whatever_container_they_c
     assert rows[0].obstacle_clearance == pytest.approx(np.mean(nearest))
 
 
-@pytest.mark.parametrize("bad", [NAN, INF, -INF])
-@pytest.mark.parametrize("sensor", ["imu", "gyroscope", "pose", "odometry"])
-def test_a_sample_that_is_not_finite_is_left_out_as_if_it_had_not_been(
-    metrics: TraversalMetrics, sensor: str, bad: float
-) -> None:
-    def give(sample: Vector3) -> bool:
-        if sensor == "pose":
-            return metrics.add_pose(sample)
-        if sensor == "odometry":
-            return metrics.add_odometry(sample)
-        return metrics.add_imu(*((sample, STILL) if sensor == "imu" else (STILL, sample)))
-
-    assert give((0.1, 0.2, 0.2))
-    for axis in range(3):
-        before = metrics.row(0)
-        x, y, z = (bad if axis == each else 0.0 for each in range(3))
-        assert not give((x, y, z))
-        assert metrics.row(0) == before
-    assert give((0.2, 0.4, 0.4))
-    assert metrics.row(0).distance_traveled == pytest.approx(0.3 if sensor == "pose" else 0.0)
-
-
 def test_new_thresholds_hold_for_what_follows(metrics: TraversalMetrics) -> None:
     metrics.add_scan([0.75])
     metrics.add_imu((5.0, 0.0, 0.0), STILL)
-    metrics.thresholds = Thresholds(
-        collision_threshold=1.0, rough_terrain_threshold=4.0, distance_threshold=2.0
-    )
-    assert metrics.row(0).collision_status == 1
-    assert metrics.row(0).is_rough_terrain == 0
+    limits = {"collision_threshold": 1.0, "rough_terrain_threshold": 4.0, "distance_threshold": 2.0}
+    metrics.thresholds = Thresholds(**limits)
+    assert (metrics.row(0).collision_status, metrics.row(0).is_rough_terrain) == (1, 0)
     metrics.add_scan([0.75])
     metrics.add_imu((5.0, 0.0, 0.0), STILL)
     metrics.add_pose(STILL)
     metrics.add_pose((1.5, 0.0, 0.0))
     row = metrics.row(0)
     assert (row.total_collisions, row.is_rough_terrain, row.distance_traveled) == (1, 1, 1.5)
+
+
+# Whatever the sensors say
+
+BOUNDS = {"acceleration": 1e5, "rate": 1e4, "speed": 1e4, "pose": math.inf}
+
+
+def give(metrics: TraversalMetrics, kind: str, vector: Vector3) -> bool:
+    if kind == "pose":
+        return metrics.add_pose(vector)
+    if kind == "speed":
+        return metrics.add_odometry(vector)
+    return metrics.add_imu(*((vector, STILL) if kind == "acceleration" else (STILL, vector)))
+
+
+ANY_FLOAT = st.floats() | st.sampled_from([NAN, INF, -INF, 1e308, -1e308]) | st.floats(-9.0, 9.0)
+ANY_RANGES = st.lists(st.floats(width=32) | st.sampled_from([NAN, INF, -INF, 0.0, -1.0]), max_size=8)
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(
+        ANY_RANGES | st.tuples(st.sampled_from([*BOUNDS]), st.tuples(*[ANY_FLOAT] * 3)), max_size=40
+    )
+)
+def test_only_what_is_finite_and_possible_is_used_and_sums_never_fall(samples: list[Any]) -> None:
+    metrics = TraversalMetrics()
+    before = metrics.row(0)
+    for sample in samples:
+        if isinstance(sample, list):
+            usable = metrics.add_scan(np.array(sample, dtype=np.float32))
+            assert usable is any(map(math.isfinite, sample))
+        else:
+            usable, size = give(metrics, *sample), math.hypot(*sample[1])
+            assert usable is (size <= BOUNDS[sample[0]] and math.isfinite(size))
+        row = metrics.row(0)
+        assert usable or row == before
+        assert all(math.isfinite(cell) for cell in row.as_fields()[1:11] if cell != INF)
+        assert (row.smoothness_metric, row.distance_traveled) < (INF, INF)
+        for name in ("total_collisions", "smoothness_metric", "distance_traveled"):
+            assert getattr(row, name) >= getattr(before, name)
+        before = row
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("kind", ["acceleration", "rate", "speed"])
+def test_the_largest_values_are_taken_and_what_is_beyond_them_is_not(kind: str, axis: int) -> None:
+    for size in (BOUNDS[kind], -BOUNDS[kind]):
+        for factor, taken in ((1.0, True), (1.00001, False), (NAN, False)):
+            x, y, z = (factor * size if each == axis else 0.0 for each in range(3))
+            assert give(TraversalMetrics(), kind, (x, y, z)) is taken
