@@ -458,7 +458,7 @@ def test_parameters_and_truth_give_the_extended_columns(tmp_path: Path, capsys: 
     assert [line.split() for line in told.out.splitlines()] == [
         ["rows", "follow", "header", "time"],
         *([topic, count, "messages"] for topic, count in counts),
-        "0.00 m travelled, 4 collisions".split(),
+        ["0.00", "m", "travelled,", "4", "collisions"],
         f"4 rows in {output}".split(),
     ]
     left_out = f"{truth}: 1 messages are empty, not finite or impossible, left out"

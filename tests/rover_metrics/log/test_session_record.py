@@ -40,48 +40,26 @@ def read(log: Path) -> dict[str, object]:
     return record
 
 
-class Clock:
-    """A wall clock that goes on by a minute each time it is asked."""
-
-    def __init__(self) -> None:
-        self.minutes = -1
-
-    def __call__(self) -> datetime:
-        self.minutes += 1
-        return STARTED + timedelta(minutes=self.minutes)
-
-
 @pytest.mark.usefixtures("_in_nepal")
 def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: Path) -> None:
     assert session_end(log) is SessionEnd.UNKNOWN
-    record = SessionRecord("/leo/metrics_node", Clock(), print)
+    clock = (STARTED + timedelta(minutes=minute) for minute in range(9))
+    record = SessionRecord("/leo/metrics_node", lambda: next(clock), print)
     record.begin(log)
     assert session_end(log) is SessionEnd.UNMARKED
-    begun = {
-        "log": str(log),
-        "outcome": None,
-        "node": "/leo/metrics_node",
-        "started": "2025-01-16T12:04:57+05:45",
-        "ended": None,
-    }
+    begun = {"log": str(log), "outcome": None, "node": "/leo/metrics_node"}
+    begun |= {"started": "2025-01-16T12:04:57+05:45", "ended": None}
     assert read(log) == begun
     record.end(log, 0, {"rows": 7})
     assert session_end(log) is SessionEnd.MARKED
-    assert read(log) == {
-        **begun,
-        "outcome": {"status": "complete", "reason": None},
-        "ended": "2025-01-16T12:05:57+05:45",
-        "lost_rows": 0,
-        "rows": 7,
-    }
+    ended = {"outcome": {"status": "complete", "reason": None}, "ended": "2025-01-16T12:05:57+05:45"}
+    assert read(log) == {**begun, **ended, "lost_rows": 0, "rows": 7}
 
 
 @pytest.mark.parametrize(
     ("failure", "lost_rows", "reason"),
     [
-        (None, 12, "12 rows could not be written"),
         (None, 1, "1 rows could not be written"),
-        ("ValueError: boo", 0, "ValueError: boo"),
         ("ValueError: boo", 12, "ValueError: boo"),
     ],
 )
@@ -123,10 +101,9 @@ UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.
 @pytest.mark.parametrize(
     ("record", "end", "arguments", "collision"),
     [
-        *((text, UNKNOWN, {}, None) for text in ("", "{", "[]", "7", '{"log": 3}', "\x00\x00")),
+        *((text, UNKNOWN, {}, None) for text in ("{", "7", '{"log": 3}', "\x00\x00")),
         ('{"outcome": null}', UNMARKED, {}, None),
         ('{"outcome": {}, "mode": "ROS 2"}', MARKED, {}, None),
-        ('{"outcome": {"status": "interrupted", "reason": null}}', MARKED, {}, None),
         ('{"arguments": {"seed": 3}, "options": {"seed": 4}}', UNKNOWN, {"seed": 3}, None),
         ('{"arguments": ["--seed"]}', UNKNOWN, {}, None),
         ('{"thresholds": {"collision_threshold": 0.3, "of_another_version": 1.0}}', UNKNOWN, {}, 0.3),
