@@ -2,28 +2,32 @@
 
 # the skip stands before the imports that need ROS
 
+import csv
 import json
 import math
 import shutil
 import time
+from typing import Any
 
-import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseArray
-from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, LaserScan
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 from std_srvs.srv import SetBool, Trigger
 
 from rover_metrics.core.columns import Row
-from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.errors import LogError, ParameterError
-from rover_metrics.metrics_node import KEEPS_ORDER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.extended.truth_columns import WHEELS, traversal_names
+from rover_metrics.health.rejections import BELOW_LIMIT
+from rover_metrics.health.watches import STANDS_STILL
+from rover_metrics.metrics_node import KEEPS_ORDER, MetricsNode
 from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.topics import SENSORS, TRUTH
 from tests.rover_metrics.conftest import Rig
@@ -33,36 +37,6 @@ pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"
 
 SCAN, IMU, POSE, ODOMETRY = SENSORS
 GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH
-TOPICS = {
-    "scan": LaserScan,
-    "imu/data": Imu,
-    "rover/pose_array": PoseArray,
-    "odometry/wheels": Odometry,
-}
-
-
-def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: Rig) -> None:
-    node = rig.start()
-    publishers = {topic: rig.publisher(kind, topic) for topic, kind in TOPICS.items()}
-    direct = TraversalMetrics()
-    rng = np.random.default_rng(3)
-    for count in range(1, 31):
-        ranges = rng.uniform(0.15, 4.0, 640).astype(np.float32)
-        a, w, v, p = (tuple(map(float, vector)) for vector in rng.normal(0, 9, (4, 3)))
-        p = (p[0] / 40, p[1] / 40, p[2] / 40)
-        direct.add_scan(ranges)
-        direct.add_imu(a, w)  # type: ignore[arg-type]
-        direct.add_pose(p)
-        direct.add_odometry(v)  # type: ignore[arg-type]
-        publishers["scan"].publish(rig.scan(*ranges.tolist()))
-        publishers["imu/data"].publish(rig.imu(a, w))  # type: ignore[arg-type]
-        publishers["rover/pose_array"].publish(rig.pose(*p))
-        publishers["odometry/wheels"].publish(rig.odometry(*v))
-        rig.spin_until(lambda count=count: set(node.received.values()) == {count})  # type: ignore[misc]
-    assert node.metrics.row(1) == direct.row(1)
-    assert direct.total_distance > 0
-    assert set(node.received) == {f"/{topic}" for topic in TOPICS}
-    assert node.reception.rejected == dict.fromkeys(node.received, 0)
 
 
 def test_a_row_is_written_every_second_of_the_wall_clock(rig: Rig) -> None:
@@ -228,3 +202,90 @@ def test_rows_lost_at_the_end_are_told_and_make_the_session_a_failed_one(
     outcome = json.loads(node.log.path.with_suffix(".json").read_text())["outcome"]
     assert outcome == {"status": "failed", "reason": "1 rows could not be written"}
     assert "1 rows are lost so far" in capfd.readouterr().err
+
+
+def cells(node: MetricsNode) -> dict[str, Any]:
+    """The cells of a row that is written now."""
+    node.periodic_logging()
+    assert node.last_row is not None
+    return dict(zip(node.last_row.columns, node.last_row.as_fields(), strict=True))
+
+
+def test_every_field_of_every_message_reaches_its_columns(rig: Rig) -> None:
+    """Angles and limits of a scan, the first pose of several, turned IMU, named truth."""
+    wide = [-0.2, -0.1, 0.2, -0.1, 0.2, 0.1, -0.2, 0.1]
+    extended = {"extended_columns": True, "use_sim_time": True}
+    node = rig.start(**extended, footprint=wide, collision_threshold=1.0, gravity=10.0)
+    scan = rig.scan(0.5, 3.0, stamp=1.0, limits=(0.6, 2.0))
+    scan.angle_min, scan.angle_increment = math.pi / 2, 0.1  # the nearest is on the left
+    turned = rig.imu((0.0, 9.6, 2.8), (0.0, 3.0, 4.0), stamp=2.0)
+    turned.orientation.x, turned.orientation.w = 0.6, 0.8
+    names = list(traversal_names(WHEELS))[::-1]
+    truth = Float64MultiArray(data=[0.02, 0.4, 0.3, 0.2, 0.1, 9.0, 0.5, 0.0, 0.0, 0.0])
+    truth.layout.dim = [MultiArrayDimension(label=",".join(names), size=10, stride=10)]
+    for source, message in (
+        (SCAN, scan),
+        (IMU, turned),
+        *((POSE, rig.pose(*place, stamp=3.5)) for place in ((1.0, 2.0, 2.0), (1.1, 2.2, 2.2))),
+        (ODOMETRY, rig.odometry(0.2, 0.3, -0.6, stamp=4.0)),
+        (GROUND_TRUTH, rig.odometry(0.3, 0.4, 0.0, stamp=1.0)),
+        (CONTACT, Bool(data=True)),
+        (TRUTH_VALUES, truth),
+    ):
+        if source is POSE:
+            message.poses = [*message.poses, *rig.pose(9.0, 9.0, 9.0).poses]
+        node.take(source, message)
+    told = cells(node)
+    assert told["Footprint Clearance [m]"] == 0.4
+    assert told["Total Collisions"] == told["Collision Events"] == 1
+    assert (told["Roughness RMS [m/s^2]"], told["Current Smoothness"]) == (0.0, 15.0)
+    assert (told["Distance Traveled"], told["Current Velocity"]) == (0.3, 0.7)
+    ages = [told[f"{name} Age [s]"] for name in ("Scan", "IMU", "Pose", "Odometry")]
+    assert ages == [-1.0, -2.0, -3.5, -4.0]  # no /clock yet
+    assert (told["True Contact Events"], told["True Speed [m/s]"]) == (1, 0.5)
+    slips = [told[f"True Slip {wheel.replace('_', ' ').title()}"] for wheel in WHEELS]
+    assert (slips, told["True Roughness [m]"]) == ([0.1, 0.2, 0.3, 0.4], 0.02)
+    remarks = {topic: [*counts] for topic, counts in node.reception.remarks.items() if counts}
+    assert remarks == {"/scan": [BELOW_LIMIT], "/rover/pose_array": [STANDS_STILL]}
+    with node.log.path.open(newline="") as file:
+        assert [*csv.reader(file)] == [[*EXTENDED_HEADER], [str(cell) for cell in told.values()]]
+
+
+def test_an_orientation_that_is_said_to_be_none_is_none_and_truth_without_names_has_the_usual(
+    rig: Rig,
+) -> None:
+    node = rig.start(extended_columns=True)
+    tilted = rig.imu((1.0, 0.0, 9.8), stamp=1.0)
+    tilted.orientation.x, tilted.orientation.w = 0.6, 0.8
+    tilted.orientation_covariance[0] = -1.0
+    node.take(IMU, tilted)
+    node.take(TRUTH_VALUES, Float64MultiArray(data=[0.0] * 9 + [0.02]))
+    node.take(CONTACT, Bool(data=False))
+    told = cells(node)
+    assert told["Roughness RMS [m/s^2]"] == 0.0  # the first sample is gravity
+    assert (told["True Roughness [m]"], told["True Contact Share"]) == (0.02, 0.0)
+
+
+def test_topics_follow_namespace_and_remap_and_what_is_lost_or_refused_is_in_its_column(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    remaps = ("-r", "__ns:=/leo", "-r", "scan:=front/scan")
+    node = rig.start(*remaps, extended_columns=True, use_sim_time=True)
+    sensors = ("front/scan", "imu/data", "rover/pose_array", "odometry/wheels")
+    truth = ("odom_ground_truth", "rover/truth/contact", "rover/truth/traversal")
+    assert set(node.received) == {f"/leo/{topic}" for topic in (*sensors, *truth)}
+    node.take(SCAN, LaserScan())
+    node.take(IMU, rig.imu((math.nan, 0.0, 0.0)))
+    node.take(POSE, PoseArray())
+    node.take(ODOMETRY, rig.odometry(math.inf, 0.0, 0.0))
+    node.take(GROUND_TRUTH, rig.odometry(math.nan, 0.0, 0.0))
+    node.take(TRUTH_VALUES, Float64MultiArray(data=[1.0]))
+    for lost, topic in enumerate(sensors, start=1):
+        node.reception.remark(f"/leo/{topic}", "lost on the way", lost)
+        node.reception.remark(f"/leo/{topic}", "something else", 50)
+    told = cells(node)
+    for what, counts in (("Lost", [1, 2, 3, 4]), ("Rejected", [0, 1, 1, 1])):
+        assert [told[f"{name} {what}"] for name in ("Scan", "IMU", "Pose", "Odometry")] == counts
+    assert told["True Roughness [m]"] == ""
+    assert [node.reception.rejected[f"/leo/{topic}"] for topic in truth] == [1, 0, 1]
+    assert capfd.readouterr().err.count("not the truth that harness.run publishes, left out") == 2

@@ -25,7 +25,7 @@ from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.replay import main
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing import TimeSource
-from rover_metrics.topics import SENSORS
+from rover_metrics.topics import SENSORS, TRUTH
 from tests.support.complaint import complaint
 
 NANOSECONDS = 1_000_000_000
@@ -516,3 +516,8 @@ def test_types_without_msg_are_those_of_older_recorders() -> None:
     rows, playback = played(drive(), TimeSource.AUTO, types=types)
     assert (rows, playback.time_source) == ([1, 2, 3, 4], TimeSource.SIM)
     assert playback.counts[CLOCK] == playback.counts["/scan"] == Count(used=45)
+
+
+def test_every_type_exists_and_has_a_header_where_the_table_says_so() -> None:
+    for source in (*SENSORS, *TRUTH):
+        assert ("header" in STORE.types[source.message_type].__annotations__) is source.has_stamp

@@ -55,21 +55,16 @@ def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig
     rig.spin_until(lambda: len(heard) == 4)
     assert [message.header.stamp.sec for message in heard] == [1, 2, 3, 4]
     statuses = [{status.name: status for status in message.status} for message in heard]
-    assert set(statuses[0]) == {
-        "metrics_node: traversal metrics",
-        *(f"metrics_node: topic leo {t}" for t in ("scan", "imu data", "rover pose_array")),
-        "metrics_node: topic leo odometry wheels",
-    }
+    topics = ("scan", "imu data", "rover pose_array", "odometry wheels")
+    named = {f"metrics_node: {t}" for t in ("traversal metrics", *(f"topic leo {t}" for t in topics))}
+    assert set(statuses[0]) == named
     traversal = [each["metrics_node: traversal metrics"] for each in statuses]
     scan = [each["metrics_node: topic leo scan"] for each in statuses]
     assert {status.hardware_id for each in statuses for status in each.values()} == {"leo"}
     assert traversal[0].level == DiagnosticStatus.ERROR
     assert "min_safe_clearance" not in traversal[0].message
     assert {pair.key: pair.value for pair in traversal[1].values}["Total Collisions"] == "2"
-    assert [status.level for status in scan] == [
-        *[DiagnosticStatus.OK] * 3,
-        DiagnosticStatus.STALE,
-    ]
+    assert [status.level for status in scan] == [DiagnosticStatus.OK] * 3 + [DiagnosticStatus.STALE]
     assert {pair.key: pair.value for pair in scan[3].values}["age [s]"] == "2.2500"
     assert statuses[0]["metrics_node: topic leo imu data"].level == DiagnosticStatus.STALE
 
