@@ -62,10 +62,6 @@ class MetricsNode(GuardedNode):
         topics: The resolved name of each topic that is listened to.
         last_row: The latest row, written or not; None before the first.
         in_lock_step: Whether a simulator waits until this node has handled what it sent.
-
-    Raises:
-        ParameterError: A parameter was given a value that is not valid.
-        LogError: The log cannot be created.
     """
 
     def __init__(

@@ -31,11 +31,7 @@ ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 class SqliteFile:
-    """A .db3 file; `topics` has the message type of each topic with messages.
-
-    Raises:
-        BagError: It is not a rosbag2 database, or its list of topics is lost.
-    """
+    """A .db3 file of rosbag2; `topics` has the message type of each topic with messages."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -194,15 +190,8 @@ class Bag(ExitStack):
 
 def _bags_below(folder: Path) -> list[str]:
     """Names of bags among the folders in this one, a few; nothing deeper is looked at."""
-    bags = (each.name for each in folder.iterdir() if _holds_a_recording(each))
-    return sorted(islice(bags, MOST_NAMED))
-
-
-def _holds_a_recording(folder: Path) -> bool:
-    try:
-        return any(path.name.endswith(SUFFIXES) for path in folder.iterdir())
-    except OSError:
-        return False  # no folder, or somebody else's
+    files = (path for suffix in SUFFIXES for path in folder.glob(f"*/*{suffix}"))
+    return sorted(islice(dict.fromkeys(path.parent.name for path in files), MOST_NAMED))
 
 
 def _first_bytes(path: Path) -> bytes:

@@ -15,13 +15,9 @@ EVERY_NODE = ("*", "**")
 
 
 def read_values(path: Path) -> dict[str, Any]:
-    """Returns the parameters that a file sets, by name, all valid.
+    """Returns the parameters that a file sets, by name, all valid; else raises a ParameterError.
 
     Later sections of the node win. An empty list sets nothing.
-
-    Raises:
-        ParameterError: The file is not readable, names no parameters for metrics_node, names one that
-            does not exist, or a value is not valid.
     """
     try:
         document = YAML(typ="safe").load(path)

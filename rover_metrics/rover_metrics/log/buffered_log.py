@@ -17,12 +17,7 @@ class BufferedLog(CsvLog):
     """A CsvLog in which rows that the file refuses wait, at most `capacity` of them.
 
     Every row is tried again with the next one. Above the capacity the oldest row is dropped and
-    counted. A refusal is reported when it begins, when its reason changes and when it is over.
-
-    Args:
-        directory: As `started`, `fsync` and `columns` for CsvLog.
-        tell: Is given a line for the user.
-        capacity: How many rows may wait.
+    counted. A refusal is told when it begins, when its reason changes and when it is over.
     """
 
     def __init__(

@@ -26,16 +26,13 @@ SPIN_TIMEOUT = 0.2  # [s]: EventsExecutor notices a signal only between two spin
 
 
 def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
-    """Runs a node until SIGINT or SIGTERM.
+    """Runs a node until SIGINT or SIGTERM; returns 0, or 2 after a known mistake, told in one line.
 
     Args:
         name: What the program is called.
         make_node: Makes the node, once ROS is up; its `fail` takes why its session has failed, its
             `in_lock_step` says whether a simulator waits for it.
         args: Command line as for rclpy.init; sys.argv if None.
-
-    Returns:
-        Exit code: 0 after a clean end, 2 after a known mistake, reported in one line on stderr.
     """
     try:
         _run(make_node, args)
