@@ -40,14 +40,10 @@ GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH
 
 
 def test_a_row_is_written_every_second_of_the_wall_clock(rig: Rig) -> None:
-    node = rig.start()
-    began = time.time()
+    node, began = rig.start(), int(time.time())
     rig.spin_until(lambda: node.rows == 2)
-    took = time.time() - began
-    assert took > 1.5
-    assert node.last_row is not None
-    assert abs(node.last_row.stamp_s - time.time()) < 2
-    assert len(node.log.path.read_bytes().splitlines()) == 3
+    stamps = [int(line.split(b",")[0]) for line in node.log.path.read_bytes().splitlines()[1:]]
+    assert began <= stamps[0] < stamps[1] <= time.time()
 
 
 def test_the_log_folder_is_told_at_the_start_and_the_log_closed_at_the_end(

@@ -3,7 +3,7 @@
 import csv
 import subprocess
 import sys
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,14 +17,10 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
-from rover_metrics.bag.mcap_stream import Message
-from rover_metrics.bag.playback import Count, Playback
 from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.replay import main
-from rover_metrics.session import MetricsSession
-from rover_metrics.timing import TimeSource
 from rover_metrics.topics import SENSORS, TRUTH
 from tests.support.complaint import complaint
 
@@ -139,14 +135,16 @@ def write_folder(
     return path
 
 
-def write_mcap(path: Path, messages: list[Recorded], encoding: str = "cdr") -> Path:
+def write_mcap(
+    path: Path, messages: list[Recorded], encoding: str = "cdr", types: dict[str, str] = TYPES
+) -> Path:
     """A bare file of many uncompressed chunks, about one per tenth of a second."""
     with path.open("wb") as file:
         writer = McapWriter(file, chunk_size=1000, compression=CompressionType.NONE)
         writer.start(profile="ros2")
         channels = {}
         for topic in dict.fromkeys(topic for topic, _, _ in messages):
-            schema = writer.register_schema(TYPES[topic], "ros2msg", b"")
+            schema = writer.register_schema(types[topic], "ros2msg", b"")
             channels[topic] = writer.register_channel(topic, encoding, schema)
         for topic, time_ns, data in messages:
             writer.add_message(channels[topic], time_ns, data, publish_time=1)
@@ -467,57 +465,34 @@ def test_parameters_and_truth_give_the_extended_columns(tmp_path: Path, capsys: 
     assert output.read_text().startswith(",".join(EXTENDED_HEADER))
 
 
-class Recording:
-    """A bag in memory."""
-
-    path = Path("made")
-
-    def __init__(self, messages: list[Recorded], types: dict[str, str] = TYPES) -> None:
-        self.topics = {topic: types[topic] for topic, _, _ in messages}
-        self._messages = messages
-
-    def messages(self, wanted: Collection[str]) -> Iterator[Message]:
-        return (Message(*message) for message in self._messages if message[0] in wanted)
-
-
-def played(messages: list[Recorded], time: TimeSource, **kwargs: Any) -> tuple[list[int], Playback]:  # noqa: ANN401
-    """Stamps of the rows, and the playback."""
-    bag = Recording(messages, **kwargs)
-    playback = Playback(bag, MetricsSession(), time_source=time)  # type: ignore[arg-type]
-    return [row.stamp_s for row in playback.rows()], playback
-
-
-@pytest.mark.parametrize(("ahead", "other"), [(86400.0, 0), (86400.5, 1), (-86400.0, 0), (-86400.5, 1)])
-def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(ahead: float, other: int) -> None:
-    late = 500_000 * NANOSECONDS
-    stamps = [0, late, late]  # 0 was never set
-    at = late - round(ahead * NANOSECONDS)
-    messages = [("/imu/data", at, recorded("/imu/data", stamp, 9.8)) for stamp in stamps]
-    _, playback = played(messages, TimeSource.RECORDED)
-    told = [note.partition(" than")[0] for note in playback.notes]
-    assert told == ["header stamps (500000.00 s) are of another clock"] * other
-    rows, playback = played(messages, TimeSource.HEADER)
-    assert (rows, playback.notes, playback.counts["/imu/data"]) == ([], [], Count(used=3))
-
-
-def test_of_many_jumps_five_are_told() -> None:
-    seconds = [1, 2, 100, 1, 100, 1, 100, 1]
-    messages = [
-        ("/imu/data", t * NANOSECONDS, recorded("/imu/data", t * NANOSECONDS, 9.8)) for t in seconds
-    ]
-    assert len(played(messages[:7], TimeSource.HEADER)[1].notes) == 5
-    _, playback = played(messages, TimeSource.RECORDED)
-    assert playback.notes[0] == "time jumps from 2.00 s to 100.00 s"
-    assert playback.notes[5:] == ["1 more jumps of time"]
-
-
-def test_types_without_msg_are_those_of_older_recorders() -> None:
-    types = {topic: kind.replace("/msg/", "/") for topic, kind in TYPES.items()}
-    rows, playback = played(drive(), TimeSource.AUTO, types=types)
-    assert (rows, playback.time_source) == ([1, 2, 3, 4], TimeSource.SIM)
-    assert playback.counts[CLOCK] == playback.counts["/scan"] == Count(used=45)
-
-
 def test_every_type_exists_and_has_a_header_where_the_table_says_so() -> None:
     for source in (*SENSORS, *TRUTH):
         assert ("header" in STORE.types[source.message_type].__annotations__) is source.has_stamp
+
+
+@pytest.mark.parametrize(("ahead", "other"), [(86400.0, 0), (86400.5, 1), (-86400.0, 0), (-86400.5, 1)])
+def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(
+    tmp_path: Path, capsys: Capsys, ahead: float, other: int
+) -> None:
+    late = 500_000 * NANOSECONDS
+    at = late - round(ahead * NANOSECONDS)
+    messages = [("/imu/data", at, recorded("/imu/data", stamp, 9.8)) for stamp in (0, late, late)]
+    bag = write_mcap(tmp_path / "bag.mcap", messages)
+    for time, notes in (("recorded", other), ("header", 0)):
+        replay(bag, "--time", time)
+        told = capsys.readouterr()
+        assert told.err.count("note: header stamps (500000.00 s) are of another clock") == notes
+        assert "/imu/data                   3 messages" in told.out
+
+
+def test_of_many_jumps_five_are_told_and_types_may_lack_their_msg(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    seconds = [1, 2, 100, 1, 100, 1, 100, 1]
+    messages = [("/imu/data", t * NANOSECONDS, recorded("/imu/data", 0, 9.8)) for t in seconds]
+    older = {topic: kind.replace("/msg/", "/") for topic, kind in TYPES.items()}
+    for count, more in ((7, 0), (8, 1)):
+        replay(write_mcap(tmp_path / "bag.mcap", messages[:count], types=older))
+        notes = [line for line in capsys.readouterr().err.splitlines() if " note: " in line]
+        assert notes[0] == "replay: note: time jumps from 2.00 s to 100.00 s"
+        assert notes[5:] == ["replay: note: 1 more jumps of time"] * more

@@ -46,8 +46,9 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
     assert read_parameters(file).thresholds == Thresholds(
         collision_threshold=0.4, distance_threshold=0.1
     )
-    file.write_text("ns:\n  metrics_node:\n    ros__parameters:\n      collision_threshold: 0.4\n")
-    assert read_parameters(file).thresholds.collision_threshold == 0.4
+    everybodys = section("robot_radius: 0.3", "gravity: 9.8", name="/**")
+    file.write_text(f"{everybodys}ns:\n  metrics_node:\n    ros__parameters:\n      fsync: true\n")
+    assert read_values(file) == {"gravity": 9.8, "fsync": True}
 
 
 @pytest.mark.parametrize(
@@ -61,10 +62,7 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("debug_interval: true"), "debug_interval must be an integer"),
         (section("fsync: 1"), "fsync must be true or false"),
         (section("log_dir: 7"), "parameter log_dir must be the path of a folder, as text"),
-        (
-            section("lidar_pose: [1.0, 2, 3.0]"),
-            "lidar_pose must be a list of three numbers",
-        ),
+        (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of three numbers"),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
         ("metrics_node: [1.0, x]", "no section 'metrics_node"),
@@ -85,11 +83,6 @@ def test_a_bad_file_is_one_line(file: Path, text: str, told: str) -> None:
     with pytest.raises(ParameterError) as refused:
         read_values(file)
     assert str(refused.value) == f"cannot read parameters from {file}: No such file or directory"
-
-
-def test_what_a_section_for_every_node_says_to_others_is_left_out(file: Path) -> None:
-    file.write_text(section("robot_radius: 0.3", "gravity: 9.8", name="/**"))
-    assert read_values(file) == {"gravity": 9.8}
 
 
 def test_a_value_that_is_0_false_or_empty_is_a_value(file: Path) -> None:

@@ -20,7 +20,6 @@ from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog
 
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
-PACKAGE = str(Path(rover_metrics.__file__).parents[1])
 FullDisk = Callable[[int], AbstractContextManager[None]]
 
 
