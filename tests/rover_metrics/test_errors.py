@@ -14,6 +14,8 @@ from rover_metrics.errors import (
     run_program,
 )
 
+Capsys = pytest.CaptureFixture[str]
+
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 
 
@@ -39,8 +41,8 @@ HERE = f"(Python {sys.version.split()[0]}, {sys.executable})"
         (ImportError("no x"), 2, f"no x {HERE}; pip install 'rover-harness'"),
     ],
 )
-def test_what_is_known_to_go_wrong_ends_a_program_in_one_line(
-    error: Exception, code: int, line: str, capsys: pytest.CaptureFixture[str]
+def test_a_known_error_ends_a_program_in_one_line(
+    error: Exception, code: int, line: str, capsys: Capsys
 ) -> None:
     assert run_program("name", Mock(side_effect=error)) == code
     assert capsys.readouterr() == ("", f"name: {line}\n")
@@ -116,9 +118,7 @@ def test_help_tells_the_default_of_each_option_as_it_would_be_typed() -> None:
         ("--seed 1.5", "argument --seed: '1.5' is not valid; give a whole number; see --help"),
     ],
 )
-def test_a_wrong_word_is_told_with_the_mend(
-    words: str, told: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_word_is_told_with_the_mend(words: str, told: str, capsys: Capsys) -> None:
     parser = OneLineParser(prog="python -m harness.x")
     parser.add_argument("--speed", type=float)
     parser.add_argument("--seed", type=int)

@@ -18,6 +18,8 @@ import pytest
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
 
+Patch = pytest.MonkeyPatch
+
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 METRICS = PACKAGE / "launch/metrics.launch.py"
 HARNESS = PACKAGE / "launch/harness.launch.py"
@@ -60,7 +62,7 @@ STAND_INS = {
 
 
 @pytest.fixture(autouse=True)
-def _stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
+def _stand_ins(monkeypatch: Patch) -> None:
     for name, members in STAND_INS.items():
         module = ModuleType(name)
         for member in members:
@@ -108,7 +110,7 @@ def test_an_argument_that_is_given_comes_after_the_parameter_file_and_has_its_ty
     assert values == {n: ParameterValue(LaunchConfiguration(n), kind) for n, kind in types.items()}
 
 
-def test_harness_passes_on_every_option_as_the_program_knows_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_harness_passes_on_every_option_as_the_program_knows_it(monkeypatch: Patch) -> None:
     command_line = pytest.importorskip("harness.cli.options", reason="needs the harness")
     monkeypatch.setenv("VIRTUAL_ENV", "/venv")
     process = launched(HARNESS, {})

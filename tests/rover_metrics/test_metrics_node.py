@@ -32,6 +32,8 @@ from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.topics import SENSORS, TRUTH
 from tests.rover_metrics.conftest import Rig
 
+Capsys = pytest.CaptureFixture[str]
+
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
@@ -46,8 +48,8 @@ def test_a_row_is_written_every_second_of_the_wall_clock(rig: Rig) -> None:
     assert began <= stamps[0] < stamps[1] <= time.time()
 
 
-def test_the_log_folder_is_told_at_the_start_and_the_log_closed_at_the_end(
-    rig: Rig, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_the_folder_is_told_and_the_log_closed(
+    rig: Rig, capfd: Capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("HOME", str(rig.folder))
     node = rig.start(log_dir="~/logs")
@@ -96,9 +98,7 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig) -> None:
 
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason="no simulator waits for a node without it")
 @pytest.mark.parametrize("waits", [True, False])
-def test_in_lock_step_a_row_is_written_before_anything_that_came_after_its_time(
-    rig: Rig, waits: bool
-) -> None:
+def test_in_lock_step_a_row_is_written_before_what_came_after(rig: Rig, waits: bool) -> None:
     from rclpy.experimental import EventsExecutor  # noqa: PLC0415 - Humble has none
 
     node = rig.start(use_sim_time=True)
@@ -120,16 +120,12 @@ def test_in_lock_step_a_row_is_written_before_anything_that_came_after_its_time(
 
 
 @pytest.mark.parametrize(("name", "meant"), [("sim_time", "use_sim_time"), ("fsinc", "fsync")])
-def test_a_launch_that_misspells_a_parameter_is_told_the_nearest(
-    rig: Rig, name: str, meant: str
-) -> None:
+def test_a_misspelt_parameter_is_told_the_nearest(rig: Rig, name: str, meant: str) -> None:
     with pytest.raises(ParameterError, match=rf"^there is no parameter {name}; did you mean {meant}\?$"):
         rig.start("-p", f"{name}:=true", "-p", "qos_overrides./scan.x:=y", "-p", "of_another_node:=3")
 
 
-def test_a_parameter_can_not_be_undeclared_and_one_that_is_not_the_nodes_own_can_be_set(
-    rig: Rig,
-) -> None:
+def test_a_parameter_cannot_be_undeclared(rig: Rig) -> None:
     node = rig.start()
     assert not node.set_parameters_atomically([Parameter("debug_interval")]).successful
     assert node.get_parameter("debug_interval").value == 100
@@ -152,9 +148,7 @@ def test_a_parameter_can_not_be_undeclared_and_one_that_is_not_the_nodes_own_can
         ("", 0.3, "there is no parameter "),
     ],
 )
-def test_a_change_that_is_not_valid_is_rejected_with_the_reason(
-    rig: Rig, name: str, value: object, reason: str
-) -> None:
+def test_a_change_that_is_not_valid_is_rejected(rig: Rig, name: str, value: object, reason: str) -> None:
     node = rig.start()
     before = node.settings
     outcome = node.set_parameters_atomically([Parameter(name, value=value)])
@@ -164,9 +158,7 @@ def test_a_change_that_is_not_valid_is_rejected_with_the_reason(
     assert node.metrics.thresholds == before.thresholds
 
 
-def test_every_so_many_scans_and_poses_are_reported_with_what_they_came_to(
-    rig: Rig, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_every_so_many_scans_and_poses_are_reported(rig: Rig, capfd: Capsys) -> None:
     node = rig.start(debug_mode=True, debug_interval=3)
     for step in range(7):
         node.take(SCAN, rig.scan(0.125, 3.0))
@@ -182,9 +174,7 @@ def test_every_so_many_scans_and_poses_are_reported_with_what_they_came_to(
     ]
 
 
-def test_rows_lost_at_the_end_are_told_and_make_the_session_a_failed_one(
-    rig: Rig, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_rows_lost_at_the_end_fail_the_session(rig: Rig, capfd: Capsys) -> None:
     folder = rig.folder / "logs"
     node = rig.start(log_dir=str(folder))
     shutil.rmtree(folder)
@@ -247,9 +237,7 @@ def test_every_field_of_every_message_reaches_its_columns(rig: Rig) -> None:
         assert [*csv.reader(file)] == [[*EXTENDED_HEADER], [str(cell) for cell in told.values()]]
 
 
-def test_an_orientation_that_is_said_to_be_none_is_none_and_truth_without_names_has_the_usual(
-    rig: Rig,
-) -> None:
+def test_orientation_and_names_may_be_missing(rig: Rig) -> None:
     node = rig.start(extended_columns=True)
     tilted = rig.imu((1.0, 0.0, 9.8), stamp=1.0)
     tilted.orientation.x, tilted.orientation.w = 0.6, 0.8
@@ -262,9 +250,7 @@ def test_an_orientation_that_is_said_to_be_none_is_none_and_truth_without_names_
     assert (told["True Roughness [m]"], told["True Contact Share"]) == (0.02, 0.0)
 
 
-def test_topics_follow_namespace_and_remap_and_what_is_lost_or_refused_is_in_its_column(
-    rig: Rig, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_topics_follow_namespace_and_remap_and_losses_have_columns(rig: Rig, capfd: Capsys) -> None:
     remaps = ("-r", "__ns:=/leo", "-r", "scan:=front/scan")
     node = rig.start(*remaps, extended_columns=True, use_sim_time=True)
     sensors = ("front/scan", "imu/data", "rover/pose_array", "odometry/wheels")

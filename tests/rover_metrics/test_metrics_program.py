@@ -76,9 +76,7 @@ def test_a_killed_program_leaves_its_rows_and_no_end_mark(tmp_path: Path) -> Non
 
 
 @pytest.mark.usefixtures("_ros")
-def test_a_signal_while_rows_wait_ends_the_program_cleanly_and_says_how_many_are_lost(
-    tmp_path: Path,
-) -> None:
+def test_a_signal_while_rows_wait_ends_the_program_cleanly(tmp_path: Path) -> None:
     with running(tmp_path) as (program, log):
         shutil.rmtree(log.parent)
         log.parent.write_text("in the way")

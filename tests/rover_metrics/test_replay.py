@@ -181,7 +181,7 @@ def test_real_bag_gives_its_path_length_and_names_its_gaps(tmp_path: Path, capsy
 @pytest.mark.parametrize(
     "compression", [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE]
 )
-def test_every_kind_of_folder_gives_the_rows_of_its_samples(
+def test_every_kind_of_folder_gives_its_rows(
     tmp_path: Path, storage: StoragePlugin, compression: CompressionMode
 ) -> None:
     bag = write_folder(tmp_path / "bag", drive(), storage=storage, compression=compression)
@@ -283,7 +283,7 @@ def test_remapped_topics_are_read_as_recorded(tmp_path: Path, capsys: Capsys) ->
         (["-o", "/proc/rows.csv"], "cannot create a log in /proc"),
     ],
 )
-def test_bad_argument_is_one_line(
+def test_a_bad_argument_is_one_line(
     tmp_path: Path, capsys: Capsys, words: list[str], expected: str
 ) -> None:
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
@@ -342,7 +342,7 @@ def damage_a_page(file: Path) -> None:
         ("bag.db3", damage_a_page, "messages were lost in 1 place(s)", range(9, 10)),
     ],
 )
-def test_damaged_recording_keeps_what_can_be_read_and_says_so(
+def test_damaged_recording_keeps_what_can_be_read(
     tmp_path: Path,
     capsys: Capsys,
     name: str,
@@ -394,7 +394,7 @@ def test_bad_messages_and_files_are_left_out(tmp_path: Path, capsys: Capsys) -> 
         (b"\x89MCAP0\r\n", "no topic to replay"),
     ],
 )
-def test_file_that_is_no_recording_is_refused_with_the_reason(
+def test_file_that_is_no_recording_is_refused(
     tmp_path: Path, capsys: Capsys, content: bytes, expected: str
 ) -> None:
     file = tmp_path / "bag.mcap"
@@ -471,7 +471,7 @@ def test_every_type_exists_and_has_a_header_where_the_table_says_so() -> None:
 
 
 @pytest.mark.parametrize(("ahead", "other"), [(86400.0, 0), (86400.5, 1), (-86400.0, 0), (-86400.5, 1)])
-def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(
+def test_stamps_over_a_day_off_are_of_another_clock(
     tmp_path: Path, capsys: Capsys, ahead: float, other: int
 ) -> None:
     late = 500_000 * NANOSECONDS
@@ -485,9 +485,7 @@ def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(
         assert "/imu/data                   3 messages" in told.out
 
 
-def test_of_many_jumps_five_are_told_and_types_may_lack_their_msg(
-    tmp_path: Path, capsys: Capsys
-) -> None:
+def test_of_many_jumps_five_are_told_and_types_may_lack_msg(tmp_path: Path, capsys: Capsys) -> None:
     seconds = [1, 2, 100, 1, 100, 1, 100, 1]
     messages = [("/imu/data", t * NANOSECONDS, recorded("/imu/data", 0, 9.8)) for t in seconds]
     older = {topic: kind.replace("/msg/", "/") for topic, kind in TYPES.items()}

@@ -63,7 +63,7 @@ def odometry(velocity: Vector3) -> Give:
         (odometry((0.0, 0.0, NAN)), False, True, faults.NOT_FINITE),
     ],
 )
-def test_each_sample_is_used_or_not_and_named_if_something_is_odd(
+def test_each_sample_is_used_or_not_and_named_if_odd(
     give: Give, used: bool, left_out: bool, remark: str | None, settings: ExtendedSettings | None
 ) -> None:
     session = MetricsSession(settings=settings)
@@ -94,9 +94,7 @@ def test_every_component_reaches_its_metric() -> None:
 
 
 @pytest.mark.parametrize("settings", [None, DEFAULT_EXTENDED])
-def test_truth_that_is_none_is_left_out_where_somebody_asks_for_it(
-    settings: ExtendedSettings | None,
-) -> None:
+def test_truth_that_is_none_is_left_out_where_it_is_asked_for(settings: ExtendedSettings | None) -> None:
     session = MetricsSession(settings=settings)
     remark = None if settings is None else Remark(faults.NOT_FINITE_OR_OTHER)
     assert session.take_true_velocity((NAN, 0.0, 0.0)) == remark

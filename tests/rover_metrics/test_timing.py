@@ -76,9 +76,7 @@ def firings_of_the_rule(start: int, clock: Sequence[int]) -> list[int]:
 
 
 @given(STARTS, CLOCKS)
-def test_rows_are_the_timers_calls_that_the_nodes_guard_lets_through(
-    start: int, clock: list[int]
-) -> None:
+def test_rows_are_the_timers_calls_that_the_guard_lets_through(start: int, clock: list[int]) -> None:
     called = [clock[:end] for end in range(1, len(clock) + 1)]
     fires = [
         len(firings_of_the_rule(start, c)) > len(firings_of_the_rule(start, c[:-1])) for c in called
@@ -116,7 +114,7 @@ def due(timer: FullSeconds | ClockRows, *times: float) -> list[int]:
         ([3.9, 64.5, 0.0, 0.9, 1.0, 2.0], [64, 1], [2], None),
     ],
 )
-def test_each_full_second_of_a_recording_has_a_row_and_a_jump_has_one_and_a_line(
+def test_each_full_second_has_a_row_and_each_jump_a_line(
     times: list[float], seconds: list[int], rest: list[int], jumps: list[str] | None
 ) -> None:
     timer = FullSeconds()
@@ -127,9 +125,7 @@ def test_each_full_second_of_a_recording_has_a_row_and_a_jump_has_one_and_a_line
 
 
 @given(st.lists(st.integers(0, 12), min_size=1, max_size=15), st.integers(0, 8))
-def test_however_messages_come_the_rows_are_the_full_seconds_between_first_and_last(
-    steps: list[int], start: int
-) -> None:
+def test_rows_are_the_full_seconds_between_first_and_last(steps: list[int], start: int) -> None:
     quarters = [start + sum(steps[:end]) for end in range(len(steps))]
     timer = FullSeconds()
     told = due(timer, *(quarter / 4 for quarter in quarters))

@@ -54,9 +54,7 @@ def test_a_row_of_hand_computed_values(metrics: TraversalMetrics) -> None:
     assert csv_line(metrics.row(7)) == expected
 
 
-def test_a_mean_of_zero_is_a_float_where_an_empty_window_is_an_integer(
-    metrics: TraversalMetrics,
-) -> None:
+def test_a_mean_of_zero_is_a_float_and_an_empty_window_an_integer(metrics: TraversalMetrics) -> None:
     metrics.add_odometry(STILL)
     metrics.add_imu(STILL, STILL)
     assert csv_line(metrics.row(0)) == "0,0,0,0.0,0.0,inf,0.0,0.0,0.0,0,0.0,Normal operation\r\n"

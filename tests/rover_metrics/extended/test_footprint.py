@@ -46,7 +46,7 @@ def clearance(footprint: Footprint, x: float, y: float) -> float:
     pose=st.builds(LidarPose, PLACES, PLACES, st.floats(-7.0, 7.0)),
     ranges=st.lists(READINGS, max_size=40),
 )
-def test_the_nearest_of_a_scan_is_the_nearest_of_its_returns(
+def test_the_nearest_of_a_scan_is_of_its_returns(
     footprint: Footprint, pose: LidarPose, ranges: list[float]
 ) -> None:
     bearings = np.linspace(-3.0, 3.0, len(ranges))

@@ -54,7 +54,7 @@ LOW = "clearance {} m is below min_safe_clearance"
         ),
     ],
 )
-def test_what_is_beyond_a_threshold_sets_the_level_and_all_of_it_is_told(
+def test_what_is_beyond_a_threshold_is_told(
     changes: dict[str, float], level: Level, message: str
 ) -> None:
     status = traversal(replace(CALM, **changes))  # type: ignore[arg-type]

@@ -33,9 +33,7 @@ def listener() -> Listener:
     return Listener()
 
 
-def test_what_is_rejected_is_counted_always_told_ever_more_rarely_and_may_begin_an_account(
-    listener: Listener,
-) -> None:
+def test_what_is_rejected_is_always_counted_and_told_ever_more_rarely(listener: Listener) -> None:
     for _ in range(1000):
         listener.reception.reject("/parameters", "not readable", ", see above")
     assert listener.told == [
@@ -46,9 +44,7 @@ def test_what_is_rejected_is_counted_always_told_ever_more_rarely_and_may_begin_
     assert [state.topic for state in listener.reception.states()] == ["/scan"]
 
 
-def test_messages_lost_at_once_are_counted_and_a_detail_does_not_split_the_count(
-    listener: Listener,
-) -> None:
+def test_a_detail_does_not_split_a_count(listener: Listener) -> None:
     for times in (5, 1, 4):  # a power of two is passed by the first and the last
         listener.reception.remark("/scan", LOST, times)
     for detail in (": best effort", ": transient"):
@@ -64,9 +60,7 @@ def test_messages_lost_at_once_are_counted_and_a_detail_does_not_split_the_count
     ("remarks", "lost"),  # what the middleware tells is missing by the stamps too
     [({LOST: 3}, 3), ({LOST: 3, MISSING: 4}, 4), ({LOST: 5, MISSING: 4}, 5)],
 )
-def test_the_state_of_a_topic_is_what_is_known_of_it(
-    listener: Listener, remarks: dict[str, int], lost: int
-) -> None:
+def test_a_topics_state_is_what_is_known(listener: Listener, remarks: dict[str, int], lost: int) -> None:
     reception = listener.reception
     reception.listen("/truth", may_be_missing=True)
     reception.publishers("/scan", 3)
@@ -84,9 +78,7 @@ def test_the_state_of_a_topic_is_what_is_known_of_it(
     assert reception.states()[1] == TopicState("/truth", 1, 0, 0, 0, False, 0)
 
 
-def test_each_topic_is_judged_by_its_own_messages_and_missed_once_it_is_expected(
-    listener: Listener,
-) -> None:
+def test_each_topic_is_missed_once_it_is_expected(listener: Listener) -> None:
     """Those that were left out count too; one that may be missing is expected once it has spoken."""
     reception = Reception(listener.told.append)
     for topic in ("/imu", "/scan", "/pose", "/truth", "/never"):

@@ -40,9 +40,7 @@ def buffered(folder: Path, told: Told, *capacity: int) -> BufferedLog:
     return BufferedLog(folder, STARTED, told.append, *capacity)
 
 
-def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_not(
-    tmp_path: Path, full_disk: FullDisk
-) -> None:
+def test_rows_wait_in_order_while_the_disk_is_full(tmp_path: Path, full_disk: FullDisk) -> None:
     told = Told()
     log = buffered(tmp_path, told)
     log.write(row(0))
@@ -98,9 +96,7 @@ def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full
     assert told[-1].endswith("11 rows caught up, 15 lost")
 
 
-def test_what_still_waits_at_the_end_is_tried_once_more_and_then_counted_as_lost(
-    tmp_path: Path, full_disk: FullDisk
-) -> None:
+def test_rows_that_wait_at_the_end_are_tried_once_more(tmp_path: Path, full_disk: FullDisk) -> None:
     told = Told()
     log = buffered(tmp_path, told)
     with full_disk(1):

@@ -23,6 +23,8 @@ from rover_metrics.errors import LogError
 from rover_metrics.log import csv_log
 from rover_metrics.log.csv_log import CsvLog, harmless
 
+Patch = pytest.MonkeyPatch
+
 STARTED = datetime(2025, 1, 16, 22, 4, 57)
 ROW = TraversalMetrics().row(7)
 LINE = b"7,0,0,0.0,0,inf,0.0,0,0,0,0,Normal operation\r\n"
@@ -36,9 +38,7 @@ REAL_LOGS = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 
 
 @pytest.mark.parametrize("relative", [True, False])
-def test_the_folder_is_created_and_the_absolute_name_tells_the_start(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, relative: bool
-) -> None:
+def test_the_folder_is_created(tmp_path: Path, monkeypatch: Patch, relative: bool) -> None:
     monkeypatch.chdir(tmp_path)
     with CsvLog("a/b" if relative else tmp_path / "a/b", STARTED) as log:
         assert log.path == tmp_path / "a/b/metrics_log_20250116_220457.csv"
@@ -81,9 +81,7 @@ def test_a_folder_that_cannot_be_or_takes_no_files_is_named_with_the_mend(tmp_pa
     assert (tmp_path / "f").read_text() == "mine"
 
 
-def test_wherever_a_row_is_torn_the_file_keeps_its_whole_lines_and_takes_the_row_again(
-    tmp_path: Path, full_disk: FullDisk
-) -> None:
+def test_a_torn_row_is_forgotten_and_taken_again(tmp_path: Path, full_disk: FullDisk) -> None:
     other = replace(ROW, stamp_s=123456789)
     for taken in range(0, len(LINE), 5):
         with CsvLog(tmp_path / str(taken), STARTED) as log:
@@ -122,9 +120,7 @@ class Stubborn(io.FileIO):
         return super().truncate(size)
 
 
-def test_a_torn_row_that_cannot_be_cut_off_is_overwritten_by_the_next(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_torn_row_that_stays_is_overwritten(tmp_path: Path, monkeypatch: Patch) -> None:
     path = tmp_path / "log.csv"
     file = Stubborn(path, "x+")
     monkeypatch.setattr(csv_log, "_create", lambda *_: (path, file))
@@ -192,9 +188,7 @@ def test_a_moved_file_takes_its_rows_along(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("taken", range(0, len(HEADER) + 2 * len(LINE), 31))
-def test_a_deleted_file_that_a_full_disk_takes_no_copy_of_is_put_back_later(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, taken: int
-) -> None:
+def test_a_deleted_file_is_put_back_when_the_disk_has_room(tmp_path: Path, monkeypatch: Patch, taken: int) -> None:
     class Small(io.FileIO):
         def write(self, data: Any) -> int:  # noqa: ANN401 - a buffer
             if not data[: taken - self.tell()]:
@@ -229,9 +223,7 @@ def test_a_deleted_file_that_a_full_disk_takes_no_copy_of_is_put_back_later(
         (errno.EIO, "choose another folder"),
     ],
 )
-def test_each_refusal_is_named_with_the_mend(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, mend: str
-) -> None:
+def test_each_refusal_has_its_mend(tmp_path: Path, monkeypatch: Patch, number: int, mend: str) -> None:
     def refuse(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
@@ -249,7 +241,7 @@ def test_each_refusal_is_named_with_the_mend(
 
 
 @pytest.fixture
-def synced(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Path, int]]:
+def synced(monkeypatch: Patch) -> list[tuple[Path, int]]:
     """Each file with its size, and each folder, that the disk was waited for."""
     seen: list[tuple[Path, int]] = []
 
@@ -261,9 +253,7 @@ def synced(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Path, int]]:
     return seen
 
 
-def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next(
-    tmp_path: Path, synced: list[tuple[Path, int]]
-) -> None:
+def test_fsync_waits_for_each_line_and_the_name(tmp_path: Path, synced: list[tuple[Path, int]]) -> None:
     with CsvLog(tmp_path, STARTED) as log:  # which is not the default
         log.write(ROW)
         assert (log.fsync, synced) == (False, [])
@@ -283,9 +273,7 @@ def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next
 
 
 @pytest.mark.parametrize("confirmed", [0, 1])
-def test_a_row_that_the_disk_does_not_confirm_is_an_error_and_not_in_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, confirmed: int
-) -> None:
+def test_a_row_without_its_fsync_is_an_error(tmp_path: Path, monkeypatch: Patch, confirmed: int) -> None:
     calls: list[int] = []
 
     def refuse(descriptor: int) -> None:

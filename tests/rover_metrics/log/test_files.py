@@ -24,9 +24,7 @@ def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("old", [{"page.html": "old"}, {}])
-def test_a_file_that_could_not_be_written_leaves_what_was_there_and_nothing_else(
-    tmp_path: Path, old: dict[str, str]
-) -> None:
+def test_a_failed_write_leaves_what_was_there(tmp_path: Path, old: dict[str, str]) -> None:
     for name, text in old.items():
         (tmp_path / name).write_text(text)
     with pytest.raises(OSError, match="full"), whole_file(tmp_path / "page.html") as part:  # noqa: PT012

@@ -63,9 +63,7 @@ def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: 
         ("ValueError: boo", 12, "ValueError: boo"),
     ],
 )
-def test_a_session_that_lost_rows_or_broke_has_failed_with_the_reason(
-    log: Path, failure: str | None, lost_rows: int, reason: str
-) -> None:
+def test_a_session_that_broke_has_failed(log: Path, failure: str | None, lost_rows: int, reason: str) -> None:
     record = SessionRecord("/metrics_node", lambda: STARTED, print)
     assert record.failure is None
     record.failure = failure
@@ -115,9 +113,7 @@ UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.
         ),
     ],
 )
-def test_thresholds_are_read_from_the_record_as_far_as_they_make_sense_and_so_is_all_else(
-    log: Path, record: str, end: SessionEnd, arguments: dict[str, object], collision: float | None
-) -> None:
+def test_a_record_is_read_as_far_as_it_makes_sense(log: Path, record: str, end: SessionEnd, arguments: dict[str, object], collision: float | None) -> None:
     log.with_suffix(".json").write_text(record)
     told = session_thresholds(log)
     assert told == (None if collision is None else Thresholds(collision_threshold=collision))

@@ -31,7 +31,7 @@ def failing(error: BaseException) -> Any:  # noqa: ANN401 - a handler
 
 
 @pytest.mark.parametrize("error", [ValueError("a\n b"), OverflowError("a b"), KeyError("a b")])
-def test_a_message_that_fails_is_left_out_counted_by_its_kind_and_told_with_the_reason(
+def test_a_message_that_fails_is_counted_and_told(
     rig: "Rig", error: Exception, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node, name = rig.start("-r", "__ns:=/leo"), type(error).__name__

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
     from tests.rover_metrics.conftest import Rig
 
+Capsys = pytest.CaptureFixture[str]
+Patch = pytest.MonkeyPatch
+
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
@@ -69,9 +72,7 @@ def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig
     assert statuses[0]["metrics_node: topic leo imu data"].level == DiagnosticStatus.STALE
 
 
-def test_an_error_while_publishing_costs_no_row(
-    rig: "Rig", capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_while_publishing_costs_no_row(rig: "Rig", capfd: Capsys, monkeypatch: Patch) -> None:
     node = rig.start(use_sim_time=True)
     heard = listen(rig, node)
     clock = rig.publisher(Clock, "/clock")
@@ -90,9 +91,7 @@ def test_an_error_while_publishing_costs_no_row(
     assert len(node.log.path.read_bytes().splitlines()) == 5
 
 
-def test_publishing_can_be_switched_off_and_on_and_builds_nothing_while_nobody_listens(
-    rig: "Rig", monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_publishing_can_be_switched_and_waits_for_listeners(rig: "Rig", monkeypatch: Patch) -> None:
     node = rig.start(use_sim_time=True)
     clock = rig.publisher(Clock, "/clock")
     with monkeypatch.context() as patch:
@@ -107,9 +106,7 @@ def test_publishing_can_be_switched_off_and_on_and_builds_nothing_while_nobody_l
     assert heard[0].header.stamp.sec == 3
 
 
-def test_without_diagnostic_msgs_rows_are_written_and_the_user_is_told(
-    rig: "Rig", capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_diagnostic_msgs_rows_are_written(rig: "Rig", capfd: Capsys, monkeypatch: Patch) -> None:
     monkeypatch.setattr(metrics_publisher, "DiagnosticArray", None)
     node = rig.start(use_sim_time=True)
     tick(rig, node, rig.publisher(Clock, "/clock"), 1)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
     from tests.rover_metrics.conftest import Rig
 
+Capsys = pytest.CaptureFixture[str]
+
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
 SCAN, IMU, POSE, ODOMETRY = SENSORS
@@ -64,8 +66,8 @@ def tenths(start: float, end: float) -> list[float]:
     return [tenth / 10 for tenth in range(round(start * 10), round(end * 10) + 1)]
 
 
-def test_a_simulator_that_starts_again_begins_a_new_segment_and_totals_go_on(
-    rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: pytest.CaptureFixture[str]
+def test_a_restart_begins_a_segment(
+    rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: Capsys
 ) -> None:
     clock.tell(*tenths(0.1, 3.4))
     node.take(SCAN, rig.scan(0.1))
@@ -84,8 +86,8 @@ def test_a_jump_of_an_hour_is_one_row_and_no_burst(node: "MetricsNode", clock: S
     assert node.timer.times.segments == 1
 
 
-def test_a_clock_that_stands_still_is_told_once_and_so_is_its_return(
-    node: "MetricsNode", clock: SimClock, capfd: pytest.CaptureFixture[str]
+def test_a_clock_that_stands_still_is_told_once(
+    node: "MetricsNode", clock: SimClock, capfd: Capsys
 ) -> None:
     clock.tell(0.5)
     for steady in range(20):
@@ -110,9 +112,7 @@ def test_system_time_that_is_set_back_takes_no_row_with_it(rig: "Rig") -> None:
     rig.spin_until(lambda: node.rows == 1)
 
 
-def test_a_topic_that_stops_is_told_after_the_parameters_time(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_topic_that_stops_is_told_after_the_parameters_time(rig: "Rig", capfd: Capsys) -> None:
     node = rig.start(use_sim_time=True, stale_after=2.0)
     clock = SimClock(rig, node)
     for second in range(1, 7):
@@ -126,7 +126,7 @@ def test_a_topic_that_stops_is_told_after_the_parameters_time(
     assert told.count(f"/imu/data: {silence}") == 1
 
 
-def test_a_second_publisher_is_told(rig: "Rig", capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_second_publisher_is_told(rig: "Rig", capfd: Capsys) -> None:
     node = rig.start()
     second = [rig.simulator.create_publisher(LaserScan, "scan", 10) for _ in range(2)][1]
     for _ in range(2):
@@ -143,9 +143,7 @@ def test_a_second_publisher_is_told(rig: "Rig", capfd: pytest.CaptureFixture[str
     assert "[WARN]" in told
 
 
-def test_a_second_clock_is_told(
-    rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_second_clock_is_told(rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: Capsys) -> None:
     rig.simulator.create_publisher(Clock, "/clock", 10)
     rig.spin_until(lambda: node.count_publishers("/clock") == 2)
     clock.tell(2.0)

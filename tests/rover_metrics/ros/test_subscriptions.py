@@ -30,7 +30,7 @@ BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABILITY = "qos_overrides./scan.subscription.reliability"
 
 
-def test_a_best_effort_publisher_of_scans_is_reported_with_what_to_change(
+def test_a_best_effort_publisher_is_reported_with_the_mend(
     rig: "Rig", capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start()
