@@ -1,7 +1,5 @@
 """The node over real DDS, in this process; its program in test_metrics_program.py."""
 
-# the skip stands before the imports that need ROS
-
 import csv
 import json
 import math
@@ -33,9 +31,6 @@ from rover_metrics.topics import SENSORS, TRUTH
 from tests.rover_metrics.conftest import Rig
 
 Capsys = pytest.CaptureFixture[str]
-
-# The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
 SCAN, IMU, POSE, ODOMETRY = SENSORS
 GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH

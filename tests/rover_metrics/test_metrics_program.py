@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -73,21 +72,6 @@ def test_a_killed_program_leaves_its_rows_and_no_end_mark(tmp_path: Path) -> Non
         program.communicate(timeout=TIMEOUT)
     assert len(read_log(log)) >= 1
     assert UNMARKED in read_log(log).findings
-
-
-@pytest.mark.usefixtures("_ros")
-def test_a_signal_while_rows_wait_ends_the_program_cleanly(tmp_path: Path) -> None:
-    with running(tmp_path) as (program, log):
-        shutil.rmtree(log.parent)
-        log.parent.write_text("in the way")
-        assert program.stderr is not None
-        assert "cannot write a row in" in program.stderr.readline()
-        program.send_signal(signal.SIGINT)
-        _, rest = program.communicate(timeout=TIMEOUT)
-    assert program.returncode == 0
-    assert "rows are lost so far" in rest
-    assert "cannot write the session's record" in rest
-    assert "Traceback" not in rest
 
 
 @pytest.mark.usefixtures("_ros")

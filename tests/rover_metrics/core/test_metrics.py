@@ -41,19 +41,6 @@ def test_the_row_before_any_sample_is_roboterrains_to_the_byte(metrics: Traversa
     assert (metrics.clearance, metrics.farthest) == (INF, -INF)
 
 
-def test_a_row_of_hand_computed_values(metrics: TraversalMetrics) -> None:
-    metrics.add_scan([3.0, 0.125, INF])  # collision
-    metrics.add_scan([3.0, 0.5])
-    metrics.add_imu((0.0, 3.0, 4.0), (0.0, 0.0, 2.0))  # 5 + 2
-    metrics.add_imu((12.0, 0.0, -16.0), (1.0, 0.0, 0.0))  # 20 + 1, rough
-    metrics.add_pose((1.0, 1.0, 1.0))
-    metrics.add_pose((1.1, 1.2, 1.2))  # 0.3
-    metrics.add_odometry((0.3, 0.4, 0.0))  # 0.5
-    metrics.add_odometry((-1.0, 0.0, 0.0))  # 1.0
-    expected = "7,1,0,28.0,14.0,0.3125,0.3,0.75,20.0,1,16.0,Normal operation\r\n"
-    assert csv_line(metrics.row(7)) == expected
-
-
 def test_a_mean_of_zero_is_a_float_and_an_empty_window_an_integer(metrics: TraversalMetrics) -> None:
     metrics.add_odometry(STILL)
     metrics.add_imu(STILL, STILL)

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from rover_metrics.core.thresholds import Thresholds
-from rover_metrics.errors import LogError
 from rover_metrics.log.session_record import (
     SessionEnd,
     SessionRecord,
@@ -63,7 +62,9 @@ def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: 
         ("ValueError: boo", 12, "ValueError: boo"),
     ],
 )
-def test_a_session_that_broke_has_failed(log: Path, failure: str | None, lost_rows: int, reason: str) -> None:
+def test_a_session_that_broke_has_failed(
+    log: Path, failure: str | None, lost_rows: int, reason: str
+) -> None:
     record = SessionRecord("/metrics_node", lambda: STARTED, print)
     assert record.failure is None
     record.failure = failure
@@ -109,11 +110,16 @@ UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.
         ('{"thresholds": {"collision_threshold": "0.75"}}', UNKNOWN, {}, 0.75),
         *(
             (f'{{"thresholds": {odd}}}', UNKNOWN, {}, None)
-            for odd in ("[1]", *(f'{{"collision_threshold": {value}}}' for value in ("-1", '"x"', "null")))
+            for odd in (
+                "[1]",
+                *(f'{{"collision_threshold": {value}}}' for value in ("-1", '"x"', "null")),
+            )
         ),
     ],
 )
-def test_a_record_is_read_as_far_as_it_makes_sense(log: Path, record: str, end: SessionEnd, arguments: dict[str, object], collision: float | None) -> None:
+def test_a_record_is_read_as_far_as_it_makes_sense(
+    log: Path, record: str, end: SessionEnd, arguments: dict[str, object], collision: float | None
+) -> None:
     log.with_suffix(".json").write_text(record)
     told = session_thresholds(log)
     assert told == (None if collision is None else Thresholds(collision_threshold=collision))

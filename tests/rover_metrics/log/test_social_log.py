@@ -9,6 +9,7 @@ from rover_metrics.analysis.social.log import read_social_log
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.social_log import SocialRows, social_columns
 
+
 def test_rows_have_two_decimals_and_come_back_from_the_file(tmp_path: Path) -> None:
     names = ("b_actor", "a_actor")
     rows = SocialRows()
@@ -32,4 +33,12 @@ def test_without_a_second_since_the_row_before_there_is_no_speed_and_without_peo
     rows = SocialRows()
     speeds = [rows.next(time_s, (9.0 * time_s, 0.0), {}, 0).speed for time_s in (1.0, 1.0, 0.5, 1.5)]
     assert speeds == pytest.approx([math.nan, math.nan, math.nan, 9.0], nan_ok=True)
-    assert rows.next(2.0, (0.0, 0.0), {}, 3).as_fields() == [5, "2.00", "0.00", "0.00", "27.00", "nan", 3]
+    assert rows.next(2.0, (0.0, 0.0), {}, 3).as_fields() == [
+        5,
+        "2.00",
+        "0.00",
+        "0.00",
+        "27.00",
+        "nan",
+        3,
+    ]

@@ -20,8 +20,6 @@ from rover_metrics.topics import SENSORS
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
 
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 
 def failing(error: BaseException) -> Any:  # noqa: ANN401 - a handler
     def handler(*_: object) -> None:

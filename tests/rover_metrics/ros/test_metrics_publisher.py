@@ -1,7 +1,5 @@
 """rover/metrics over real DDS, with somebody who listens."""
 
-# the skip stands before the imports that need ROS
-
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -22,9 +20,6 @@ if TYPE_CHECKING:
 
 Capsys = pytest.CaptureFixture[str]
 Patch = pytest.MonkeyPatch
-
-# The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
 SCAN = SENSORS[0]
 Heard = list[Any]

@@ -16,8 +16,6 @@ from tests.rover_metrics.conftest import TRIANGLE, VALUES
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
 
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 RELIABILITY = "qos_overrides./scan.subscription.reliability"
 FIXED = ("log_dir", "wheels", "extended_columns")
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 Capsys = pytest.CaptureFixture[str]
 
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 SCAN, IMU, POSE, ODOMETRY = SENSORS
 SECOND = 10**9
 
@@ -110,20 +108,6 @@ def test_system_time_that_is_set_back_takes_no_row_with_it(rig: "Rig") -> None:
     node.timer.look(SECOND)
     assert node.timer.times.segments == 2
     rig.spin_until(lambda: node.rows == 1)
-
-
-def test_a_topic_that_stops_is_told_after_the_parameters_time(rig: "Rig", capfd: Capsys) -> None:
-    node = rig.start(use_sim_time=True, stale_after=2.0)
-    clock = SimClock(rig, node)
-    for second in range(1, 7):
-        if second in (1, 2, 6):
-            node.take(SCAN, rig.scan(1.0, stamp=second))
-        clock.tell(second)
-    told = capfd.readouterr().err
-    silence = "nothing for 2 s (publishers: 0)"
-    assert told.count(f"/scan: {silence}; its columns show what was last heard") == 1
-    assert told.count("/scan: heard again after 4 s of silence") == 1
-    assert told.count(f"/imu/data: {silence}") == 1
 
 
 def test_a_second_publisher_is_told(rig: "Rig", capfd: Capsys) -> None:

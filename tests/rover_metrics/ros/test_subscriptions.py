@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
 
 pytestmark = [
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
     # rclpy's own report at the publisher's side calls what it deprecates.
     pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning"),
 ]
