@@ -167,7 +167,7 @@ def _log_error(what: str, directory: Path, error: Exception) -> LogError:
 
 
 def harmless(cell: Field) -> Field:
-    """Returns a cell, with an apostrophe before text that a spreadsheet would run (OWASP, CSV injection)."""
+    """Returns a cell, with an apostrophe before text that spreadsheets would run (OWASP, CSV injection)."""
     if not isinstance(cell, str) or not cell.startswith(FORMULA) or NUMBER.fullmatch(cell):
         return cell
     return f"'{cell}"
