@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
+from rover_metrics.errors import ParameterError, missing_ros
 
 try:
     from rcl_interfaces.msg import SetParametersResult
@@ -90,7 +90,7 @@ class MetricsNode(GuardedNode):
                 fsync=self.settings.fsync,
                 columns=self.session.columns,
             )
-        except RoverMetricsError:
+        except Exception:  # what rclpy refuses, too
             super().destroy_node()
             raise
         self.last_row: Row | None = None

@@ -89,6 +89,13 @@ def launched(file: Path, given: Mapping[str, str]) -> Any:  # noqa: ANN401 - a N
     return action
 
 
+@pytest.mark.parametrize("file", [METRICS, HARNESS], ids=lambda file: file.name)
+def test_every_argument_is_described_and_may_be_left_out(file: Path) -> None:
+    for argument in arguments(file).values():
+        assert argument.description, argument.name
+        assert argument.default_value is not None, argument.name
+
+
 def test_metrics_launches_the_installed_program_with_a_parameter_file_of_the_defaults() -> None:
     node = launched(METRICS, {})
     assert (node.package, node.output) == ("rover_metrics", "screen")

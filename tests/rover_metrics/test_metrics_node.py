@@ -1,9 +1,12 @@
 """The node over real DDS, in this process; its program in test_metrics_program.py."""
 
 import csv
+import gc
 import json
 import math
+import random
 import shutil
+import sys
 import time
 from typing import Any
 
@@ -13,6 +16,8 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseArray
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
@@ -57,8 +62,9 @@ def test_the_folder_is_told_and_the_log_closed(
 
 def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) -> None:
     node = rig.start()
-    rig.publisher(LaserScan, "scan").publish(rig.scan(1.0))
+    rig.publisher(LaserScan, "scan").publish(rig.scan(*(7.0,) * 99_999, 3.5))
     rig.spin_until(lambda: node.received["/scan"] == 1)
+    assert node.metrics.clearance == 3.5
     node.periodic_logging()
     client = rig.simulator.create_client(Trigger, "/metrics_node/received")
     rig.spin_until(client.service_is_ready)
@@ -195,7 +201,7 @@ def cells(node: MetricsNode) -> dict[str, Any]:
 def test_every_field_of_every_message_reaches_its_columns(rig: Rig) -> None:
     """Angles and limits of a scan, the first pose of several, turned IMU, named truth."""
     wide = [-0.2, -0.1, 0.2, -0.1, 0.2, 0.1, -0.2, 0.1]
-    extended = {"extended_columns": True, "use_sim_time": True}
+    extended: dict[str, Any] = {"extended_columns": True, "use_sim_time": True}
     node = rig.start(**extended, footprint=wide, collision_threshold=1.0, gravity=10.0)
     scan = rig.scan(0.5, 3.0, stamp=1.0, limits=(0.6, 2.0))
     scan.angle_min, scan.angle_increment = math.pi / 2, 0.1  # the nearest is on the left
@@ -266,3 +272,45 @@ def test_topics_follow_namespace_and_remap_and_losses_have_columns(rig: Rig, cap
     assert told["True Roughness [m]"] == ""
     assert [node.reception.rejected[f"/leo/{topic}"] for topic in truth] == [1, 0, 1]
     assert capfd.readouterr().err.count("not the truth that harness.run publishes, left out") == 2
+
+
+def test_random_messages_do_no_harm_and_leave_nothing_behind(rig: Rig) -> None:
+    node, rng = rig.start(stale_after=0.0), random.Random(7)  # noqa: S311 - no secrets here
+    odd = (math.nan, math.inf, -math.inf, 0.0, -1.0, 1e-300, 1e300, -1e308, 427.0, 9.8, 0.1)
+    scans = [rig.scan(*rng.choices(odd[:5] + odd[8:], k=size), limits=(0.15, 9.0)) for size in range(9)]
+    poses, imu, odometry = rig.pose(0.0, 0.0, 0.0), rig.imu((0.0, 0.0, 0.0)), rig.odometry(0.0, 0.0, 0.0)
+    vectors = (imu.linear_acceleration, poses.poses[0].position, odometry.twist.twist.linear)
+
+    def give(messages: int) -> None:
+        for number in range(messages):
+            for vector in vectors:
+                vector.x, vector.y, vector.z = rng.choices(odd, k=3)
+            choice = ((SCAN, rng.choice(scans)), (IMU, imu), (POSE, poses), (ODOMETRY, odometry))
+            source, message = rng.choice(choice)
+            stamp = message.header.stamp
+            stamp.sec, stamp.nanosec = rng.choice((0, 1, -(2**31), 2**31 - 1)), rng.randrange(2**32)
+            node.take(source, message)
+            if number % 1000 == 0:
+                node.periodic_logging()
+                node.reception.look(number * 10**9, 5 * 10**9)
+
+    give(4000)
+    gc.collect()
+    before = sys.getallocatedblocks()
+    give(16_000)
+    gc.collect()
+    assert sys.getallocatedblocks() - before < 1000
+    assert sum(node.received.values()) == 20_000
+    assert node.last_row is not None
+    assert all(math.isfinite(float(cell)) for cell in node.last_row.as_fields()[:-1])
+    assert all(node.reception.rejected[f"/{name}"] > 0 for name in ("imu/data", "odometry/wheels"))
+    assert (node.reception.rejected["/scan"], node.lost_rows) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    "words", [("-r", "__ns:=/" + "a" * 300), ("-r", "scan:=" + "a" * 300), ("-p", "use_sim_time:=maybe")]
+)
+def test_a_node_that_rcl_refuses_leaves_nothing_behind(rig: Rig, words: tuple[str, str]) -> None:
+    with pytest.raises((RCLError, NameValidationException, ParameterException)):
+        rig.start(*words)
+    assert list(rig.folder.iterdir()) == []

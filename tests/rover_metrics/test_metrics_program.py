@@ -95,6 +95,10 @@ MISTAKES = {
     "-p colision_threshold:=1.0": "no parameter colision_threshold; did you mean collision_threshold?",
     "-p debug_interval:=0": "an integer from 1 to",
     "-p log_dir:=/dev/null": "/dev/null: File exists; a file stands where a folder should be",
+    "-p use_sim_time:=maybe": "expecting type 'BOOL': use_sim_time; give true or false",
+    f"-r __ns:=/{'a' * 300}": "invalid node namespace",
+    f"-r scan:=/{'a' * 300}": "give another name",
+    "-- bogus": "unrecognized arguments: bogus; see --help",
     "--parms-file x": "--ros-args knows no '--parms-file'; did you mean --params-file?",
     "-p debug_mode": "Couldn't parse parameter override rule",
 }
@@ -103,7 +107,10 @@ import sys
 from rover_metrics.metrics_node import main
 for words in sys.argv[1:]:
     sys.argv[1:] = ["--ros-args", *words.split()]
-    print(f"<{main()}>", file=sys.stderr)
+    try:
+        print(f"<{main()}>", file=sys.stderr)
+    except SystemExit as end:
+        print(f"<{end.code}>", file=sys.stderr)
 """
 
 
@@ -151,3 +158,11 @@ def test_without_ros_the_program_says_how_to_get_it(tmp_path: Path, module: str)
 def test_without_ros_a_library_user_gets_an_import_error_to_catch(tmp_path: Path) -> None:
     caller = "try: import rover_metrics.metrics_node\nexcept ImportError as e: print(e.exit_code, e)"
     assert without_ros(tmp_path, "-c", caller).stdout.startswith("2 metrics_node needs ROS 2")
+
+
+@pytest.mark.parametrize("module", ["rover_metrics.metrics_node", "rover_metrics"])
+def test_help_tells_the_usage_and_starts_no_node(tmp_path: Path, module: str) -> None:
+    run = finished(tmp_path, environment(), "-m", module, "--help")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout.startswith("usage: metrics_node [-h] [--ros-args")
+    assert list(tmp_path.iterdir()) == []

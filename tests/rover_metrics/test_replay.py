@@ -494,3 +494,28 @@ def test_of_many_jumps_five_are_told_and_types_may_lack_msg(tmp_path: Path, caps
         notes = [line for line in capsys.readouterr().err.splitlines() if " note: " in line]
         assert notes[0] == "replay: note: time jumps from 2.00 s to 100.00 s"
         assert notes[5:] == ["replay: note: 1 more jumps of time"] * more
+
+
+NOT_READABLE = Path("/proc/self/mem")  # whose first byte is an EIO
+
+
+@pytest.mark.parametrize(
+    "metadata", ["[" * 5000, f"a: {'9' * 5001}", "a: &a [*a]", "? [a]\n: 1", "a: !!int x"]
+)
+def test_a_bag_with_nonsense_beside_it_is_read_by_name(tmp_path: Path, metadata: str) -> None:
+    bag = write_folder(tmp_path / "bag", drive())
+    (bag / "metadata.yaml").write_text(metadata)
+    assert replay(bag, code=1) == cells(expected_rows())
+
+
+@pytest.mark.skipif(not NOT_READABLE.exists(), reason="needs /proc")
+def test_a_disk_that_fails_while_it_is_read_is_one_line(tmp_path: Path, capsys: Capsys) -> None:
+    bag = write_folder(tmp_path / "bag", drive())
+    whole = str(bag)
+    assert "mem: Input/output error" in complaint(main, [whole, "--params", str(NOT_READABLE)], capsys)
+    assert "mem: Input/output error" in complaint(main, [str(NOT_READABLE)], capsys)
+    (bag / "metadata.yaml").unlink()
+    (bag / "metadata.yaml").symlink_to(NOT_READABLE)
+    (bag / "bag_1.mcap").symlink_to(NOT_READABLE)
+    assert replay(bag, code=1) == cells(expected_rows())
+    assert "bag_1.mcap: Input/output error; left out" in capsys.readouterr().err

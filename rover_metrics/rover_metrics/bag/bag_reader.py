@@ -16,10 +16,9 @@ from itertools import islice
 from pathlib import Path, PurePath
 
 import zstandard
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from rover_metrics.bag.mcap_stream import BagError, McapFile, Message
+from rover_metrics.log.documents import DocumentError, read_yaml
 
 LARGEST_SKIP = 2**32  # rows
 MOST_NAMED = 5  # bags, where the folder that holds them was given
@@ -133,10 +132,10 @@ class Bag(ExitStack):
             )
             return []
         try:
-            metadata = YAML(typ="safe").load(metadata_file)["rosbag2_bagfile_information"]
+            metadata = read_yaml(metadata_file)["rosbag2_bagfile_information"]
             paths = [self.path / PurePath(name).name for name in metadata["relative_file_paths"]]
             self._message_compression = str(metadata.get("compression_mode")).lower() == "message"
-        except (OSError, YAMLError, ValueError, KeyError, TypeError, AttributeError):
+        except (DocumentError, ValueError, LookupError, TypeError, AttributeError):
             self.problems.append("metadata.yaml is not readable; the bag's files were read by name")
             return []
         self.problems.extend(f"{p.name} is missing from the bag" for p in paths if not p.exists())

@@ -4,11 +4,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
-
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
+from rover_metrics.log.documents import DocumentError, read_yaml
 
 NODE_NAME = "metrics_node"
 EVERY_NODE = ("*", "**")
@@ -20,10 +18,9 @@ def read_values(path: Path) -> dict[str, Any]:
     Later sections of the node win. An empty list sets nothing.
     """
     try:
-        document = YAML(typ="safe").load(path)
-    except (OSError, UnicodeDecodeError, YAMLError) as error:
-        reason = error.strerror if isinstance(error, OSError) else " ".join(str(error).split())
-        raise ParameterError(f"cannot read parameters from {path}: {reason}") from error
+        document = read_yaml(path)
+    except DocumentError as error:
+        raise ParameterError(f"cannot read parameters from {path}: {error}") from error
     sections = list(_sections(document, ""))
     if not sections:
         raise ParameterError(f"{path} has no section 'metrics_node: ros__parameters:'")

@@ -51,11 +51,14 @@ class BufferedLog(CsvLog):
             self._drop(1)
 
     def close(self) -> None:
-        """Tries the waiting rows a last time and closes the file; closing twice is fine."""
+        """Tries the waiting rows a last time and closes the file, telling what fails; twice is fine."""
         if not self._file.closed:
             self._write_waiting()
             self._drop(self.waiting)
-            super().close()
+            try:
+                super().close()
+            except LogError as error:
+                self._tell(str(error))
 
     def _write_waiting(self) -> None:
         late = self.waiting

@@ -89,8 +89,11 @@ class CsvLog(AbstractContextManager["CsvLog"]):
         self.rows += 1
 
     def close(self) -> None:
-        """Closes the file; closing twice is fine."""
-        self._file.close()
+        """Closes the file, or raises a LogError; closing twice is fine."""
+        try:
+            self._file.close()
+        except OSError as error:
+            raise _log_error("cannot finish a log", self.path.parent, error) from error
 
     def _write_line(self, cells: Iterable[Field]) -> None:
         line = _csv_line(cells)
@@ -167,7 +170,7 @@ def _log_error(what: str, directory: Path, error: Exception) -> LogError:
 
 
 def harmless(cell: Field) -> Field:
-    """Returns a cell, with an apostrophe before text that spreadsheets would run (OWASP, CSV injection)."""
+    """Returns a cell, an apostrophe before text that spreadsheets would run (OWASP, CSV injection)."""
     if not isinstance(cell, str) or not cell.startswith(FORMULA) or NUMBER.fullmatch(cell):
         return cell
     return f"'{cell}"

@@ -12,6 +12,7 @@ from typing import Any
 
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
+from rover_metrics.log.documents import DocumentError, read_json
 from rover_metrics.log.files import whole_file
 
 Outcome = Mapping[str, str | None]
@@ -97,7 +98,7 @@ def session_thresholds(log: str | Path) -> Thresholds | None:
         return None
     try:
         return Thresholds(**{name: float(kept[name]) for name in THRESHOLD_INFO if name in kept})
-    except (ParameterError, TypeError, ValueError):
+    except (ArithmeticError, ParameterError, TypeError, ValueError):
         return None
 
 
@@ -109,7 +110,7 @@ def session_arguments(log: str | Path) -> dict[str, Any]:
 
 def _read(log: str | Path) -> dict[str, Any]:
     try:
-        record = json.loads(Path(log).with_suffix(".json").read_bytes())
-    except (OSError, ValueError):
+        record = read_json(Path(log).with_suffix(".json"))
+    except DocumentError:
         return {}
     return record if isinstance(record, dict) else {}

@@ -1,4 +1,7 @@
 import csv
+import errno
+import io
+import os
 import shutil
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -102,3 +105,17 @@ def test_rows_outlive_a_folder_that_cannot_be_made_again(tmp_path: Path, full_di
     assert seconds(log.path) == [0, 1, 2, 3, 4]
     assert [line.partition("; ")[2][:15] for line in told] == ["choose another ", "a file stands w", ""]
     log.close()
+
+
+def test_a_file_that_the_disk_refuses_to_close_is_told(tmp_path: Path) -> None:
+    class Broken(io.FileIO):
+        def close(self) -> None:
+            super().close()
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    told = Told()
+    log = buffered(tmp_path, told)
+    log._file.close()
+    log._file = Broken(log.path, "r+")
+    log.close()
+    assert told == [f"cannot finish a log in {tmp_path}: Input/output error; choose another folder"]

@@ -100,6 +100,8 @@ UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.
 @pytest.mark.parametrize(
     ("record", "end", "arguments", "collision"),
     [
+        *((text, UNKNOWN, {}, None) for text in ("[" * 5000, f"[{'9' * 5001}]", " " * 2**23)),
+        (f'{{"thresholds": {{"collision_threshold": 1{"0" * 400}}}}}', UNKNOWN, {}, None),
         *((text, UNKNOWN, {}, None) for text in ("{", "7", '{"log": 3}', "\x00\x00")),
         ('{"outcome": null}', UNMARKED, {}, None),
         ('{"outcome": {}, "mode": "ROS 2"}', MARKED, {}, None),

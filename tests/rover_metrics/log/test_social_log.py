@@ -9,6 +9,8 @@ from rover_metrics.analysis.social.log import read_social_log
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.social_log import SocialRows, social_columns
 
+REAL = Path(__file__).parents[4] / "shared/data/roboterrain/social/Nav2_lidar_reverse"
+
 
 def test_rows_have_two_decimals_and_come_back_from_the_file(tmp_path: Path) -> None:
     names = ("b_actor", "a_actor")
@@ -42,3 +44,18 @@ def test_without_a_second_since_the_row_before_there_is_no_speed_and_without_peo
         "nan",
         3,
     ]
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")
+def test_the_header_and_the_cells_are_those_of_a_real_log() -> None:
+    first, *_, last = next(iter(sorted(REAL.iterdir()))).read_text().splitlines()
+    assert first == ",".join(social_columns(("triangle_actor", "linear_actor", "diag_actor")))
+    step, time_s, x, y, speed, *distances, nearest, goals = last.split(",")
+    place, names = (float(x), float(y)), ("diag_actor", "linear_actor", "triangle_actor")
+    people = {n: (place[0] + float(d), place[1]) for n, d in zip(names, distances, strict=True)}
+    cells = [
+        str(cell) for cell in SocialRows().next(float(time_s), place, people, int(goals)).as_fields()
+    ]
+    cells[0], cells[4] = step, speed  # of the rows before
+    assert ",".join(cells) == last
+    assert min(map(float, distances)) == float(nearest)
