@@ -22,11 +22,7 @@ class DocumentError(RoverMetricsError):
 
 
 def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401 - whatever a file holds
-    """Returns the content of a YAML file as ruamel.yaml reads it, by default as plain values.
-
-    Raises:
-        DocumentError: It cannot be read, is no YAML or beyond the bounds.
-    """
+    """Returns the content of a YAML file as ruamel.yaml reads it, or raises a DocumentError."""
     from ruamel.yaml import YAML  # noqa: PLC0415 - takes 25 ms, and most imports of this need no file
     from ruamel.yaml.error import YAMLError  # noqa: PLC0415
 
@@ -41,11 +37,7 @@ def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401 - whate
 
 
 def read_json(path: Path) -> Any:  # noqa: ANN401
-    """Returns the content of a JSON file.
-
-    Raises:
-        DocumentError: It cannot be read, is no JSON or beyond the bounds.
-    """
+    """Returns the content of a JSON file, or raises a DocumentError."""
     return _read(path, "JSON", json.loads)
 
 
