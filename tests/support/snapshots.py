@@ -14,7 +14,9 @@ def check_snapshot(name: str, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     kept = path.read_text(encoding="utf-8") if path.exists() else ""
-    assert _rounded(text).splitlines() == _rounded(kept).splitlines(), f"is it right? ACCEPT=1 keeps it: {path}"
+    assert _rounded(text).splitlines() == _rounded(kept).splitlines(), (
+        f"is it right? ACCEPT=1 keeps it: {path}"
+    )
 
 
 def _rounded(text: str) -> str:
