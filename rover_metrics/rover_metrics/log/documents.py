@@ -21,15 +21,15 @@ class DocumentError(RoverMetricsError):
     """A file that cannot be read, or is no such document; one line without the file's name."""
 
 
-def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401 - whatever a file holds
-    """Returns the content of a YAML file as ruamel.yaml reads it, or raises a DocumentError."""
+def read_yaml(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
+    """Returns the content of a YAML file as plain values, or raises a DocumentError."""
     from ruamel.yaml import YAML  # noqa: PLC0415 - takes 25 ms, and most imports of this need no file
     from ruamel.yaml.error import YAMLError  # noqa: PLC0415
 
     def parsed(data: bytes) -> Any:  # noqa: ANN401
         try:
             _require_bounds(YAML(typ="safe", pure=True).parse(data))
-            return YAML(typ=kind).load(data)
+            return YAML(typ="safe").load(data)
         except YAMLError as error:
             raise DocumentError(f"no valid YAML: {' '.join(str(error).split())}") from error
 
@@ -52,7 +52,7 @@ def _read(path: Path, name: str, parsed: Callable[[bytes], T]) -> T:
     try:
         return parsed(data)
     except RecursionError as error:
-        raise DocumentError(f"values nested deeper than {DEEPEST}; make it flatter") from error
+        raise DocumentError("values nested too deep; make it flatter") from error
     except _NONSENSE as error:
         reason = " ".join(str(error).split()).partition("; use sys.")[0]  # which is no mend for users
         raise DocumentError(f"no valid {name}: {reason}") from error
@@ -79,6 +79,6 @@ def _require_bounds(events: Iterable[Any]) -> None:
             unfinished.append((event.anchor, values))
             values += 1
         if len(unfinished) > DEEPEST:
-            raise RecursionError
+            raise DocumentError(f"values nested deeper than {DEEPEST}; make it flatter")
         if values > MOST_VALUES:
             raise DocumentError(f"more than {MOST_VALUES:,} values, its aliases written out")
