@@ -1,6 +1,6 @@
 """rover/metrics over real DDS, with somebody who listens."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -11,12 +11,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
+from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.ros import metrics_publisher
 from rover_metrics.topics import SENSORS
-
-if TYPE_CHECKING:
-    from rover_metrics.metrics_node import MetricsNode
-    from tests.rover_metrics.conftest import Rig
+from tests.rover_metrics.conftest import Rig
 
 Capsys = pytest.CaptureFixture[str]
 Patch = pytest.MonkeyPatch
@@ -25,7 +23,7 @@ SCAN = SENSORS[0]
 Heard = list[Any]
 
 
-def listen(rig: "Rig", node: "MetricsNode", topic: str = "rover/metrics") -> Heard:
+def listen(rig: Rig, node: MetricsNode, topic: str = "rover/metrics") -> Heard:
     """What arrives from now on."""
     heard: Heard = []
     rig.simulator.create_subscription(DiagnosticArray, topic, heard.append, 10)
@@ -33,7 +31,7 @@ def listen(rig: "Rig", node: "MetricsNode", topic: str = "rover/metrics") -> Hea
     return heard
 
 
-def tick(rig: "Rig", node: "MetricsNode", clock: Any, *seconds: int) -> None:  # noqa: ANN401
+def tick(rig: Rig, node: MetricsNode, clock: Any, *seconds: int) -> None:  # noqa: ANN401
     """Let time reach each of some seconds, and its row be written."""
     for second in seconds:
         rows, message = node.rows, Clock()
@@ -42,7 +40,7 @@ def tick(rig: "Rig", node: "MetricsNode", clock: Any, *seconds: int) -> None:  #
         rig.spin_until(lambda rows=rows: node.rows > rows)  # type: ignore[misc]
 
 
-def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig: "Rig") -> None:
+def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig: Rig) -> None:
     node = rig.start("-r", "__ns:=/leo", use_sim_time=True, stale_after=2.0, min_safe_clearance=0.1)
     heard = listen(rig, node)
     clock = rig.publisher(Clock, "/clock")
@@ -67,7 +65,7 @@ def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig
     assert statuses[0]["metrics_node: topic leo imu data"].level == DiagnosticStatus.STALE
 
 
-def test_an_error_while_publishing_costs_no_row(rig: "Rig", capfd: Capsys, monkeypatch: Patch) -> None:
+def test_an_error_while_publishing_costs_no_row(rig: Rig, capfd: Capsys, monkeypatch: Patch) -> None:
     node = rig.start(use_sim_time=True)
     heard = listen(rig, node)
     clock = rig.publisher(Clock, "/clock")
@@ -86,7 +84,7 @@ def test_an_error_while_publishing_costs_no_row(rig: "Rig", capfd: Capsys, monke
     assert len(node.log.path.read_bytes().splitlines()) == 5
 
 
-def test_publishing_can_be_switched_and_waits_for_listeners(rig: "Rig", monkeypatch: Patch) -> None:
+def test_publishing_can_be_switched_and_waits_for_listeners(rig: Rig, monkeypatch: Patch) -> None:
     node = rig.start(use_sim_time=True)
     clock = rig.publisher(Clock, "/clock")
     with monkeypatch.context() as patch:
@@ -101,7 +99,7 @@ def test_publishing_can_be_switched_and_waits_for_listeners(rig: "Rig", monkeypa
     assert heard[0].header.stamp.sec == 3
 
 
-def test_without_diagnostic_msgs_rows_are_written(rig: "Rig", capfd: Capsys, monkeypatch: Patch) -> None:
+def test_without_diagnostic_msgs_rows_are_written(rig: Rig, capfd: Capsys, monkeypatch: Patch) -> None:
     monkeypatch.setattr(metrics_publisher, "DiagnosticArray", None)
     node = rig.start(use_sim_time=True)
     tick(rig, node, rig.publisher(Clock, "/clock"), 1)
@@ -109,7 +107,7 @@ def test_without_diagnostic_msgs_rows_are_written(rig: "Rig", capfd: Capsys, mon
     assert node.rows == 1
 
 
-def test_a_recording_gets_each_message_though_nobody_listens(rig: "Rig") -> None:
+def test_a_recording_gets_each_message_though_nobody_listens(rig: Rig) -> None:
     node, recorded = rig.start(use_sim_time=True), Heard()
     node.publisher.record = recorded.append
     tick(rig, node, rig.publisher(Clock, "/clock"), 1, 2)

@@ -3,7 +3,7 @@
 import csv
 import json
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -13,11 +13,9 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
+from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.topics import SENSORS
-
-if TYPE_CHECKING:
-    from rover_metrics.metrics_node import MetricsNode
-    from tests.rover_metrics.conftest import Rig
+from tests.rover_metrics.conftest import Rig
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -28,7 +26,7 @@ SECOND = 10**9
 class SimClock:
     """A simulator's clock; each time is served before the next is told."""
 
-    def __init__(self, rig: "Rig", node: "MetricsNode") -> None:
+    def __init__(self, rig: Rig, node: MetricsNode) -> None:
         self._rig, self._node = rig, node
         self._publisher = rig.publisher(Clock, "/clock")
 
@@ -46,16 +44,16 @@ class SimClock:
 
 
 @pytest.fixture
-def node(rig: "Rig") -> Any:  # noqa: ANN401 - rclpy has no types
+def node(rig: Rig) -> Any:  # noqa: ANN401 - rclpy has no types
     return rig.start(use_sim_time=True)
 
 
 @pytest.fixture
-def clock(rig: "Rig", node: "MetricsNode") -> SimClock:
+def clock(rig: Rig, node: MetricsNode) -> SimClock:
     return SimClock(rig, node)
 
 
-def stamps(node: "MetricsNode") -> list[int]:
+def stamps(node: MetricsNode) -> list[int]:
     with node.log.path.open(newline="") as file:
         return [int(row["Timestamp"]) for row in csv.DictReader(file)]
 
@@ -64,9 +62,7 @@ def tenths(start: float, end: float) -> list[float]:
     return [tenth / 10 for tenth in range(round(start * 10), round(end * 10) + 1)]
 
 
-def test_a_restart_begins_a_segment(
-    rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: Capsys
-) -> None:
+def test_a_restart_begins_a_segment(rig: Rig, node: MetricsNode, clock: SimClock, capfd: Capsys) -> None:
     clock.tell(*tenths(0.1, 3.4))
     node.take(SCAN, rig.scan(0.1))
     clock.tell(0.0, *tenths(0.1, 3.5))
@@ -78,14 +74,14 @@ def test_a_restart_begins_a_segment(
     assert told.count("the clock went back: segment 2 of this log begins, totals go on") == 1
 
 
-def test_a_jump_of_an_hour_is_one_row_and_no_burst(node: "MetricsNode", clock: SimClock) -> None:
+def test_a_jump_of_an_hour_is_one_row_and_no_burst(node: MetricsNode, clock: SimClock) -> None:
     clock.tell(*tenths(0.1, 2.5), *tenths(3602.5, 3604.0))
     assert stamps(node) == [1, 2, 3602, 3603, 3604]
     assert node.timer.times.segments == 1
 
 
 def test_a_clock_that_stands_still_is_told_once(
-    node: "MetricsNode", clock: SimClock, capfd: Capsys
+    node: MetricsNode, clock: SimClock, capfd: Capsys
 ) -> None:
     clock.tell(0.5)
     for steady in range(20):
@@ -97,7 +93,7 @@ def test_a_clock_that_stands_still_is_told_once(
     assert told.count("ROS time goes on after") == 1
 
 
-def test_system_time_that_is_set_back_takes_no_row_with_it(rig: "Rig") -> None:
+def test_system_time_that_is_set_back_takes_no_row_with_it(rig: Rig) -> None:
     node = rig.start()
     timer = node.timer._timer
     timer.timer_period_ns = 4 * SECOND
@@ -110,7 +106,7 @@ def test_system_time_that_is_set_back_takes_no_row_with_it(rig: "Rig") -> None:
     rig.spin_until(lambda: node.rows == 1)
 
 
-def test_a_second_publisher_is_told(rig: "Rig", capfd: Capsys) -> None:
+def test_a_second_publisher_is_told(rig: Rig, capfd: Capsys) -> None:
     node = rig.start()
     second = [rig.simulator.create_publisher(LaserScan, "scan", 10) for _ in range(2)][1]
     for _ in range(2):
@@ -127,14 +123,14 @@ def test_a_second_publisher_is_told(rig: "Rig", capfd: Capsys) -> None:
     assert "[WARN]" in told
 
 
-def test_a_second_clock_is_told(rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: Capsys) -> None:
+def test_a_second_clock_is_told(rig: Rig, node: MetricsNode, clock: SimClock, capfd: Capsys) -> None:
     rig.simulator.create_publisher(Clock, "/clock", 10)
     rig.spin_until(lambda: node.count_publishers("/clock") == 2)
     clock.tell(2.0)
     assert "/clock: 2 publishers" in capfd.readouterr().err
 
 
-def test_the_record_tells_the_end_and_the_account(rig: "Rig", node: "MetricsNode") -> None:
+def test_the_record_tells_the_end_and_the_account(rig: Rig, node: MetricsNode) -> None:
     record = node.log.path.with_suffix(".json")
     assert json.loads(record.read_text())["outcome"] is None
     node.take(IMU, rig.imu((float("nan"), 0.0, 0.0), stamp=1.0))

@@ -1,7 +1,7 @@
 """Publishers that do not fit, and messages that the middleware loses."""
 
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -14,9 +14,7 @@ from sensor_msgs.msg import LaserScan
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros import subscriptions
 from rover_metrics.topics import SENSORS, TRUTH
-
-if TYPE_CHECKING:
-    from tests.rover_metrics.conftest import Rig
+from tests.rover_metrics.conftest import Rig
 
 pytestmark = [
     # rclpy's own report at the publisher's side calls what it deprecates.
@@ -30,7 +28,7 @@ RELIABILITY = "qos_overrides./scan.subscription.reliability"
 
 
 def test_a_best_effort_publisher_is_reported_with_the_mend(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
+    rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start()
     rig.simulator.create_publisher(LaserScan, "scan", BEST_EFFORT)
@@ -40,7 +38,7 @@ def test_a_best_effort_publisher_is_reported_with_the_mend(
     assert f"reliable, or start this node with -p {RELIABILITY}:=best_effort" in told
 
 
-def test_the_change_that_the_report_names_makes_the_publisher_heard(rig: "Rig") -> None:
+def test_the_change_that_the_report_names_makes_the_publisher_heard(rig: Rig) -> None:
     node = rig.start("-p", f"{RELIABILITY}:=best_effort")
     rig.publisher(LaserScan, "scan", BEST_EFFORT).publish(rig.scan(1.0, stamp=1.0))
     rig.spin_until(lambda: node.received["/scan"] == 1)
@@ -78,7 +76,7 @@ def test_lost_messages_are_counted_where_the_middleware_tells_of_them() -> None:
     assert node.events == [None]
 
 
-def test_every_policy_of_a_subscription_is_what_its_source_asks_for(rig: "Rig") -> None:
+def test_every_policy_of_a_subscription_is_what_its_source_asks_for(rig: Rig) -> None:
     node = rig.start(extended_columns=True)
     asked = {each.topic_name: each for each in node.subscriptions if each.topic_name in node.received}
     reliable, depth = dict.fromkeys(asked, "RELIABLE"), dict.fromkeys(asked, 10)
