@@ -9,12 +9,16 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
-from harness.episode import stream
 from harness.ros.network import reserved_domain
 from tests.support.browser import CHROMIUM, FLAGS
 from tests.support.forking import ForkedSimulations
 from tests.support.ros import Ros
 from tests.support.surroundings import receive_signals, settle_environment
+
+try:
+    from harness.episode import stream
+except ImportError:  # rover_metrics alone: on Python 3.10, or without MuJoCo
+    stream = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -41,7 +45,8 @@ def pytest_unconfigure() -> None:
 @pytest.fixture(scope="session", autouse=True)
 def _forked_simulations() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:  # of a module that is there: an import would cost here
-        patch.setattr(stream, "multiprocessing", ForkedSimulations())
+        if stream is not None:
+            patch.setattr(stream, "multiprocessing", ForkedSimulations())
         yield
 
 

@@ -3,6 +3,7 @@
 import sys
 
 from rover_metrics.errors import MissingRosError, run_program
+from rover_metrics.ros.arguments import check_words
 
 
 def main() -> int:
@@ -11,6 +12,7 @@ def main() -> int:
 
 
 def _run() -> int:
+    check_words("metrics_node", sys.argv[1:])  # before ROS is loaded, which takes a second
     try:
         from rover_metrics.metrics_node import main as run  # noqa: PLC0415 - needs ROS 2
     except MissingRosError as error:

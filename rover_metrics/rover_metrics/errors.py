@@ -81,11 +81,9 @@ def begin_program(name: str) -> None:
 
 
 def run_program(name: str, work: Callable[[], int]) -> int:
-    """Does a program's work; what is known to go wrong is one line on stderr, a bug goes on as it is.
+    """Does a program's work and returns the exit code; a known error is one line on stderr.
 
-    Returns:
-        The exit code: that of the work or of the KnownError that ended it; 2 where a file cannot be
-        used or a library is missing.
+    The code is the work's or the KnownError's; 2 where a file cannot be used or a library is missing.
     """
     if not gc.isenabled():
         gc.freeze()
@@ -93,22 +91,28 @@ def run_program(name: str, work: Callable[[], int]) -> int:
     try:
         return work()
     except (KnownError, ImportError, OSError) as error:
-        line = _known_line(error)
-        if line is None:
+        code = _told(name, error)
+        if code is None:
             raise
-        print(f"{name}: {printable(line)}", file=sys.stderr)
-        return getattr(error, "exit_code", KnownError.exit_code)
+        return code
 
 
 def _end_with_a_line(
     name: str, kind: type[BaseException], error: BaseException, trace: TracebackType | None
 ) -> None:
+    code = _told(name, error)
+    if code is not None:
+        raise SystemExit(code)
+    sys.__excepthook__(kind, error, trace)
+
+
+def _told(name: str, error: BaseException) -> int | None:
+    """Tells of a known error on stderr and returns its exit code; None, and nothing told, of a bug."""
     line = _known_line(error)
     if line is None:
-        sys.__excepthook__(kind, error, trace)
-        return
+        return None
     print(f"{name}: {printable(line)}", file=sys.stderr)
-    raise SystemExit(getattr(error, "exit_code", KnownError.exit_code))
+    return getattr(error, "exit_code", KnownError.exit_code)
 
 
 def _known_line(error: BaseException) -> str | None:

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
+from rover_metrics.errors import ParameterError, missing_ros
 
 try:
     from rcl_interfaces.msg import SetParametersResult
@@ -63,10 +63,6 @@ class MetricsNode(GuardedNode):
         last_row: The latest row, written or not; None before the first.
         in_lock_step: Whether a simulator waits until this node has handled what it sent.
         is_hosted: Whether it is part of a simulator's process, which waits for it too.
-
-    Raises:
-        ParameterError: A parameter was given a value that is not valid.
-        LogError: The log cannot be created.
     """
 
     def __init__(
@@ -95,7 +91,7 @@ class MetricsNode(GuardedNode):
                 fsync=self.settings.fsync,
                 columns=self.session.columns,
             )
-        except RoverMetricsError:
+        except Exception:  # what rclpy refuses, too
             super().destroy_node()
             raise
         self.last_row: Row | None = None

@@ -21,26 +21,16 @@ Message = Any  # neither rclpy's nor rosbags' classes have types
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """One topic.
+    """One topic; `take` hands a message and its stamp [ns], 0 without one, to a session."""
 
-    Attributes:
-        name: As it is in the root namespace.
-        message_type: Its full name, e.g. "sensor_msgs/msg/Imu".
-        take: Hands a message and its stamp [ns], 0 without one, to a session; returns what that remarks.
-        topic: What the columns of its traffic know it as; None if they do not.
-        best_effort: Whether only the newest message matters, so that old ones are not queued.
-        has_stamp: Whether its messages have a header.
-        is_truth: Whether only simulators publish it, for the extended columns.
-    """
-
-    name: str
-    message_type: str
+    name: str  # as it is in the root namespace
+    message_type: str  # in full, e.g. "sensor_msgs/msg/Imu"
     take: Callable[[MetricsSession, Message, int], Remark | None]
-    topic: Topic | None = None
+    topic: Topic | None = None  # as the columns of its traffic know it; None if they do not
     _: KW_ONLY
-    best_effort: bool = False
-    has_stamp: bool = True
-    is_truth: bool = False
+    best_effort: bool = False  # only the newest message matters, so that old ones are not queued
+    has_stamp: bool = True  # its messages have a header
+    is_truth: bool = False  # only simulators publish it, for the extended columns
 
 
 def nanoseconds(time: Message) -> int:

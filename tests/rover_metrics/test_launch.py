@@ -18,6 +18,8 @@ import pytest
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
 
+Patch = pytest.MonkeyPatch
+
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 METRICS = PACKAGE / "launch/metrics.launch.py"
 HARNESS = PACKAGE / "launch/harness.launch.py"
@@ -60,7 +62,7 @@ STAND_INS = {
 
 
 @pytest.fixture(autouse=True)
-def _stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
+def _stand_ins(monkeypatch: Patch) -> None:
     for name, members in STAND_INS.items():
         module = ModuleType(name)
         for member in members:
@@ -94,15 +96,17 @@ def test_every_argument_is_described_and_may_be_left_out(file: Path) -> None:
         assert argument.default_value is not None, argument.name
 
 
-def test_metrics_launches_the_installed_program() -> None:
+def test_metrics_launches_the_installed_program_with_a_parameter_file_of_the_defaults() -> None:
     node = launched(METRICS, {})
     assert (node.package, node.output) == ("rover_metrics", "screen")
     assert f'"{node.executable} = rover_metrics.__main__:main"' in (PACKAGE / "setup.py").read_text()
     assert node.namespace == LaunchConfiguration("namespace")
-
-
-def test_an_argument_that_is_not_given_leaves_the_parameter_file_alone() -> None:
-    assert launched(METRICS, {}).parameters == [LaunchConfiguration("params_file")]
+    assert node.parameters == [LaunchConfiguration("params_file")]
+    default = arguments(METRICS)["params_file"].default_value
+    assert default == PathJoinSubstitution([FindPackageShare("rover_metrics"), "config", CONFIG.name])
+    values = read_values(CONFIG)
+    assert values == {name: Settings().parameters[name] for name in values}
+    assert "/**:\n" in CONFIG.read_text()
 
 
 def test_an_argument_that_is_given_comes_after_the_parameter_file_and_has_its_type() -> None:
@@ -113,37 +117,19 @@ def test_an_argument_that_is_given_comes_after_the_parameter_file_and_has_its_ty
     assert values == {n: ParameterValue(LaunchConfiguration(n), kind) for n, kind in types.items()}
 
 
-def test_the_default_parameter_file_holds_the_defaults_in_every_namespace() -> None:
-    default = arguments(METRICS)["params_file"].default_value
-    assert default == PathJoinSubstitution([FindPackageShare("rover_metrics"), "config", CONFIG.name])
-    values = read_values(CONFIG)
-    assert values == {name: Settings().parameters[name] for name in values}
-    assert "/**:\n" in CONFIG.read_text()
-
-
-def test_harness_leaves_what_is_not_given_to_the_program() -> None:
-    process = launched(HARNESS, {"python": "/venv/bin/python"})
+def test_harness_passes_on_every_option_as_the_program_knows_it(monkeypatch: Patch) -> None:
+    command_line = pytest.importorskip("harness.cli.options", reason="needs the harness")
+    monkeypatch.setenv("VIRTUAL_ENV", "/venv")
+    process = launched(HARNESS, {})
     assert process.cmd == ["/venv/bin/python", "-m", "harness.run"]
     assert process.on_exit == [Shutdown("the run has ended")]
-
-
-def test_harness_passes_on_every_option_as_the_program_knows_it() -> None:
-    command_line = pytest.importorskip("harness.cli.options", reason="needs the harness")
-    options = {
-        "terrain": "maze",
-        "robot": "rover_zero4wd",
-        "driver": "spin",
-        "seed": "3",
-        "duration": "7.5",
-        "rate": "max",
-        "log_dir": "-logs",  # which is no option
-    }
-    command = launched(HARNESS, options | {"extended": "true"}).cmd
-    parsed = command_line.parse_run(command[3:])
+    options = {"terrain": "maze", "robot": "rover_zero4wd", "driver": "spin", "seed": "3"}
+    options |= {"duration": "7.5", "rate": "max", "log_dir": "-logs", "extended": "true"}
+    parsed = command_line.parse_run(launched(HARNESS, options).cmd[3:])
     (rover,) = parsed.run.rovers
     assert (parsed.run.world.terrain, rover.robot, rover.driver) == ("maze", "rover_zero4wd", "spin")
     assert (parsed.run.seed, parsed.run.duration, parsed.ros.rate) == (3, 7.5, None)
-    assert parsed.ros.log_dir == Path("-logs")
+    assert parsed.ros.log_dir == Path("-logs")  # which is no option
     assert parsed.settings[0].extended_columns
 
 
@@ -151,13 +137,6 @@ def test_harness_passes_on_every_option_as_the_program_knows_it() -> None:
 def test_harness_takes_a_namespace_with_or_without_slashes(namespace: str) -> None:
     command = launched(HARNESS, {"namespace": namespace, "params_file": "p.yaml"}).cmd
     assert command[3:] == ["--ros-args", "--params-file", "p.yaml", "-r", "__ns:=/rover1"]
-
-
-def test_harness_runs_in_the_active_virtual_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("VIRTUAL_ENV", "/venv")
-    assert arguments(HARNESS)["python"].default_value == "/venv/bin/python"
-    monkeypatch.delenv("VIRTUAL_ENV")
-    assert arguments(HARNESS)["python"].default_value == sys.executable
 
 
 @pytest.mark.skipif(ROS2 is None, reason="needs ros2 launch, which PyPI does not have")

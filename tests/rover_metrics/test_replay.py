@@ -3,7 +3,7 @@
 import csv
 import subprocess
 import sys
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,15 +17,11 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
-from rover_metrics.bag.mcap_stream import Message
-from rover_metrics.bag.playback import Count, Playback
 from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.replay import main
-from rover_metrics.session import MetricsSession
-from rover_metrics.timing import TimeSource
-from rover_metrics.topics import SENSORS
+from rover_metrics.topics import SENSORS, TRUTH
 from tests.support.complaint import complaint
 
 NANOSECONDS = 1_000_000_000
@@ -34,6 +30,7 @@ STORE = get_typestore(Stores.LATEST)
 CLOCK = "/clock"
 TYPES = {source.name: source.message_type for source in SENSORS} | {CLOCK: "rosgraph_msgs/msg/Clock"}
 
+Capsys = pytest.CaptureFixture[str]
 Recorded = tuple[str, int, bytes]  # topic, recorded time [ns], CDR
 
 
@@ -69,32 +66,23 @@ def cdr(message: Any) -> bytes:  # noqa: ANN401
     return bytes(STORE.serialize_cdr(message, message.__msgtype__))
 
 
-def scan_message(stamp_ns: int, nearest: float) -> bytes:
-    ranges = np.array([np.inf, nearest, 9.0], dtype=np.float32)
-    scan = stamped(TYPES["/scan"], stamp_ns)
-    return cdr(fill(scan, range_min=0.15, range_max=10.0, ranges=ranges))
-
-
-def imu_message(stamp_ns: int, z: float) -> bytes:
-    imu = stamped(TYPES["/imu/data"], stamp_ns)
-    fill(imu.linear_acceleration, x=0.3, y=-3.0, z=z)
-    fill(imu.angular_velocity, x=0.1, y=-0.2, z=0.3)
-    return cdr(imu)
-
-
-def pose_message(stamp_ns: int, x: float) -> bytes:
-    poses = stamped(TYPES["/rover/pose_array"], stamp_ns)
-    first, second = (blank("geometry_msgs/msg/Pose") for _ in range(2))
-    fill(first.position, x=x, y=-x, z=x / 3)
-    fill(second.position, x=9.0)
-    return cdr(fill(poses, poses=[first, second]))
-
-
-def odometry_message(stamp_ns: int, speed: float) -> bytes:
-    odometry = stamped(TYPES["/odometry/wheels"], stamp_ns)
-    fill(odometry.twist.twist.linear, x=speed, y=0.1, z=-0.2)
-    fill(odometry.twist.twist.angular, x=5.0)
-    return cdr(odometry)
+def recorded(topic: str, stamp_ns: int, value: float = 0.0) -> bytes:
+    """A message of a topic, the value in the field of which its metric is made."""
+    message = stamped(TYPES[topic], stamp_ns)
+    if topic == "/scan":
+        ranges = np.array([np.inf, value, 9.0], dtype=np.float32)
+        fill(message, range_min=0.15, range_max=10.0, ranges=ranges)
+    elif topic == "/imu/data":
+        fill(message.linear_acceleration, x=0.3, y=-3.0, z=value)
+        fill(message.angular_velocity, x=0.1, y=-0.2, z=0.3)
+    elif topic == "/rover/pose_array":
+        message.poses = [blank("geometry_msgs/msg/Pose") for _ in range(2)]
+        fill(message.poses[0].position, x=value, y=-value, z=value / 3)
+        fill(message.poses[1].position, x=9.0)
+    elif topic == "/odometry/wheels":
+        fill(message.twist.twist.linear, x=value, y=0.1, z=-0.2)
+        fill(message.twist.twist.angular, x=5.0)
+    return cdr(message)
 
 
 def drive(seconds: float = 4.5, offset_s: float = 0.0, *, clock: bool = True) -> list[Recorded]:
@@ -108,14 +96,8 @@ def driven(seconds: float) -> list[Recorded]:
     messages: list[Recorded] = []
     for tick in range(1, round(seconds * 10) + 1):
         t = tick * NANOSECONDS // 10
-        samples = {
-            "/scan": scan_message(t, 0.1 + tick / 50),
-            "/imu/data": imu_message(t, 9.8 + tick % 7),
-            "/rover/pose_array": pose_message(t, tick / 10),
-            "/odometry/wheels": odometry_message(t, tick / 100),
-            CLOCK: cdr(stamped(TYPES[CLOCK], t)),
-        }
-        messages += [(topic, t, data) for topic, data in samples.items()]
+        values = (0.1 + tick / 50, 9.8 + tick % 7, tick / 10, tick / 100, 0.0)
+        messages += [(topic, t, recorded(topic, t, v)) for topic, v in zip(TYPES, values, strict=True)]
     return messages
 
 
@@ -153,14 +135,16 @@ def write_folder(
     return path
 
 
-def write_mcap(path: Path, messages: list[Recorded], encoding: str = "cdr") -> Path:
+def write_mcap(
+    path: Path, messages: list[Recorded], encoding: str = "cdr", types: dict[str, str] = TYPES
+) -> Path:
     """A bare file of many uncompressed chunks, about one per tenth of a second."""
     with path.open("wb") as file:
         writer = McapWriter(file, chunk_size=1000, compression=CompressionType.NONE)
         writer.start(profile="ros2")
         channels = {}
         for topic in dict.fromkeys(topic for topic, _, _ in messages):
-            schema = writer.register_schema(TYPES[topic], "ros2msg", b"")
+            schema = writer.register_schema(types[topic], "ros2msg", b"")
             channels[topic] = writer.register_channel(topic, encoding, schema)
         for topic, time_ns, data in messages:
             writer.add_message(channels[topic], time_ns, data, publish_time=1)
@@ -181,9 +165,7 @@ def cells(rows: list[Row]) -> list[list[str]]:
 
 
 @pytest.mark.skipif(not REAL_BAG.exists(), reason="needs ../shared/data")
-def test_real_bag_gives_its_path_length_and_names_what_it_lacks(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_real_bag_gives_its_path_length_and_names_its_gaps(tmp_path: Path, capsys: Capsys) -> None:
     output = tmp_path / "rows.csv"
     assert main([str(REAL_BAG), "-o", str(output)]) == 0
     with output.open(newline="") as file:
@@ -199,7 +181,7 @@ def test_real_bag_gives_its_path_length_and_names_what_it_lacks(
 @pytest.mark.parametrize(
     "compression", [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE]
 )
-def test_every_kind_of_folder_gives_the_rows_of_its_samples(
+def test_every_kind_of_folder_gives_its_rows(
     tmp_path: Path, storage: StoragePlugin, compression: CompressionMode
 ) -> None:
     bag = write_folder(tmp_path / "bag", drive(), storage=storage, compression=compression)
@@ -213,9 +195,7 @@ def test_every_kind_of_folder_gives_the_rows_of_its_samples(
         assert replay(file) == cells(expected_rows())
 
 
-def test_split_recording_is_read_in_the_order_of_its_numbers(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_files_are_read_in_the_order_of_their_numbers(tmp_path: Path, capsys: Capsys) -> None:
     messages = drive(12.0)
     bag = tmp_path / "bag"
     bag.mkdir()
@@ -225,18 +205,24 @@ def test_split_recording_is_read_in_the_order_of_its_numbers(
     assert "no metadata.yaml (a killed recording?)" in capsys.readouterr().err
 
 
-def test_rows_follow_the_clock_topic_where_there_is_one(tmp_path: Path) -> None:
-    bag = write_mcap(tmp_path / "bag.mcap", drive(offset_s=1e9))
-    assert replay(bag) == cells(expected_rows())
-    recorded = replay(bag, "--time", "recorded")
-    assert [row[0] for row in recorded] == [str(1_000_000_000 + n) for n in range(1, 5)]
-    assert [row[1:] for row in recorded] == [row[1:] for row in cells(expected_rows())]
+def test_rows_follow_clock_recorded_or_header_time(tmp_path: Path, capsys: Capsys) -> None:
+    plain = cells(expected_rows())
+    bag = write_mcap(tmp_path / "bag.mcap", drive(4.0, offset_s=1e9))  # ends with a full second
+    for time, row in (("auto", plain[0][0]), ("header", plain[0][0]), ("recorded", "1000000001")):
+        rows = replay(bag, "--time", time)
+        assert (rows[0][0], [row[1:] for row in rows]) == (row, [row[1:] for row in plain])
+    capsys.readouterr()
+    bag = write_mcap(tmp_path / "bag.mcap", drive(offset_s=1e9, clock=False))
+    assert replay(bag)[0][0] == "1000000001"
+    assert "--time header follows them" in capsys.readouterr().err
+    assert replay(bag, "--time", "header") == plain
+    assert capsys.readouterr().err == ""
+    told = complaint(main, [str(bag), "--time", "sim"], capsys)
+    assert "--time sim needs /clock, but /clock is missing" in told
 
 
 @pytest.mark.parametrize("storage", StoragePlugin)
-def test_a_topic_on_which_nothing_was_recorded_is_missing(
-    tmp_path: Path, storage: StoragePlugin, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_silent_topic_is_missing(tmp_path: Path, storage: StoragePlugin, capsys: Capsys) -> None:
     messages = [m for m in drive(offset_s=1e9, clock=False) if m[0] != "/scan"]
     bag = write_folder(tmp_path / "bag", messages, storage=storage, silent=("/scan", CLOCK))
     assert [row[0] for row in replay(bag)] == [str(1_000_000_000 + n) for n in range(1, 5)]
@@ -247,9 +233,7 @@ def test_a_topic_on_which_nothing_was_recorded_is_missing(
         assert "/scan is missing" in capsys.readouterr().err
 
 
-def test_a_clock_that_is_no_time_is_left_out_as_the_node_leaves_it_out(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_clock_that_is_no_time_is_left_out(tmp_path: Path, capsys: Capsys) -> None:
     messages = drive()
     for sec, nanosec in ((-1, 0), (-(2**31), 7), (2, 10**9)):
         message = blank(TYPES[CLOCK])
@@ -259,55 +243,24 @@ def test_a_clock_that_is_no_time_is_left_out_as_the_node_leaves_it_out(
     assert "/clock: 3 messages are empty, not finite or impossible, left out" in capsys.readouterr().err
 
 
-def test_recording_without_clock_follows_recorded_time_and_tells_of_other_stamps(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    bag = write_mcap(tmp_path / "bag.mcap", drive(offset_s=1e9, clock=False))
-    assert replay(bag)[0][0] == "1000000001"
-    assert "--time header follows them" in capsys.readouterr().err
-    assert replay(bag, "--time", "header") == cells(expected_rows())
-    assert capsys.readouterr().err == ""
-    assert "--time sim needs /clock, but /clock is missing" in complaint(
-        main, [str(bag), "--time", "sim"], capsys
-    )
-
-
-def test_second_that_ends_with_the_recording_has_its_row_in_every_time(tmp_path: Path) -> None:
-    bag = write_mcap(tmp_path / "bag.mcap", drive(4.0))
-    for time in ("sim", "recorded", "header"):
-        assert replay(bag, "--time", time) == cells(expected_rows())
-
-
-def test_missing_topics_are_named_and_the_others_go_on(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_missing_topics_are_named_and_others_go_on(tmp_path: Path, capsys: Capsys) -> None:
+    clocks = [("/scan", t, data) for topic, t, data in drive() if topic == CLOCK]  # in their place
     messages = [m for m in drive() if m[0] not in {"/scan", "/imu/data"}]
-    bag = write_mcap(tmp_path / "bag.mcap", messages)
+    bag = write_folder(tmp_path / "bag", messages + clocks, types=TYPES | {"/scan": TYPES[CLOCK]})
     rows = replay(bag)
     assert [row[6:8] for row in rows] == [row[6:8] for row in cells(expected_rows())]
-    told = capsys.readouterr().err
-    assert told.splitlines() == [
-        f"replay: warning: {topic} is missing; name another with --remap"
-        for topic in ("/scan", "/imu/data")
+    assert capsys.readouterr().err.splitlines() == [
+        f"replay: warning: {reason}; name another with --remap"
+        for reason in (
+            "/scan is rosgraph_msgs/msg/Clock, not sensor_msgs/msg/LaserScan",
+            "/imu/data is missing",
+        )
     ]
     assert replay(bag, "--require-all", code=1) == rows
     assert replay(write_mcap(tmp_path / "whole.mcap", drive()), "--require-all") != rows
 
 
-def test_topic_of_another_type_is_left_out_by_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    messages = [("/scan" if topic == CLOCK else topic, t, d) for topic, t, d in drive()]
-    messages = [m for m in messages if m[0] != "/scan" or len(m[2]) < 20]  # the clocks in its place
-    bag = write_folder(tmp_path / "bag", messages, types=TYPES | {"/scan": TYPES[CLOCK]})
-    assert [row[5] for row in replay(bag)] == ["inf"] * 4
-    told = capsys.readouterr().err
-    assert "/scan is rosgraph_msgs/msg/Clock, not sensor_msgs/msg/LaserScan" in told
-
-
-def test_remapped_topics_are_read_from_where_they_were_recorded(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_remapped_topics_are_read_as_recorded(tmp_path: Path, capsys: Capsys) -> None:
     messages = [(f"/rover1{topic}", t, data) for topic, t, data in drive()]
     types = {f"/rover1{topic}": kind for topic, kind in TYPES.items()}
     bag = write_folder(tmp_path / "bag", messages, types=types)
@@ -330,16 +283,14 @@ def test_remapped_topics_are_read_from_where_they_were_recorded(
         (["-o", "/proc/rows.csv"], "cannot create a log in /proc"),
     ],
 )
-def test_bad_argument_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
+def test_a_bad_argument_is_one_line(
+    tmp_path: Path, capsys: Capsys, words: list[str], expected: str
 ) -> None:
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
     assert expected in complaint(main, [str(bag), *words], capsys)
 
 
-def test_existing_file_is_replaced_only_on_request(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_existing_file_is_replaced_only_on_request(tmp_path: Path, capsys: Capsys) -> None:
     bag = write_mcap(tmp_path / "bag.mcap", drive())
     output = tmp_path / "rows.csv"
     output.write_text("precious")
@@ -354,7 +305,7 @@ def test_existing_file_is_replaced_only_on_request(
     )
 
 
-def test_without_a_name_the_log_goes_where_those_of_the_node_go(
+def test_without_a_name_the_log_goes_where_the_nodes_go(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -362,7 +313,6 @@ def test_without_a_name_the_log_goes_where_those_of_the_node_go(
     assert main([str(bag)]) == main([str(bag)]) == 0
     logs = list(tmp_path.glob("metrics_analyzer/data/metric_logs/metrics_log_*.csv"))
     assert len(logs) == 2
-    assert len({log.read_bytes() for log in logs}) == 1
 
 
 def cut_off(file: Path) -> None:
@@ -376,16 +326,11 @@ def damage_the_middle(file: Path) -> None:
     file.write_bytes(data)
 
 
-def damage_a_page(file: Path, part: float = 0.5) -> None:
+def damage_a_page(file: Path) -> None:
     data = bytearray(file.read_bytes())
-    page = 4096 * round(len(data) // 4096 * part)
+    page = 4096 * round(len(data) // 4096 * 0.5)
     data[page : page + 4096] = b"\xa5" * 4096
     file.write_bytes(data)
-
-
-def damage_two_pages(file: Path) -> None:
-    for part in (0.5, 0.75):
-        damage_a_page(file, part)
 
 
 @pytest.mark.parametrize(
@@ -395,12 +340,11 @@ def damage_two_pages(file: Path) -> None:
         ("bag.mcap", damage_the_middle, "damaged", range(4, 10)),
         ("bag.db3", cut_off, "messages were lost", range(4, 7)),
         ("bag.db3", damage_a_page, "messages were lost in 1 place(s)", range(9, 10)),
-        ("bag.db3", damage_two_pages, "messages were lost in 2 place(s)", range(7, 10)),
     ],
 )
-def test_damaged_recording_keeps_what_can_be_read_and_says_so(
+def test_damaged_recording_keeps_what_can_be_read(
     tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    capsys: Capsys,
     name: str,
     damage: Callable[[Path], None],
     told: str,
@@ -418,34 +362,26 @@ def test_damaged_recording_keeps_what_can_be_read_and_says_so(
     assert told in capsys.readouterr().err
 
 
-def test_messages_that_are_not_readable_or_not_finite_are_counted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    messages = drive()
+def test_bad_messages_and_files_are_left_out(tmp_path: Path, capsys: Capsys) -> None:
+    messages, bag = drive(), tmp_path / "bag"
     messages[1] = ("/imu/data", messages[1][1], b"\x00\x01\x00\x00garbage")
-    messages[6] = ("/imu/data", messages[6][1], imu_message(0, float("nan")))
-    assert len(replay(write_mcap(tmp_path / "bag.mcap", messages), code=1)) == 4
-    told = capsys.readouterr().err
-    assert "/imu/data: 1 messages are not readable" in told
-    assert told.count("\n") == 2
-    assert "/imu/data: 1 messages are empty, not finite" in told
-
-
-def test_folder_with_one_bad_file_keeps_the_good_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    bag = tmp_path / "bag"
+    messages[6] = ("/imu/data", messages[6][1], recorded("/imu/data", 0, float("nan")))
     bag.mkdir()
-    write_mcap(bag / "bag_0.mcap", drive())
+    write_mcap(bag / "bag_0.mcap", messages)
     (bag / "bag_1.mcap").touch()
     (bag / "metadata.yaml").write_text(
         "rosbag2_bagfile_information:\n"
         "  relative_file_paths: [bag_0.mcap, ../../bag_1.mcap, bag_2.mcap]\n"
     )
-    assert replay(bag, code=1) == cells(expected_rows())
-    told = capsys.readouterr().err
-    assert "bag_1.mcap: the file is empty; left out" in told
-    assert "bag_2.mcap is missing from the bag" in told
+    rows = replay(bag, code=1)
+    assert [row[6:8] for row in rows] == [row[6:8] for row in cells(expected_rows())]
+    told = capsys.readouterr().err.splitlines()
+    assert [line.partition(", left out")[0] for line in told] == [
+        "replay: warning: /imu/data: 1 messages are empty, not finite or impossible",
+        "replay: bag_2.mcap is missing from the bag",
+        "replay: bag_1.mcap: the file is empty; left out",
+        "replay: /imu/data: 1 messages are not readable",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -458,8 +394,8 @@ def test_folder_with_one_bad_file_keeps_the_good_one(
         (b"\x89MCAP0\r\n", "no topic to replay"),
     ],
 )
-def test_file_that_is_no_recording_is_refused_with_the_reason(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes, expected: str
+def test_file_that_is_no_recording_is_refused(
+    tmp_path: Path, capsys: Capsys, content: bytes, expected: str
 ) -> None:
     file = tmp_path / "bag.mcap"
     file.write_bytes(content)
@@ -467,9 +403,7 @@ def test_file_that_is_no_recording_is_refused_with_the_reason(
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_place_without_a_recording_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_place_without_a_recording_is_refused(tmp_path: Path, capsys: Capsys) -> None:
     assert "does not exist" in complaint(main, [str(tmp_path / "nothing")], capsys)
     assert complaint(main, [str(tmp_path)], capsys).endswith("holds no .mcap and no .db3 file\n")
     for name in ("a", "b", "deep/down", "empty"):
@@ -489,15 +423,15 @@ def test_without_its_libraries_replay_says_so_in_one_line_and_exits_2() -> None:
     assert run.stderr.count("\n") == 1
 
 
-def test_parameters_and_recorded_truth_give_the_extended_columns(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_parameters_and_truth_give_the_extended_columns(tmp_path: Path, capsys: Capsys) -> None:
     contact, truth = "/rover/truth/contact", "/rover1/odom_ground_truth"
     types = TYPES | {contact: "std_msgs/msg/Bool", truth: TYPES["/odometry/wheels"]}
     messages = drive()
     last = messages[-1][1]
     messages += [(contact, last, cdr(fill(blank("std_msgs/msg/Bool"), data=True)))] * 2
-    messages += [(truth, last, odometry_message(last, speed)) for speed in (0.2, float("nan"))]
+    messages += [
+        (truth, last, recorded("/odometry/wheels", last, speed)) for speed in (0.2, float("nan"))
+    ]
     bag = write_folder(tmp_path / "bag", messages, types=types)
     file, output = tmp_path / "params.yaml", tmp_path / "rows.csv"
     file.write_text(
@@ -517,69 +451,71 @@ def test_parameters_and_recorded_truth_give_the_extended_columns(
     assert (first["Footprint Collisions"], final["Footprint Collisions"]) == ("7", "7")
     assert (final["Odometry Rate [Hz]"], final["Distance Traveled"]) == ("10.0", "0.0")
     told = capsys.readouterr()
-    assert [line.split() for line in told.out.splitlines()[1:7]] == [
-        ["/imu/data", "45", "messages"],
-        ["/odometry/wheels", "45", "messages"],
-        ["/rover/pose_array", "45", "messages"],
-        [contact, "2", "messages"],
-        [truth, "1", "messages"],
-        ["/scan", "45", "messages"],
+    sensors = ("/imu/data", "/odometry/wheels", "/rover/pose_array")
+    counts = [*((topic, "45") for topic in sensors), (contact, "2"), (truth, "1"), ("/scan", "45")]
+    assert [line.split() for line in told.out.splitlines()] == [
+        ["rows", "follow", "header", "time"],
+        *([topic, count, "messages"] for topic, count in counts),
+        ["0.00", "m", "travelled,", "4", "collisions"],
+        f"4 rows in {output}".split(),
     ]
-    assert told.out.splitlines()[0] == "rows follow header time"
-    assert told.out.splitlines()[7:] == ["0.00 m travelled, 4 collisions", f"4 rows in {output}"]
     left_out = f"{truth}: 1 messages are empty, not finite or impossible, left out"
     assert told.err == f"replay: warning: {left_out}\n"
     assert main([*words, "--extended", "--overwrite", "--require-all"]) == 1
     assert output.read_text().startswith(",".join(EXTENDED_HEADER))
 
 
-class Recording:
-    """A bag in memory."""
-
-    path = Path("made")
-
-    def __init__(self, messages: list[Recorded], types: dict[str, str] = TYPES) -> None:
-        self.topics = {topic: types[topic] for topic, _, _ in messages}
-        self._messages = messages
-
-    def messages(self, wanted: Collection[str]) -> Iterator[Message]:
-        return (Message(*message) for message in self._messages if message[0] in wanted)
-
-
-def played(messages: list[Recorded], time: TimeSource, **kwargs: Any) -> tuple[list[int], Playback]:  # noqa: ANN401
-    """Stamps of the rows, and the playback."""
-    bag = Recording(messages, **kwargs)
-    playback = Playback(bag, MetricsSession(), time_source=time)  # type: ignore[arg-type]
-    return [row.stamp_s for row in playback.rows()], playback
+def test_every_type_exists_and_has_a_header_where_the_table_says_so() -> None:
+    for source in (*SENSORS, *TRUTH):
+        assert ("header" in STORE.types[source.message_type].__annotations__) is source.has_stamp
 
 
 @pytest.mark.parametrize(("ahead", "other"), [(86400.0, 0), (86400.5, 1), (-86400.0, 0), (-86400.5, 1)])
-def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(ahead: float, other: int) -> None:
+def test_stamps_over_a_day_off_are_of_another_clock(
+    tmp_path: Path, capsys: Capsys, ahead: float, other: int
+) -> None:
     late = 500_000 * NANOSECONDS
-    stamps = [0, late, late]  # 0 was never set
-    recorded = [
-        ("/imu/data", late - round(ahead * NANOSECONDS), imu_message(stamp, 9.8)) for stamp in stamps
-    ]
-    _, playback = played(recorded, TimeSource.RECORDED)
-    assert len(playback.notes) == other
-    assert all(note.startswith("header stamps (500000.00 s) are of another") for note in playback.notes)
-    rows, playback = played(recorded, TimeSource.HEADER)
-    assert rows == []
-    assert playback.notes == []
-    assert playback.counts["/imu/data"] == Count(used=3)
+    at = late - round(ahead * NANOSECONDS)
+    messages = [("/imu/data", at, recorded("/imu/data", stamp, 9.8)) for stamp in (0, late, late)]
+    bag = write_mcap(tmp_path / "bag.mcap", messages)
+    for time, notes in (("recorded", other), ("header", 0)):
+        replay(bag, "--time", time)
+        told = capsys.readouterr()
+        assert told.err.count("note: header stamps (500000.00 s) are of another clock") == notes
+        assert "/imu/data                   3 messages" in told.out
 
 
-def test_of_many_jumps_five_are_told() -> None:
+def test_of_many_jumps_five_are_told_and_types_may_lack_msg(tmp_path: Path, capsys: Capsys) -> None:
     seconds = [1, 2, 100, 1, 100, 1, 100, 1]
-    messages = [("/imu/data", t * NANOSECONDS, imu_message(t * NANOSECONDS, 9.8)) for t in seconds]
-    assert len(played(messages[:7], TimeSource.HEADER)[1].notes) == 5
-    _, playback = played(messages, TimeSource.RECORDED)
-    assert playback.notes[0] == "time jumps from 2.00 s to 100.00 s"
-    assert playback.notes[5:] == ["1 more jumps of time"]
+    messages = [("/imu/data", t * NANOSECONDS, recorded("/imu/data", 0, 9.8)) for t in seconds]
+    older = {topic: kind.replace("/msg/", "/") for topic, kind in TYPES.items()}
+    for count, more in ((7, 0), (8, 1)):
+        replay(write_mcap(tmp_path / "bag.mcap", messages[:count], types=older))
+        notes = [line for line in capsys.readouterr().err.splitlines() if " note: " in line]
+        assert notes[0] == "replay: note: time jumps from 2.00 s to 100.00 s"
+        assert notes[5:] == ["replay: note: 1 more jumps of time"] * more
 
 
-def test_types_without_msg_are_those_of_older_recorders() -> None:
-    types = {topic: kind.replace("/msg/", "/") for topic, kind in TYPES.items()}
-    rows, playback = played(drive(), TimeSource.AUTO, types=types)
-    assert (rows, playback.time_source) == ([1, 2, 3, 4], TimeSource.SIM)
-    assert playback.counts[CLOCK] == playback.counts["/scan"] == Count(used=45)
+NOT_READABLE = Path("/proc/self/mem")  # whose first byte is an EIO
+
+
+@pytest.mark.parametrize(
+    "metadata", ["[" * 5000, f"a: {'9' * 5001}", "a: &a [*a]", "? [a]\n: 1", "a: !!int x"]
+)
+def test_a_bag_with_nonsense_beside_it_is_read_by_name(tmp_path: Path, metadata: str) -> None:
+    bag = write_folder(tmp_path / "bag", drive())
+    (bag / "metadata.yaml").write_text(metadata)
+    assert replay(bag, code=1) == cells(expected_rows())
+
+
+@pytest.mark.skipif(not NOT_READABLE.exists(), reason="needs /proc")
+def test_a_disk_that_fails_while_it_is_read_is_one_line(tmp_path: Path, capsys: Capsys) -> None:
+    bag = write_folder(tmp_path / "bag", drive())
+    whole = str(bag)
+    assert "mem: Input/output error" in complaint(main, [whole, "--params", str(NOT_READABLE)], capsys)
+    assert "mem: Input/output error" in complaint(main, [str(NOT_READABLE)], capsys)
+    (bag / "metadata.yaml").unlink()
+    (bag / "metadata.yaml").symlink_to(NOT_READABLE)
+    (bag / "bag_1.mcap").symlink_to(NOT_READABLE)
+    assert replay(bag, code=1) == cells(expected_rows())
+    assert "bag_1.mcap: Input/output error; left out" in capsys.readouterr().err

@@ -63,7 +63,7 @@ def odometry(velocity: Vector3) -> Give:
         (odometry((0.0, 0.0, NAN)), False, True, faults.NOT_FINITE),
     ],
 )
-def test_each_sample_is_used_or_not_and_named_if_something_is_odd(
+def test_each_sample_is_used_or_not_and_named_if_odd(
     give: Give, used: bool, left_out: bool, remark: str | None, settings: ExtendedSettings | None
 ) -> None:
     session = MetricsSession(settings=settings)
@@ -93,10 +93,11 @@ def test_every_component_reaches_its_metric() -> None:
     assert row.as_fields() == (7, 1, 1, 13.0, 13.0, 0.125, 0.07, 3.0, 7.0, 0, 6.0, "Normal operation")
 
 
-def test_truth_that_is_none_is_left_out_where_somebody_asks_for_it() -> None:
-    for settings, remark in ((DEFAULT_EXTENDED, Remark(faults.NOT_FINITE_OR_OTHER)), (None, None)):
-        session = MetricsSession(settings=settings)
-        assert session.take_true_velocity((NAN, 0.0, 0.0)) == remark
-        assert session.take_traversal([0.0], ["speed"]) == remark
-        assert session.take_true_velocity((0.3, 0.4, 0.0)) is None
-        assert session.take_contact(touches=True) is None
+@pytest.mark.parametrize("settings", [None, DEFAULT_EXTENDED])
+def test_truth_that_is_none_is_left_out_where_it_is_asked_for(settings: ExtendedSettings | None) -> None:
+    session = MetricsSession(settings=settings)
+    remark = None if settings is None else Remark(faults.NOT_FINITE_OR_OTHER)
+    assert session.take_true_velocity((NAN, 0.0, 0.0)) == remark
+    assert session.take_traversal([0.0], ["speed"]) == remark
+    assert session.take_true_velocity((0.3, 0.4, 0.0)) is None
+    assert session.take_contact(touches=True) is None

@@ -98,7 +98,7 @@ def test_the_sourced_workspace_brings_the_package_whole(workspace: Path) -> None
     assert installed == {path.relative_to(source) for path in source.rglob("*.py")}
 
 
-def test_the_installed_commands_need_nothing_that_is_not_declared(
+def test_the_commands_need_only_what_is_declared(
     workspace: Path, tmp_path: Path, declared_only: dict[str, str]
 ) -> None:
     programs = workspace / "install/rover_metrics/lib/rover_metrics"
@@ -116,9 +116,7 @@ def test_the_installed_commands_need_nothing_that_is_not_declared(
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_the_installed_node_takes_parameters_logs_and_ends_cleanly(
-    workspace: Path, tmp_path: Path
-) -> None:
+def test_the_node_takes_parameters_logs_and_ends_cleanly(workspace: Path, tmp_path: Path) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
     parameters = workspace / "install/rover_metrics/share/rover_metrics/config/metrics.yaml"
     words = ["--params-file", str(parameters), "-p", "log_dir:=logs", "-r", "__ns:=/rover1"]

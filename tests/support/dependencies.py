@@ -6,7 +6,7 @@ import sys
 import xml.etree.ElementTree as ET  # reads our own file
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib.metadata import PackageNotFoundError, packages_distributions, requires
+from importlib.metadata import PackageNotFoundError, distributions, requires
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -90,8 +90,15 @@ def hide(modules: Iterable[str], folder: Path) -> None:
 
 
 @cache
-def _providers() -> Mapping[str, list[str]]:
-    return packages_distributions()
+def _providers() -> Mapping[str, set[str]]:
+    """As packages_distributions, which in Python 3.10 knows only those with a top_level.txt."""
+    found: dict[str, set[str]] = {}
+    for distribution in distributions():
+        for file in distribution.files or ():
+            module = file.parts[0].partition(".")[0]
+            if file.suffix in (".py", ".so") and module.isidentifier():
+                found.setdefault(module, set()).add(distribution.metadata["Name"])
+    return found
 
 
 def _plain(distribution: str) -> str:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from tests.support.forking import ForkedSimulations
 
@@ -56,7 +56,7 @@ class ForkedProgram:
         assert self._process.pid is not None
         self.said, self.pid = Path(said), self._process.pid
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "ForkedProgram":
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -137,7 +137,7 @@ class _Fork:
     def __init__(self) -> None:
         self._context = multiprocessing.get_context("fork")
 
-    def get_context(self, _: str) -> Self:
+    def get_context(self, _: str) -> "_Fork":
         return self
 
     def Pipe(self) -> tuple[Any, Any]:  # noqa: N802 - as the one it stands for

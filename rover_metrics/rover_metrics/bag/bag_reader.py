@@ -16,10 +16,9 @@ from itertools import islice
 from pathlib import Path, PurePath
 
 import zstandard
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from rover_metrics.bag.mcap_stream import BagError, McapFile, Message
+from rover_metrics.log.documents import DocumentError, read_yaml
 
 LARGEST_SKIP = 2**32  # rows
 MOST_NAMED = 5  # bags, where the folder that holds them was given
@@ -31,11 +30,7 @@ ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 class SqliteFile:
-    """A .db3 file; `topics` has the message type of each topic with messages.
-
-    Raises:
-        BagError: It is not a rosbag2 database, or its list of topics is lost.
-    """
+    """A .db3 file of rosbag2; `topics` has the message type of each topic with messages."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -137,10 +132,10 @@ class Bag(ExitStack):
             )
             return []
         try:
-            metadata = YAML(typ="safe").load(metadata_file)["rosbag2_bagfile_information"]
+            metadata = read_yaml(metadata_file)["rosbag2_bagfile_information"]
             paths = [self.path / PurePath(name).name for name in metadata["relative_file_paths"]]
             self._message_compression = str(metadata.get("compression_mode")).lower() == "message"
-        except (OSError, YAMLError, ValueError, KeyError, TypeError, AttributeError):
+        except (DocumentError, ValueError, LookupError, TypeError, AttributeError):
             self.problems.append("metadata.yaml is not readable; the bag's files were read by name")
             return []
         self.problems.extend(f"{p.name} is missing from the bag" for p in paths if not p.exists())
@@ -194,15 +189,8 @@ class Bag(ExitStack):
 
 def _bags_below(folder: Path) -> list[str]:
     """Names of bags among the folders in this one, a few; nothing deeper is looked at."""
-    bags = (each.name for each in folder.iterdir() if _holds_a_recording(each))
-    return sorted(islice(bags, MOST_NAMED))
-
-
-def _holds_a_recording(folder: Path) -> bool:
-    try:
-        return any(path.name.endswith(SUFFIXES) for path in folder.iterdir())
-    except OSError:
-        return False  # no folder, or somebody else's
+    files = (path for suffix in SUFFIXES for path in folder.glob(f"*/*{suffix}"))
+    return sorted(islice(dict.fromkeys(path.parent.name for path in files), MOST_NAMED))
 
 
 def _first_bytes(path: Path) -> bytes:

@@ -18,14 +18,8 @@ LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
 
 # What reading damaged bytes as MCAP raises; lz4 has no better type than RuntimeError.
 _DAMAGE = (
-    McapError,
-    struct.error,
-    ValueError,
-    zstandard.ZstdError,
-    RuntimeError,
-    KeyError,
-    MemoryError,
-    OSError,
+    *(McapError, struct.error, zstandard.ZstdError),
+    *(KeyError, MemoryError, OSError, RuntimeError, ValueError),
 )
 
 
@@ -34,14 +28,11 @@ class BagError(RoverMetricsError):
 
 
 class Message(NamedTuple):
-    """One recorded message, with its time on the recorder's clock [ns].
-
-    Its data are CDR bytes; empty where they were not asked for.
-    """
+    """One recorded message."""
 
     topic: str
-    time_ns: int
-    data: bytes
+    time_ns: int  # on the recorder's clock
+    data: bytes  # CDR; empty where they were not asked for
 
 
 class McapFile:
@@ -69,7 +60,15 @@ class McapFile:
             reader = StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_RECORD)
             try:
                 for record in reader.records:
-                    yield from _unpacked(record, bad_chunks)
+                    if not isinstance(record, records.Chunk):
+                        yield record
+                        continue
+                    try:
+                        unpacked = breakup_chunk(record, validate_crc=True)
+                    except _DAMAGE:
+                        bad_chunks.append(record)
+                    else:
+                        yield from unpacked
             except (EndOfFile, struct.error):
                 problems.append(
                     f"{name} has no end, as when a recording is killed or cut off; what is there was "
@@ -111,21 +110,6 @@ class McapFile:
                 channel = channels[record.channel_id]
                 topics[channel.topic] = _type(channel, schemas)
         return topics
-
-
-def _unpacked(
-    record: records.McapRecord, bad_chunks: list[records.Chunk]
-) -> Iterator[records.McapRecord]:
-    """The records in a chunk, or the record itself; a chunk that is damaged is set aside."""
-    if not isinstance(record, records.Chunk):
-        yield record
-        return
-    try:
-        unpacked = breakup_chunk(record, validate_crc=True)
-    except _DAMAGE:
-        bad_chunks.append(record)
-        return
-    yield from unpacked
 
 
 def _type(channel: records.Channel, schemas: dict[int, records.Schema]) -> str:

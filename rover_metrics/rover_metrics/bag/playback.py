@@ -44,13 +44,9 @@ class Playback:
         time_source: Which time the rows follow.
 
     Attributes:
-        metrics: Those of the session.
         time_source: The one in use, never AUTO.
         counts: Messages by recorded topic, of the topics in use.
         missing: Why a topic is not in use; a line each.
-
-    Raises:
-        BagError: The recording has none of the topics, or not what the time source needs.
     """
 
     def __init__(

@@ -20,24 +20,15 @@ _LATEST = "the latest sample only: a second's other samples do not show"
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """One column.
+    """One column."""
 
-    Attributes:
-        name: Its name without the unit.
-        unit: Its unit; empty for a count, a flag, a ratio or text.
-        formula: How it is computed, and over which window.
-        source: Topics and fields.
-        rate_invariant: Whether the sensor's rate does not show in it, or how it does.
-        cumulative: Whether it counts or sums from the start on, so that only its growth says anything.
-    """
-
-    name: str
-    unit: str = ""
+    name: str  # without the unit
+    unit: str = ""  # none for a count, a flag, a ratio or text
     meaning: str
-    formula: str
-    source: str
-    rate_invariant: str = "yes"
-    cumulative: bool = False
+    formula: str  # how it is computed, and over which window
+    source: str  # topics and fields
+    rate_invariant: str = "yes"  # whether the sensor's rate does not show in it, or how it does
+    cumulative: bool = False  # it counts or sums from the start on: only its growth says anything
 
     @property
     def header(self) -> str:

@@ -16,26 +16,16 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterInfo:
-    """One parameter; the type of its default is its own.
+    """One parameter; the type of its default is its own."""
 
-    Attributes:
-        default: As ROS has it; an empty tuple is a list of numbers that is not set.
-        unit: Unit of its numbers; empty if the description states it.
-        minimum: The smallest valid number.
-        maximum: The largest; infinite for what is no number.
-        example: How a number is to be written, and how not.
-        valid: What is valid, if type and range do not tell.
-        read_only: Whether it is fixed once the node runs.
-    """
-
-    default: Any
+    default: Any  # as ROS has it; an empty tuple is a list of numbers that is not set
     description: str
-    unit: str = ""
-    minimum: float = 0.0
-    maximum: float = math.inf
-    example: str = "1.0, not 1"
-    valid: str = ""
-    read_only: bool = False
+    unit: str = ""  # of its numbers; empty if the description states it
+    minimum: float = 0.0  # the smallest valid number
+    maximum: float = math.inf  # the largest; infinite for what is no number
+    example: str = "1.0, not 1"  # how a number is to be written, and how not
+    valid: str = ""  # what is valid, if type and range do not tell
+    read_only: bool = False  # fixed once the node runs
 
     @property
     def valid_range(self) -> str:

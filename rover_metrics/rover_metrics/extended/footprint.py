@@ -19,11 +19,7 @@ ROUNDING = 1e-9  # m
 
 @dataclass(frozen=True)
 class Footprint:
-    """A simple polygon in the base frame, convex or not; corners [m] are in order, either way round.
-
-    Raises:
-        ParameterError: A corner lacks its y, or they are not those of a simple polygon.
-    """
+    """A simple polygon in the base frame, convex or not; corners [m] are in order, either way round."""
 
     corners: tuple[Point, ...]
 
@@ -53,11 +49,7 @@ class Footprint:
 
 @dataclass(frozen=True)
 class LidarPose:
-    """Where the lidar's frame is in the base frame: position [m] and heading of its x axis [rad].
-
-    Raises:
-        ParameterError: There are not three values, or not all are finite.
-    """
+    """Where the lidar's frame is in the base frame: position [m] and heading of its x axis [rad]."""
 
     x: float = 0.0
     y: float = 0.0

@@ -4,30 +4,23 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
-
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
+from rover_metrics.log.documents import DocumentError, read_yaml
 
 NODE_NAME = "metrics_node"
 EVERY_NODE = ("*", "**")
 
 
 def read_values(path: Path) -> dict[str, Any]:
-    """Returns the parameters that a file sets, by name, all valid.
+    """Returns the parameters that a file sets, by name, all valid; else raises a ParameterError.
 
     Later sections of the node win. An empty list sets nothing.
-
-    Raises:
-        ParameterError: The file is not readable, names no parameters for metrics_node, names one that
-            does not exist, or a value is not valid.
     """
     try:
-        document = YAML(typ="safe").load(path)
-    except (OSError, UnicodeDecodeError, YAMLError) as error:
-        reason = error.strerror if isinstance(error, OSError) else " ".join(str(error).split())
-        raise ParameterError(f"cannot read parameters from {path}: {reason}") from error
+        document = read_yaml(path)
+    except DocumentError as error:
+        raise ParameterError(f"cannot read parameters from {path}: {error}") from error
     sections = list(_sections(document, ""))
     if not sections:
         raise ParameterError(f"{path} has no section 'metrics_node: ros__parameters:'")

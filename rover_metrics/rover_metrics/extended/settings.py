@@ -141,11 +141,7 @@ class Settings:
         }
 
     def updated(self, values: Mapping[str, Any]) -> "Settings":
-        """Returns these settings with some parameters changed, by name; other names are ignored.
-
-        Raises:
-            ParameterError: A value is not valid; then no value is to be used.
-        """
+        """Returns these settings with some parameters changed, by name; other names are ignored."""
         if values.get("log_dir") == "":
             raise ParameterError("parameter log_dir must be the path of a folder, not empty text")
         extended = _known(values, EXTENDED_INFO)
@@ -176,13 +172,8 @@ QOS_OVERRIDES = "qos_overrides."  # what their names begin with
 def check_name(name: str, *, may_be_others: bool) -> bool:
     """Returns whether a parameter is one of PARAMETERS; False for those that every node has.
 
-    Args:
-        name: As somebody wrote it.
-        may_be_others: Whether it may be meant for another node: then only what nearly is one of
-            PARAMETERS is a mistake.
-
-    Raises:
-        ParameterError: There is none of that name; the nearest is named.
+    Of any other name a ParameterError names the nearest. A name that may be another node's is only a
+    mistake where it nearly is one of PARAMETERS.
     """
     if name in PARAMETERS:
         return True

@@ -21,18 +21,12 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class Status:
-    """One status.
-
-    Attributes:
-        name: Subject of the status, without the node's name.
-        message: Why the level is what it is.
-        values: Key and value, both text; numbers in plain decimal, so that they can be plotted.
-    """
+    """One status."""
 
     level: Level
-    name: str
-    message: str
-    values: tuple[tuple[str, str], ...]
+    name: str  # of its subject, without the node's
+    message: str  # why the level is what it is
+    values: tuple[tuple[str, str], ...]  # numbers in plain decimal, so that they can be plotted
 
 
 _Complaint = tuple[Level, str]

@@ -12,23 +12,14 @@ NOT_HEARD = "publisher is not heard"
 
 
 class TopicState(NamedTuple):
-    """What is known of a topic at one moment.
+    """What is known of a topic at one moment."""
 
-    Attributes:
-        topic: Its resolved name.
-        received: Messages so far.
-        rejected: Those of them that were left out.
-        lost: Messages lost on the way, as far as that shows.
-        stamp_ns: The latest stamp [ns]; 0 without one.
-        is_silent: Whether it has been silent for too long.
-    """
-
-    topic: str
-    received: int = 0
-    rejected: int = 0
-    lost: int = 0
-    stamp_ns: int = 0
-    is_silent: bool = False
+    topic: str  # its resolved name
+    received: int = 0  # messages so far
+    rejected: int = 0  # of these, left out
+    lost: int = 0  # on the way, as far as that shows
+    stamp_ns: int = 0  # the latest stamp [ns]; 0 without one
+    is_silent: bool = False  # for too long
     publishers: int = 0
 
 
@@ -99,16 +90,13 @@ class Reception:
             if topic in self._silent_by_right:
                 continue
             change = silence.look(self.received[topic], now_ns, stale_after_ns)
-            if change is None:
-                continue
-            if change.is_over:
+            if change is not None and change.is_over:
                 self._tell(f"{topic}: heard again after {change.seconds:.0f} s of silence")
-                continue
-            publishers = self._publishers.get(topic, 0)
-            self._tell(
-                f"{topic}: nothing for {change.seconds:.0f} s (publishers: {publishers}); "
-                "its columns show what was last heard"
-            )
+            elif change is not None:
+                self._tell(
+                    f"{topic}: nothing for {change.seconds:.0f} s (publishers: "
+                    f"{self._publishers.get(topic, 0)}); its columns show what was last heard"
+                )
 
     def publishers(self, topic: str, number: int) -> None:
         """Takes how many publishers a topic has; more than one is reported, and when that is over."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.metrics import LARGEST_ACCELERATION, LARGEST_SPEED
+from rover_metrics.core.metrics import LARGEST_ACCELERATION
 from rover_metrics.core.rotation import Vector3
 
 NOT_FINITE = "not finite"
@@ -30,16 +30,13 @@ def imu_fault(acceleration: Vector3, angular_velocity: Vector3) -> str:
     """Returns the name of what is wrong with an IMU sample that the metrics have refused."""
     if not all(map(math.isfinite, (*acceleration, *angular_velocity))):
         return NOT_FINITE
-    if math.hypot(*acceleration) > LARGEST_ACCELERATION:
-        return HUGE_ACCELERATION
-    return HUGE_ANGULAR_RATE
+    is_huge = math.hypot(*acceleration) > LARGEST_ACCELERATION
+    return HUGE_ACCELERATION if is_huge else HUGE_ANGULAR_RATE
 
 
 def odometry_fault(linear_velocity: Vector3) -> str:
     """Returns the name of what is wrong with a velocity that the metrics have refused."""
-    if math.hypot(*linear_velocity) > LARGEST_SPEED and all(map(math.isfinite, linear_velocity)):
-        return HUGE_SPEED
-    return NOT_FINITE
+    return HUGE_SPEED if all(map(math.isfinite, linear_velocity)) else NOT_FINITE
 
 
 def unusable_scan(ranges: ArrayLike) -> str | None:

@@ -1,7 +1,4 @@
-"""Watches: whether what should go on has stopped or goes on again, and what a topic's stamps tell.
-
-A topic's header stamps tell whether they go on as they should, and what is missing between them.
-"""
+"""Watches: whether what should go on has stopped or goes on again, and what a topic's stamps tell."""
 
 import math
 from collections import deque
@@ -46,15 +43,12 @@ class SilenceWatch:
         self.is_silent = False
 
     def look(self, progress: int, now_ns: int, limit_ns: int) -> Silence | None:
-        """Looks again.
+        """Looks again; returns a silence that is long enough now or that is over, else None.
 
         Args:
             progress: The count as it is now.
             now_ns: The time [ns].
             limit_ns: From which duration on a silence is reported [ns]; 0 is never.
-
-        Returns:
-            What has changed: a silence that is long enough now or that is over; else None.
         """
         passed = min(max(now_ns - self._looked_ns, 0), LONGEST_LOOK)
         moved = progress != self._progress

@@ -17,12 +17,7 @@ class BufferedLog(CsvLog):
     """A CsvLog in which rows that the file refuses wait, at most `capacity` of them.
 
     Every row is tried again with the next one. Above the capacity the oldest row is dropped and
-    counted. A refusal is reported when it begins, when its reason changes and when it is over.
-
-    Args:
-        directory: As `started`, `fsync` and `columns` for CsvLog.
-        tell: Is given a line for the user.
-        capacity: How many rows may wait.
+    counted. A refusal is told when it begins, when its reason changes and when it is over.
     """
 
     def __init__(
@@ -56,11 +51,14 @@ class BufferedLog(CsvLog):
             self._drop(1)
 
     def close(self) -> None:
-        """Tries the waiting rows a last time and closes the file; closing twice is fine."""
+        """Tries the waiting rows a last time and closes the file, telling what fails; twice is fine."""
         if not self._file.closed:
             self._write_waiting()
             self._drop(self.waiting)
-            super().close()
+            try:
+                super().close()
+            except LogError as error:
+                self._tell(str(error))
 
     def _write_waiting(self) -> None:
         late = self.waiting

@@ -19,11 +19,13 @@ from rover_metrics.log.social_log import SocialRow
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")  # what spreadsheets take for the beginning of one
 NUMBER = re.compile(r"-\d+\.\d+")  # with a fixed number of decimals, which makes it a text
 STEM = "metrics_log"
+_IN_THE_WAY = "a file stands where a folder should be; remove it or choose another folder"
+_LOCKED = "make it writable for this user or choose another folder"
 _MENDS = {
-    errno.EEXIST: "a file stands where a folder should be; remove it or choose another folder",
-    errno.ENOTDIR: "a file stands where a folder should be; remove it or choose another folder",
-    errno.EACCES: "make it writable for this user or choose another folder",
-    errno.EPERM: "make it writable for this user or choose another folder",
+    errno.EEXIST: _IN_THE_WAY,
+    errno.ENOTDIR: _IN_THE_WAY,
+    errno.EACCES: _LOCKED,
+    errno.EPERM: _LOCKED,
     errno.EROFS: "choose a folder on a writable file system",
     errno.ENOSPC: "free some disk space or choose another folder",
     errno.EDQUOT: "free some of your disk quota or choose another folder",
@@ -82,18 +84,16 @@ class CsvLog(AbstractContextManager["CsvLog"]):
         self.close()
 
     def write(self, row: Row | SocialRow) -> None:
-        """Appends a row.
-
-        Raises:
-            LogError: The row could not be written. The file holds no part of it, and the next row
-                may be tried.
-        """
+        """Appends a row, or raises a LogError; then the file holds no part of it, and goes on."""
         self._write_line(row.as_fields())
         self.rows += 1
 
     def close(self) -> None:
-        """Closes the file; closing twice is fine."""
-        self._file.close()
+        """Closes the file, or raises a LogError; closing twice is fine."""
+        try:
+            self._file.close()
+        except OSError as error:
+            raise _log_error("cannot finish a log", self.path.parent, error) from error
 
     def _write_line(self, cells: Iterable[Field]) -> None:
         line = _csv_line(cells)
@@ -170,11 +170,7 @@ def _log_error(what: str, directory: Path, error: Exception) -> LogError:
 
 
 def harmless(cell: Field) -> Field:
-    """Returns a cell, with an apostrophe before text that would start a formula.
-
-    What is in a note, or in the name of a log, may come from strangers, and a spreadsheet that opens the
-    file would run it (OWASP, CSV injection).
-    """
+    """Returns a cell, an apostrophe before text that spreadsheets would run (OWASP, CSV injection)."""
     if not isinstance(cell, str) or not cell.startswith(FORMULA) or NUMBER.fullmatch(cell):
         return cell
     return f"'{cell}"

@@ -1,84 +1,135 @@
-"""YAML and JSON of strangers: what is too large, too deep or multiplies itself is refused."""
+"""YAML and JSON that anybody may have written: read here alone, within the bounds of docs/limits.md."""
 
 import json
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from rover_metrics.errors import RoverMetricsError
 
-LARGEST = 2**22  # bytes
-DEEPEST = 100  # lists and mappings in each other
-MOST_VALUES = 100_000  # those behind an alias as often as it is used
-
-T = TypeVar("T")
-
-# What a parser raises of numbers, dates, keys and tags that are none.
-_NONSENSE = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+LARGEST_YAML, LARGEST_JSON = 2**20, 2**26  # [bytes]
+DEEPEST = 64  # lists and keys within one another
+MOST_VALUES = 100_000  # of YAML, each alias counted as all that it stands for
+MOST_DIGITS = 100
+_TOO_LONG = re.compile(rf"\d[\d_]{{{MOST_DIGITS}}}|0[xX][\da-fA-F_]{{{MOST_DIGITS}}}")
+_TOO_DEEP = f"nested more than {DEEPEST} deep; nest less"
 
 
 class DocumentError(RoverMetricsError):
-    """A file that cannot be read, or is no such document; one line without the file's name."""
+    """A file that cannot be read, is no such document or beyond a bound; one line without its name.
+
+    Attributes:
+        place: Line and column of what is wrong, from 1; None where that is not known.
+    """
+
+    def __init__(self, text: str, place: tuple[int, int] | None = None) -> None:
+        super().__init__(text)
+        self.place = place
 
 
-def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401 - whatever a file holds
-    """Returns the content of a YAML file as ruamel.yaml reads it, or raises a DocumentError."""
+def read_json(path: Path, largest: int = LARGEST_JSON) -> Any:  # noqa: ANN401 - whatever a file holds
+    """Returns what a JSON file of at most so many bytes holds, or raises a DocumentError."""
+    return parse_json(_text_of(path, largest))
+
+
+def parse_json(text: str | bytes) -> Any:  # noqa: ANN401
+    """Returns what a JSON text holds, or raises a DocumentError."""
+    try:
+        text = text if isinstance(text, str) else text.decode()
+        _check_digits(text)
+        content = json.loads(text)
+    except RecursionError as error:
+        raise DocumentError(_TOO_DEEP) from error
+    except ValueError as error:
+        raise DocumentError(f"not valid JSON: {error}") from error
+    _check(content)
+    return content
+
+
+def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401
+    """Returns what a YAML file holds as ruamel.yaml reads it, or raises a DocumentError.
+
+    Args:
+        path: The file.
+        kind: Of ruamel.yaml: "safe" for plain values, "rt" for such that know where they stand.
+    """
     from ruamel.yaml import YAML  # noqa: PLC0415 - takes 25 ms, and most imports of this need no file
-    from ruamel.yaml.error import YAMLError  # noqa: PLC0415
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError  # noqa: PLC0415
 
-    def parsed(data: bytes) -> Any:  # noqa: ANN401
-        try:
-            _require_bounds(YAML(typ="safe", pure=True).parse(data))
-            return YAML(typ=kind).load(data)
-        except YAMLError as error:
-            raise DocumentError(f"no valid YAML: {' '.join(str(error).split())}") from error
+    text = _text_of(path, LARGEST_YAML)
+    _check_digits(text)
+    try:
+        _check_events(YAML(typ="safe", pure=True).parse(text))
+        content = YAML(typ=kind).load(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = (mark.line + 1, mark.column + 1) if mark else None
+        raise DocumentError(f"not valid YAML: {error.problem}", place) from error
+    # What a parser raises of numbers, dates, keys and tags that are none.
+    except (YAMLError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise DocumentError(f"not valid YAML: {' '.join(str(error).split())}") from error
+    except RecursionError as error:
+        raise DocumentError(_TOO_DEEP) from error
+    _check(content)
+    return content
 
-    return _read(path, "YAML", parsed)
 
-
-def read_json(path: Path) -> Any:  # noqa: ANN401
-    """Returns the content of a JSON file, or raises a DocumentError."""
-    return _read(path, "JSON", json.loads)
-
-
-def _read(path: Path, name: str, parsed: Callable[[bytes], T]) -> T:
+def _text_of(path: Path, largest: int) -> str:
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+            content = file.read(largest + 1)
     except OSError as error:
-        raise DocumentError(error.strerror or str(error)) from error
-    if len(data) > LARGEST:
-        raise DocumentError(f"larger than {LARGEST >> 20} MiB; is it the right file?")
+        raise DocumentError(f"cannot be read: {error.strerror or error}") from error
+    if len(content) > largest:
+        raise DocumentError(f"larger than {largest:,} bytes; is it the right file?")
     try:
-        return parsed(data)
-    except RecursionError as error:
-        raise DocumentError(f"values nested deeper than {DEEPEST}; make it flatter") from error
-    except _NONSENSE as error:
-        reason = " ".join(str(error).split()).partition("; use sys.")[0]  # which is no mend for users
-        raise DocumentError(f"no valid {name}: {reason}") from error
+        return content.decode("utf-8-sig")
+    except ValueError as error:
+        raise DocumentError(f"no text in UTF-8: {error}") from error
 
 
-def _require_bounds(events: Iterable[Any]) -> None:
+def _check_digits(text: str) -> None:
+    if _TOO_LONG.search(text):
+        raise DocumentError(f"a number of more than {MOST_DIGITS} digits; give fewer")
+
+
+def _check_events(events: Iterable[Any]) -> None:
     """Counts values as if every alias were written out, before anything is built of them."""
-    from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, ScalarEvent  # noqa: PLC0415
-
-    behind: dict[str | None, int] = {}  # an anchor
+    behind: dict[str | None, int] = {}  # values of an anchor
     unfinished: list[tuple[str | None, int]] = []  # anchor, and values before it
     values = 0
     for event in events:
-        if isinstance(event, CollectionEndEvent):
-            anchor, before = unfinished.pop()
-            behind[anchor] = values - before
-        elif isinstance(event, AliasEvent):
+        kind = type(event).__name__
+        if kind == "AliasEvent":
             if event.anchor not in behind:
-                raise DocumentError(f"*{event.anchor} stands for what it is part of; write it out")
+                raise DocumentError(f"*{event.anchor} stands for nothing that is whole before it; write it out")
             values += behind[event.anchor]
-        elif isinstance(event, ScalarEvent):
+        elif kind == "ScalarEvent":
             values, behind[event.anchor] = values + 1, 1
-        elif isinstance(event, CollectionStartEvent):
+        elif kind in ("SequenceStartEvent", "MappingStartEvent"):
             unfinished.append((event.anchor, values))
             values += 1
-        if len(unfinished) > DEEPEST:
-            raise RecursionError
+        elif kind in ("SequenceEndEvent", "MappingEndEvent"):
+            anchor, before = unfinished.pop()
+            behind[anchor] = values - before
         if values > MOST_VALUES:
-            raise DocumentError(f"more than {MOST_VALUES:,} values, its aliases written out")
+            raise DocumentError(f"more than {MOST_VALUES:,} values; give fewer, or no alias")
+        if len(unfinished) > DEEPEST:
+            raise DocumentError(_TOO_DEEP)
+
+
+def _check(content: object) -> None:
+    """Checks depth and keys."""
+    left = [(content, 0)]
+    while left:
+        value, depth = left.pop()
+        if depth > DEEPEST:
+            raise DocumentError(_TOO_DEEP)
+        if isinstance(value, Mapping):
+            wrong = [key for key in value if not isinstance(key, str)]
+            if wrong:
+                raise DocumentError(f"key {str(wrong[0])[:40]} must be text; put it in quotes")
+            left += [(item, depth + 1) for item in value.values()]
+        elif isinstance(value, list):
+            left += [(item, depth + 1) for item in value]

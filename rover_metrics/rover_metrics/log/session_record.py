@@ -67,15 +67,12 @@ def failed(reason: str) -> Outcome:
 
 
 def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any]) -> None:
-    """Writes the record of a log; it is there whole or not at all.
+    """Writes the record of a log, or raises a LogError; it is there whole or not at all.
 
     Args:
         log: The log's file.
         outcome: How the session has ended: its status and the reason; None while it runs.
         details: What else shall stand there, as JSON values.
-
-    Raises:
-        LogError: It cannot be written.
     """
     path = log.with_suffix(".json")
     text = json.dumps({"log": str(log), "outcome": outcome, **details}, indent=2) + "\n"

@@ -11,23 +11,14 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class SocialRow:
-    """One second.
+    """One second."""
 
-    Attributes:
-        step: From 1 on.
-        time_s: Since the start [s].
-        position: Where the rover is, x and y [m].
-        speed: Mean speed of the rover since the row before [m/s]; NaN in the first row.
-        distances: To each person, in alphabetical order, seen from above [m].
-        goals: Reached so far.
-    """
-
-    step: int
-    time_s: float
-    position: Point
-    speed: float
-    distances: tuple[float, ...]
-    goals: int
+    step: int  # from 1 on
+    time_s: float  # since the start [s]
+    position: Point  # of the rover [m]
+    speed: float  # mean since the row before [m/s]; NaN in the first row
+    distances: tuple[float, ...]  # to each person, in alphabetical order, seen from above [m]
+    goals: int  # reached so far
 
     def as_fields(self) -> list[Field]:
         """Returns the cells, two decimals each."""

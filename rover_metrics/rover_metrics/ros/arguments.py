@@ -3,6 +3,8 @@
 import difflib
 from collections.abc import Iterable, Sequence
 
+from rover_metrics.errors import OneLineParser
+
 START, END = "--ros-args", "--"
 _WITH_VALUE = (
     *("-p", "--param", "-r", "--remap", "--params-file", "-e", "--enclave"),
@@ -26,6 +28,16 @@ def split_ros_args(words: Iterable[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
+def check_words(name: str, words: Iterable[str]) -> None:
+    """Leaves a node's program after --help, or where a word is not ROS's; it has none of its own."""
+    OneLineParser(
+        prog=name,
+        usage=f"{name} [-h] [{START} -p NAME:=VALUE -r FROM:=TO --params-file FILE ...]",
+        description="Logs the traversal metrics of a rover once a second, until a signal ends it. Its "
+        "parameters, and how topics are renamed, stand behind --ros-args; docs/parameters.md has all.",
+    ).parse_args(split_ros_args(words)[0])
+
+
 def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     """Returns what is wrong with the options behind `--ros-args`, with the nearest valid one.
 
@@ -44,7 +56,7 @@ def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     return None
 
 
-def refusal(error: RuntimeError) -> str:
+def refusal(error: Exception) -> str:
     """Returns why rclpy does not start, in one line, with the mend where it says none."""
     reason = " ".join(str(error).split())
     mend = "; ROS_LOG_DIR names another folder" if "log directory" in reason else ""

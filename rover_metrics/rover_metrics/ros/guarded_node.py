@@ -57,7 +57,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """Creates a subscription as a Node does, and guards it; its callback takes messages alone."""
         guarded = partial(self._hear, topic, callback)
         if msg_type is Clock:
-            guarded = partial(self._hear_clock, topic, partial(self._hear_time, topic, callback))
+            guarded = partial(self._hear_clock, topic, callback)
             qos_profile = CLOCK_QOS
         return super().create_subscription(msg_type, topic, guarded, qos_profile, **options)
 
@@ -82,15 +82,12 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         except FAILURES as error:
             self._leave_out(self.resolve_topic_name(topic), error)
 
-    def _hear_clock(self, topic: str, callback: Handler, message: Message) -> None:
-        self._hear(topic, callback, message)
-        self.time_has_come()
-
-    def _hear_time(self, topic: str, callback: Handler, message: Message) -> None:
+    def _hear_clock(self, topic: str, callback: Handler, message: Clock) -> None:
         if is_time(message.clock):
-            callback(message)
+            self._hear(topic, callback, message)
         else:
             self.reception.reject(self.resolve_topic_name(topic), NO_TIME)
+        self.time_has_come()
 
     def _answer(self, name: str, callback: Handler, request: Message, response: Message) -> Message:
         try:

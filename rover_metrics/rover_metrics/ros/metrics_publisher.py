@@ -18,15 +18,10 @@ TOPIC = "rover/metrics"
 
 
 class MetricsPublisher:
-    """Publishes statuses as diagnostic_msgs/DiagnosticArray while somebody listens.
+    """Publishes statuses as diagnostic_msgs/DiagnosticArray while it is `enabled` and somebody listens.
 
     Statuses are named as diagnostic_updater names them, "node: what", and the hardware is the rover:
-    the node's namespace, or "rover".
-
-    Attributes:
-        enabled: Whether to publish; may be changed at any time.
-        publisher: Publisher of the topic; None without diagnostic_msgs.
-        record: Takes each message, also those for nobody; None while nobody records.
+    the node's namespace, or "rover". A function `record` takes each message, also those for nobody.
     """
 
     def __init__(self, node: Node, tell: Callable[[str], None], *, enabled: bool) -> None:

@@ -16,11 +16,7 @@ RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 
 
 def declare_settings(node: Node, settings: Settings) -> Settings:
-    """Declares all parameters; returns what the launch has made of them.
-
-    Raises:
-        ParameterError: The launch gave a value that is not valid.
-    """
+    """Declares all parameters; returns what the launch has made of them, or raises a ParameterError."""
     defaults = settings.parameters
     values = {name: _declare(node, name, info, defaults[name]) for name, info in PARAMETERS.items()}
     for name, value in values.items():

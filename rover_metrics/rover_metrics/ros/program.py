@@ -10,6 +10,8 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 import rclpy
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.exceptions import InvalidParameterTypeException, NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -19,26 +21,23 @@ except ImportError:  # Humble, Jazzy
     EventsExecutor = SingleThreadedExecutor
 
 from rover_metrics.errors import RoverMetricsError, StartError
-from rover_metrics.ros.arguments import complaint, refusal
+from rover_metrics.ros.arguments import check_words, complaint, refusal
 
 HAS_EVENTS_EXECUTOR = EventsExecutor is not SingleThreadedExecutor
 SPIN_TIMEOUT = 0.2  # [s]: EventsExecutor notices a signal only between two spins
 
 
 def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
-    """Runs a node until SIGINT or SIGTERM.
+    """Runs a node until SIGINT or SIGTERM; returns 0, or 2 after a known mistake, told in one line.
 
     Args:
         name: What the program is called.
         make_node: Makes the node, once ROS is up; its `fail` takes why its session has failed, its
             `in_lock_step` says whether a simulator waits for it.
         args: Command line as for rclpy.init; sys.argv if None.
-
-    Returns:
-        Exit code: 0 after a clean end, 2 after a known mistake, reported in one line on stderr.
     """
     try:
-        _run(make_node, args)
+        _run(name, make_node, args)
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0
     except RoverMetricsError as error:
@@ -47,9 +46,11 @@ def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -
     return 0
 
 
-def _run(make_node: Callable[[], Node], args: list[str] | None) -> None:
+def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> None:
     with ExitStack() as at_end:
-        wrong = complaint(sys.argv if args is None else args)
+        words = sys.argv[1:] if args is None else args
+        check_words(name, words)
+        wrong = complaint(words)
         if wrong is not None:
             raise StartError(wrong)
         try:
@@ -60,13 +61,23 @@ def _run(make_node: Callable[[], Node], args: list[str] | None) -> None:
         # Executors outlive the node: a signal's own thread may still be at work on what wakes them.
         executors = at_end.enter_context(ExitStack())
         try:
-            node = make_node()
+            node = _made(make_node)
             at_end.callback(node.destroy_node)
             _spin(node, executors)
         except (RuntimeError, AttributeError):
             # A signal at start-up pulls the context from under whatever rclpy call is running.
             if rclpy.ok():
                 raise
+
+
+def _made(make_node: Callable[[], Node]) -> Node:
+    try:
+        return make_node()
+    except (InvalidParameterTypeException, NameValidationException, RCLError) as error:
+        if not rclpy.ok():
+            raise
+        mend = "give true or false" if isinstance(error, ParameterException) else "give another name"
+        raise StartError(f"{refusal(error)}; {mend}") from error
 
 
 def _spin(node: Node, executors: ExitStack) -> None:

@@ -57,9 +57,6 @@ def subscribe(
             standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Counts messages that were lost and publishers that are not heard.
-
-    Raises:
-        ParameterError: The launch gave a reliability that does not exist.
     """
     name = source.name.lstrip("/")
     topic: str = node.resolve_topic_name(name)

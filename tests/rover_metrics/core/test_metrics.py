@@ -7,9 +7,12 @@ import random
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from statistics import fmean
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.core.metrics import TraversalMetrics
@@ -32,48 +35,24 @@ def csv_line(row: Row) -> str:
     return text.getvalue()
 
 
-# The row
-
-
 def test_the_row_before_any_sample_is_roboterrains_to_the_byte(metrics: TraversalMetrics) -> None:
     expected = "1737047098,0,0,0.0,0,inf,0.0,0,0,0,0,Normal operation\r\n"
     assert csv_line(metrics.row(1737047098)) == expected
     assert (metrics.clearance, metrics.farthest) == (INF, -INF)
 
 
-def test_a_row_of_hand_computed_values(metrics: TraversalMetrics) -> None:
-    metrics.add_scan([3.0, 0.125, INF])  # collision
-    metrics.add_scan([3.0, 0.5])
-    metrics.add_imu((0.0, 3.0, 4.0), (0.0, 0.0, 2.0))  # 5 + 2
-    metrics.add_imu((12.0, 0.0, -16.0), (1.0, 0.0, 0.0))  # 20 + 1, rough
-    metrics.add_pose((1.0, 1.0, 1.0))
-    metrics.add_pose((1.1, 1.2, 1.2))  # 0.3
-    metrics.add_odometry((0.3, 0.4, 0.0))  # 0.5
-    metrics.add_odometry((-1.0, 0.0, 0.0))  # 1.0
-    expected = "7,1,0,28.0,14.0,0.3125,0.3,0.75,20.0,1,16.0,Normal operation\r\n"
-    assert csv_line(metrics.row(7)) == expected
-
-
-def test_floats_are_rounded_to_four_decimals_and_counts_stay_integers() -> None:
-    row = Row(3, 4, 1, 1.00005, 2.123449, 1 / 3, 0.0, 10.0, 1e16, 0, 9.8, "note, with comma")
-    assert csv_line(row) == ('3,4,1,1.0001,2.1234,0.3333,0.0,10.0,1e+16,0,9.8,"note, with comma"\r\n')
-
-
-def test_a_mean_of_zero_is_a_float_where_an_empty_window_is_an_integer(
-    metrics: TraversalMetrics,
-) -> None:
+def test_a_mean_of_zero_is_a_float_and_an_empty_window_an_integer(metrics: TraversalMetrics) -> None:
     metrics.add_odometry(STILL)
     metrics.add_imu(STILL, STILL)
     assert csv_line(metrics.row(0)) == "0,0,0,0.0,0.0,inf,0.0,0.0,0.0,0,0.0,Normal operation\r\n"
 
 
-def test_extended_cells_follow_the_twelve_and_what_is_none_is_empty(metrics: TraversalMetrics) -> None:
+def test_extended_cells_follow_the_twelve_and_none_is_empty(metrics: TraversalMetrics) -> None:
     row = replace(metrics.row(3), extended={"Way [m]": None, "Share": 0.123456, "Count": 0})
     assert row.columns == (*COLUMNS, "Way [m]", "Share", "Count")
     assert row.as_fields() == (*metrics.row(3).as_fields(), "", 0.1235, 0)
-
-
-# All columns at once
+    big = Row(3, 4, 1, 1.00005, 2.123449, 1 / 3, 0.0, 10.0, 1e16, 0, 9.8, "note, with comma")
+    assert csv_line(big) == '3,4,1,1.0001,2.1234,0.3333,0.0,10.0,1e+16,0,9.8,"note, with comma"\r\n'
 
 
 class History:
@@ -111,13 +90,7 @@ class History:
         }
 
 
-LIMITS = Thresholds(
-    collision_threshold=0.5,
-    smoothness_threshold=1.0,
-    min_safe_clearance=1.5,
-    distance_threshold=2.5,
-    rough_terrain_threshold=7.0,
-)
+LIMITS = Thresholds(0.5, 1.0, 1.5, 2.5, 7.0)
 # Quadruples of Pythagoras: magnitudes are exact, and some are at a threshold.
 VECTORS: list[Vector3] = [
     (0.0, 0.0, 0.0),
@@ -167,9 +140,6 @@ def test_every_column_is_what_its_definition_says_of_all_samples_so_far(limits: 
     assert all(len(kept) > 150 for kept in (history.scans, history.imu, history.path, history.speeds))
 
 
-# Scans
-
-
 def test_ranges_count_as_a_message_would_carry_them_in_whatever_container_they_come() -> None:
     """As float32: 0.2 is a little more there, and so no collision."""
     rng = np.random.default_rng(1)
@@ -191,39 +161,66 @@ def test_ranges_count_as_a_message_would_carry_them_in_whatever_container_they_c
     assert rows[0].obstacle_clearance == pytest.approx(np.mean(nearest))
 
 
-@pytest.mark.parametrize("bad", [NAN, INF, -INF])
-@pytest.mark.parametrize("sensor", ["imu", "gyroscope", "pose", "odometry"])
-def test_a_sample_that_is_not_finite_is_left_out_as_if_it_had_not_been(
-    metrics: TraversalMetrics, sensor: str, bad: float
-) -> None:
-    def give(sample: Vector3) -> bool:
-        if sensor == "pose":
-            return metrics.add_pose(sample)
-        if sensor == "odometry":
-            return metrics.add_odometry(sample)
-        return metrics.add_imu(*((sample, STILL) if sensor == "imu" else (STILL, sample)))
-
-    assert give((0.1, 0.2, 0.2))
-    for axis in range(3):
-        before = metrics.row(0)
-        x, y, z = (bad if axis == each else 0.0 for each in range(3))
-        assert not give((x, y, z))
-        assert metrics.row(0) == before
-    assert give((0.2, 0.4, 0.4))
-    assert metrics.row(0).distance_traveled == pytest.approx(0.3 if sensor == "pose" else 0.0)
-
-
 def test_new_thresholds_hold_for_what_follows(metrics: TraversalMetrics) -> None:
     metrics.add_scan([0.75])
     metrics.add_imu((5.0, 0.0, 0.0), STILL)
-    metrics.thresholds = Thresholds(
-        collision_threshold=1.0, rough_terrain_threshold=4.0, distance_threshold=2.0
-    )
-    assert metrics.row(0).collision_status == 1
-    assert metrics.row(0).is_rough_terrain == 0
+    limits = {"collision_threshold": 1.0, "rough_terrain_threshold": 4.0, "distance_threshold": 2.0}
+    metrics.thresholds = Thresholds(**limits)
+    assert (metrics.row(0).collision_status, metrics.row(0).is_rough_terrain) == (1, 0)
     metrics.add_scan([0.75])
     metrics.add_imu((5.0, 0.0, 0.0), STILL)
     metrics.add_pose(STILL)
     metrics.add_pose((1.5, 0.0, 0.0))
     row = metrics.row(0)
     assert (row.total_collisions, row.is_rough_terrain, row.distance_traveled) == (1, 1, 1.5)
+
+
+# Whatever the sensors say
+
+BOUNDS = {"acceleration": 1e5, "rate": 1e4, "speed": 1e4, "pose": math.inf}
+
+
+def give(metrics: TraversalMetrics, kind: str, vector: Vector3) -> bool:
+    if kind == "pose":
+        return metrics.add_pose(vector)
+    if kind == "speed":
+        return metrics.add_odometry(vector)
+    return metrics.add_imu(*((vector, STILL) if kind == "acceleration" else (STILL, vector)))
+
+
+ANY_FLOAT = st.floats() | st.sampled_from([NAN, INF, -INF, 1e308, -1e308]) | st.floats(-9.0, 9.0)
+ANY_RANGES = st.lists(st.floats(width=32) | st.sampled_from([NAN, INF, -INF, 0.0, -1.0]), max_size=8)
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(
+        ANY_RANGES | st.tuples(st.sampled_from([*BOUNDS]), st.tuples(*[ANY_FLOAT] * 3)), max_size=40
+    )
+)
+def test_only_what_is_finite_and_possible_is_used_and_sums_never_fall(samples: list[Any]) -> None:
+    metrics = TraversalMetrics()
+    before = metrics.row(0)
+    for sample in samples:
+        if isinstance(sample, list):
+            usable = metrics.add_scan(np.array(sample, dtype=np.float32))
+            assert usable is any(map(math.isfinite, sample))
+        else:
+            usable, size = give(metrics, *sample), math.hypot(*sample[1])
+            assert usable is (size <= BOUNDS[sample[0]] and math.isfinite(size))
+        row = metrics.row(0)
+        assert usable or row == before
+        assert all(math.isfinite(float(cell)) for cell in row.as_fields()[1:11] if cell != INF)
+        assert (row.smoothness_metric, row.distance_traveled) < (INF, INF)
+        for name in ("total_collisions", "smoothness_metric", "distance_traveled"):
+            assert getattr(row, name) >= getattr(before, name)
+        before = row
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("kind", ["acceleration", "rate", "speed"])
+def test_the_largest_values_are_taken_and_what_is_beyond_them_is_not(kind: str, axis: int) -> None:
+    for size in (BOUNDS[kind], -BOUNDS[kind]):
+        for factor, taken in ((1.0, True), (1.00001, False), (NAN, False)):
+            x, y, z = (factor * size if each == axis else 0.0 for each in range(3))
+            assert give(TraversalMetrics(), kind, (x, y, z)) is taken

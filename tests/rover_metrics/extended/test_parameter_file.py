@@ -25,6 +25,11 @@ def section(*lines: str, name: str = "metrics_node") -> str:
     return f'"{name}":\n  ros__parameters:\n' + "".join(f"    {line}\n" for line in lines)
 
 
+def doubled(times: int) -> str:
+    """A short text of lists whose aliases stand for twice as much each time."""
+    return "a0: &a0 [x]\n" + "".join(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]\n" for n in range(1, times))
+
+
 def test_every_parameter_is_read_as_it_stands_there(file: Path) -> None:
     lines = (f"{name}: {json.dumps(value)}" for name, value in VALUES.items())
     file.write_text(section("use_sim_time: true", *lines))
@@ -46,8 +51,9 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
     assert read_parameters(file).thresholds == Thresholds(
         collision_threshold=0.4, distance_threshold=0.1
     )
-    file.write_text("ns:\n  metrics_node:\n    ros__parameters:\n      collision_threshold: 0.4\n")
-    assert read_parameters(file).thresholds.collision_threshold == 0.4
+    everybodys = section("robot_radius: 0.3", "gravity: 9.8", name="/**")
+    file.write_text(f"{everybodys}ns:\n  metrics_node:\n    ros__parameters:\n      fsync: true\n")
+    assert read_values(file) == {"gravity": 9.8, "fsync": True}
 
 
 @pytest.mark.parametrize(
@@ -61,15 +67,20 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("debug_interval: true"), "debug_interval must be an integer"),
         (section("fsync: 1"), "fsync must be true or false"),
         (section("log_dir: 7"), "parameter log_dir must be the path of a folder, as text"),
-        (
-            section("lidar_pose: [1.0, 2, 3.0]"),
-            "lidar_pose must be a list of three numbers",
-        ),
+        (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of three numbers"),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
         ("metrics_node: [1.0, x]", "no section 'metrics_node"),
         ("metrics_node: [", "cannot read parameters"),
         ("", "no section 'metrics_node"),
+        (section(f"debug_interval: {'9' * 5001}"), "value has 5001 digits"),
+        (section(f"footprint: {'[' * 5000}"), "values nested deeper than 100; make it flatter"),
+        ("a: &a [1, *a]", "*a stands for what it is part of; write it out"),
+        (doubled(25), "more than 100,000 values, its aliases written out"),
+        (section("? {a: 1}\n    : 1"), "found unhashable key"),
+        (section("fsync: !!bool x"), "no valid YAML: 'x'"),
+        (section("log_dir: 2001-99-99"), "month must be in 1..12"),
+        (section(f"log_dir: {'x' * 2**22}"), "larger than 4 MiB; is it the right file?"),
         (section("footprint: [1.0, 2.0]"), "footprint has 1 corners, not 3 to 100"),
         (section("footprint: [1, 2, 3]"), "footprint must be a list of numbers with decimal points"),
     ],
@@ -85,11 +96,6 @@ def test_a_bad_file_is_one_line(file: Path, text: str, told: str) -> None:
     with pytest.raises(ParameterError) as refused:
         read_values(file)
     assert str(refused.value) == f"cannot read parameters from {file}: No such file or directory"
-
-
-def test_what_a_section_for_every_node_says_to_others_is_left_out(file: Path) -> None:
-    file.write_text(section("robot_radius: 0.3", "gravity: 9.8", name="/**"))
-    assert read_values(file) == {"gravity": 9.8}
 
 
 def test_a_value_that_is_0_false_or_empty_is_a_value(file: Path) -> None:

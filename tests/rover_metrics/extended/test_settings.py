@@ -1,7 +1,5 @@
 """What is refused before a node has a value, by names alone; nodes are in ros/test_parameters.py."""
 
-import math
-
 import pytest
 
 from rover_metrics.errors import ParameterError
@@ -25,17 +23,12 @@ def test_the_defaults_that_ros_declares_are_those_of_the_settings() -> None:
     assert Settings().updated({name: info.default for name, info in PARAMETERS.items()}) == Settings()
 
 
-@pytest.mark.parametrize("name", ["gravity", "footprint_threshold"])
-def test_a_number_of_the_extended_columns_is_from_0_to_100(name: str) -> None:
-    for value in (0.0, 100.0):
-        assert getattr(Settings().updated({name: value}).extended, name) == value
-    for value in (-5e-324, math.nextafter(100.0, math.inf), math.nan):
-        with pytest.raises(ParameterError, match=rf"{name} = {value} .* from 0\.0 to 100\.0 m"):
-            Settings().updated({name: value})
-
-
-def test_the_folder_of_logs_has_a_name() -> None:
-    assert Settings().updated({"debug_mode": True, "nobodys": ""}).debug_mode
-    assert Settings().updated({"log_dir": " "}).log_dir == " "
-    with pytest.raises(ParameterError, match="log_dir must be the path of a folder, not empty text"):
-        Settings().updated({"log_dir": ""})
+def test_a_value_that_is_no_name_or_out_of_range_is_refused() -> None:
+    assert Settings().updated({"debug_mode": True, "nobodys": "", "log_dir": " "}).log_dir == " "
+    for values, told in (
+        ({"log_dir": ""}, "log_dir must be the path of a folder, not empty text"),
+        ({"gravity": -5e-324}, r"gravity = -5e-324 .* from 0\.0 to 100\.0 m"),
+        ({"footprint_threshold": 100.1}, r"footprint_threshold = 100.1 .* from 0\.0 to 100\.0 m"),
+    ):
+        with pytest.raises(ParameterError, match=told):
+            Settings().updated(values)

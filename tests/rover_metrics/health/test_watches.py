@@ -43,9 +43,7 @@ def changes_of_the_rule(looks: Sequence[tuple[int, int]], limit: int) -> list[Si
     st.lists(st.tuples(st.integers(0, 2), st.integers(-1, 3)), min_size=1, max_size=60),
     st.integers(0, 6),
 )
-def test_begin_and_end_of_a_silence_are_those_of_the_rule(
-    steps: list[tuple[int, int]], limit: int
-) -> None:
+def test_begin_and_end_of_a_silence_are_the_rules(steps: list[tuple[int, int]], limit: int) -> None:
     looks, now = [], 0
     for count, passed in steps:
         now += passed
@@ -74,36 +72,28 @@ def watching(period_ns: int = PERIOD, intervals: int = 20) -> StampWatch:
 @pytest.mark.parametrize(
     ("intervals_ns", "finding"),
     [
-        ([1], None),
         ([PERIOD] * 500, None),
         ([85_000_000], None),  # 1.7 periods: stamps jitter
         ([85_000_001], (MISSING, 1)),
-        ([97_500_000], (MISSING, 1)),  # 1.95
         ([124_999_999], (MISSING, 1)),
         ([125_000_000], (MISSING, 2)),  # 2.5: half and more is one more
-        ([175_000_000], (MISSING, 3)),
-        ([7 * PERIOD], (MISSING, 6)),
         ([10 * SECOND], (MISSING, 199)),
         ([10 * SECOND + 1], (JUMPED_AHEAD, 1)),
         ([0], (STANDS_STILL, 1)),
         ([-1], (WENT_BACK, 1)),
-        ([-20 * PERIOD - START], (WENT_BACK, 1)),
         ([-20 * PERIOD - START, 0], (NO_STAMP, 1)),
         ([-10 * PERIOD, PERIOD], None),  # goes on from where it went
-        ([3600 * SECOND, PERIOD], None),
         ([3600 * SECOND, 2 * PERIOD], (MISSING, 1)),
     ],
 )
-def test_a_step_from_one_stamp_to_the_next_tells_what_is_odd(
+def test_a_step_between_stamps_tells_what_is_odd(
     intervals_ns: list[int], finding: Finding | None
 ) -> None:
     assert after(watching(), *intervals_ns)[-1] == finding
 
 
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(-7_000_000, 7_000_000)), max_size=60))
-def test_whatever_is_lost_of_a_stream_that_jitters_is_counted_exactly(
-    heard: list[tuple[int, int]],
-) -> None:
+def test_losses_of_a_stream_that_jitters_are_counted_exactly(heard: list[tuple[int, int]]) -> None:
     watch = watching()
     number, missing = 0, 0
     for lost, jitter in heard:
@@ -115,17 +105,12 @@ def test_whatever_is_lost_of_a_stream_that_jitters_is_counted_exactly(
 
 
 @pytest.mark.parametrize(("intervals", "period"), [(7, None), (8, PERIOD)])
-def test_eight_intervals_tell_a_period_and_without_one_only_jumps_are_seen(
-    intervals: int, period: int | None
-) -> None:
-    watch = watching(intervals=intervals)
+def test_eight_intervals_tell_a_period(intervals: int, period: int | None) -> None:
+    watch = watching(intervals=intervals - 1)
+    after(watch, -PERIOD, PERIOD)  # what was learnt before a step back is kept
+    watch.learn()
     assert watch.period_ns == period
-    more = watching(intervals=intervals - 1)
-    after(more, -PERIOD, PERIOD)  # what was learnt before a step back is kept
-    more.learn()
-    assert more.period_ns == period
-    expected: list[Finding | None] = [(MISSING, 3)] if period else [None]
-    assert after(watch, 4 * PERIOD) == expected
+    assert after(watch, 4 * PERIOD) == [(MISSING, 3) if period else None]
     assert after(watching(intervals=2), 10 * SECOND, 10 * SECOND + 1) == [None, (JUMPED_AHEAD, 1)]
 
 

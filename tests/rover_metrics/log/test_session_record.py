@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from rover_metrics.core.thresholds import Thresholds
-from rover_metrics.errors import LogError
 from rover_metrics.log.session_record import (
     SessionEnd,
     SessionRecord,
@@ -40,52 +39,30 @@ def read(log: Path) -> dict[str, object]:
     return record
 
 
-class Clock:
-    """A wall clock that goes on by a minute each time it is asked."""
-
-    def __init__(self) -> None:
-        self.minutes = -1
-
-    def __call__(self) -> datetime:
-        self.minutes += 1
-        return STARTED + timedelta(minutes=self.minutes)
-
-
 @pytest.mark.usefixtures("_in_nepal")
 def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: Path) -> None:
     assert session_end(log) is SessionEnd.UNKNOWN
-    record = SessionRecord("/leo/metrics_node", Clock(), print)
+    clock = (STARTED + timedelta(minutes=minute) for minute in range(9))
+    record = SessionRecord("/leo/metrics_node", lambda: next(clock), print)
     record.begin(log)
     assert session_end(log) is SessionEnd.UNMARKED
-    begun = {
-        "log": str(log),
-        "outcome": None,
-        "node": "/leo/metrics_node",
-        "started": "2025-01-16T12:04:57+05:45",
-        "ended": None,
-    }
+    begun = {"log": str(log), "outcome": None, "node": "/leo/metrics_node"}
+    begun |= {"started": "2025-01-16T12:04:57+05:45", "ended": None}
     assert read(log) == begun
     record.end(log, 0, {"rows": 7})
     assert session_end(log) is SessionEnd.MARKED
-    assert read(log) == {
-        **begun,
-        "outcome": {"status": "complete", "reason": None},
-        "ended": "2025-01-16T12:05:57+05:45",
-        "lost_rows": 0,
-        "rows": 7,
-    }
+    ended = {"outcome": {"status": "complete", "reason": None}, "ended": "2025-01-16T12:05:57+05:45"}
+    assert read(log) == {**begun, **ended, "lost_rows": 0, "rows": 7}
 
 
 @pytest.mark.parametrize(
     ("failure", "lost_rows", "reason"),
     [
-        (None, 12, "12 rows could not be written"),
         (None, 1, "1 rows could not be written"),
-        ("ValueError: boo", 0, "ValueError: boo"),
         ("ValueError: boo", 12, "ValueError: boo"),
     ],
 )
-def test_a_session_that_lost_rows_or_broke_has_failed_with_the_reason(
+def test_a_session_that_broke_has_failed(
     log: Path, failure: str | None, lost_rows: int, reason: str
 ) -> None:
     record = SessionRecord("/metrics_node", lambda: STARTED, print)
@@ -108,7 +85,7 @@ def test_a_record_that_cannot_be_written_is_told_and_costs_nothing(tmp_path: Pat
 
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
-    manifest = pytest.importorskip("harness.episode.manifest")
+    manifest = pytest.importorskip("harness.episode.manifest", exc_type=ImportError)
     from harness.episode.result import RunResult  # noqa: PLC0415 - the harness is optional here
     from harness.spec.run import Run  # noqa: PLC0415
 
@@ -123,10 +100,11 @@ UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.
 @pytest.mark.parametrize(
     ("record", "end", "arguments", "collision"),
     [
-        *((text, UNKNOWN, {}, None) for text in ("", "{", "[]", "7", '{"log": 3}', "\x00\x00")),
+        *((text, UNKNOWN, {}, None) for text in ("[" * 5000, f"[{'9' * 5001}]", " " * 2**23)),
+        (f'{{"thresholds": {{"collision_threshold": 1{"0" * 400}}}}}', UNKNOWN, {}, None),
+        *((text, UNKNOWN, {}, None) for text in ("{", "7", '{"log": 3}', "\x00\x00")),
         ('{"outcome": null}', UNMARKED, {}, None),
         ('{"outcome": {}, "mode": "ROS 2"}', MARKED, {}, None),
-        ('{"outcome": {"status": "interrupted", "reason": null}}', MARKED, {}, None),
         ('{"arguments": {"seed": 3}, "options": {"seed": 4}}', UNKNOWN, {"seed": 3}, None),
         ('{"arguments": ["--seed"]}', UNKNOWN, {}, None),
         ('{"thresholds": {"collision_threshold": 0.3, "of_another_version": 1.0}}', UNKNOWN, {}, 0.3),
@@ -134,11 +112,14 @@ UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.
         ('{"thresholds": {"collision_threshold": "0.75"}}', UNKNOWN, {}, 0.75),
         *(
             (f'{{"thresholds": {odd}}}', UNKNOWN, {}, None)
-            for odd in ("[1]", *(f'{{"collision_threshold": {value}}}' for value in ("-1", '"x"', "null")))
+            for odd in (
+                "[1]",
+                *(f'{{"collision_threshold": {value}}}' for value in ("-1", '"x"', "null")),
+            )
         ),
     ],
 )
-def test_thresholds_are_read_from_the_record_as_far_as_they_make_sense_and_so_is_all_else(
+def test_a_record_is_read_as_far_as_it_makes_sense(
     log: Path, record: str, end: SessionEnd, arguments: dict[str, object], collision: float | None
 ) -> None:
     log.with_suffix(".json").write_text(record)

@@ -1,6 +1,6 @@
 """What a node does with messages and requests that its handlers fail on, over real DDS."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -16,11 +16,7 @@ from std_srvs.srv import Trigger
 from rover_metrics.errors import LogError
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.topics import SENSORS
-
-if TYPE_CHECKING:
-    from tests.rover_metrics.conftest import Rig
-
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+from tests.rover_metrics.conftest import Rig
 
 
 def failing(error: BaseException) -> Any:  # noqa: ANN401 - a handler
@@ -31,8 +27,8 @@ def failing(error: BaseException) -> Any:  # noqa: ANN401 - a handler
 
 
 @pytest.mark.parametrize("error", [ValueError("a\n b"), OverflowError("a b"), KeyError("a b")])
-def test_a_message_that_fails_is_left_out_counted_by_its_kind_and_told_with_the_reason(
-    rig: "Rig", error: Exception, capfd: pytest.CaptureFixture[str]
+def test_a_message_that_fails_is_counted_and_told(
+    rig: Rig, error: Exception, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node, name = rig.start("-r", "__ns:=/leo"), type(error).__name__
     heard = node.create_subscription(Clock, "broken", failing(error), 10)
@@ -50,7 +46,7 @@ def test_a_message_that_fails_is_left_out_counted_by_its_kind_and_told_with_the_
 
 
 @pytest.mark.parametrize("error", [LogError("disk"), RuntimeError("shut down"), KeyboardInterrupt()])
-def test_what_a_signal_or_a_shutdown_raises_goes_through(rig: "Rig", error: BaseException) -> None:
+def test_what_a_signal_or_a_shutdown_raises_goes_through(rig: Rig, error: BaseException) -> None:
     node = rig.start()
     with pytest.raises(type(error)):
         node._hear("scan", failing(error), object())
@@ -62,7 +58,7 @@ def test_what_a_signal_or_a_shutdown_raises_goes_through(rig: "Rig", error: Base
         node._hear("scan", failing(AttributeError("handle")), object())
 
 
-def test_who_asks_in_vain_is_answered_with_the_reason(rig: "Rig") -> None:
+def test_who_asks_in_vain_is_answered_with_the_reason(rig: Rig) -> None:
     node = rig.start()
 
     def ask(kind: Any, service: str, request: Any) -> Any:  # noqa: ANN401 - rclpy has no types
@@ -90,7 +86,7 @@ def test_who_asks_in_vain_is_answered_with_the_reason(rig: "Rig") -> None:
     assert other == GetParameters.Response()
 
 
-def test_a_clock_that_is_no_time_is_left_out_also_after_simulated_time_was_off(rig: "Rig") -> None:
+def test_a_clock_that_is_no_time_is_left_out_also_after_simulated_time_was_off(rig: Rig) -> None:
     node = rig.start(use_sim_time=True)
     for sim_time in (False, True):
         node.set_parameters([Value("use_sim_time", value=sim_time)])

@@ -1,8 +1,6 @@
 """rover/metrics over real DDS, with somebody who listens."""
 
-# the skip stands before the imports that need ROS
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -13,21 +11,19 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
+from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.ros import metrics_publisher
 from rover_metrics.topics import SENSORS
+from tests.rover_metrics.conftest import Rig
 
-if TYPE_CHECKING:
-    from rover_metrics.metrics_node import MetricsNode
-    from tests.rover_metrics.conftest import Rig
-
-# The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+Capsys = pytest.CaptureFixture[str]
+Patch = pytest.MonkeyPatch
 
 SCAN = SENSORS[0]
 Heard = list[Any]
 
 
-def listen(rig: "Rig", node: "MetricsNode", topic: str = "rover/metrics") -> Heard:
+def listen(rig: Rig, node: MetricsNode, topic: str = "rover/metrics") -> Heard:
     """What arrives from now on."""
     heard: Heard = []
     rig.simulator.create_subscription(DiagnosticArray, topic, heard.append, 10)
@@ -35,7 +31,7 @@ def listen(rig: "Rig", node: "MetricsNode", topic: str = "rover/metrics") -> Hea
     return heard
 
 
-def tick(rig: "Rig", node: "MetricsNode", clock: Any, *seconds: int) -> None:  # noqa: ANN401
+def tick(rig: Rig, node: MetricsNode, clock: Any, *seconds: int) -> None:  # noqa: ANN401
     """Let time reach each of some seconds, and its row be written."""
     for second in seconds:
         rows, message = node.rows, Clock()
@@ -44,7 +40,7 @@ def tick(rig: "Rig", node: "MetricsNode", clock: Any, *seconds: int) -> None:  #
         rig.spin_until(lambda rows=rows: node.rows > rows)  # type: ignore[misc]
 
 
-def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig: "Rig") -> None:
+def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig: Rig) -> None:
     node = rig.start("-r", "__ns:=/leo", use_sim_time=True, stale_after=2.0, min_safe_clearance=0.1)
     heard = listen(rig, node)
     clock = rig.publisher(Clock, "/clock")
@@ -55,28 +51,21 @@ def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig
     rig.spin_until(lambda: len(heard) == 4)
     assert [message.header.stamp.sec for message in heard] == [1, 2, 3, 4]
     statuses = [{status.name: status for status in message.status} for message in heard]
-    assert set(statuses[0]) == {
-        "metrics_node: traversal metrics",
-        *(f"metrics_node: topic leo {t}" for t in ("scan", "imu data", "rover pose_array")),
-        "metrics_node: topic leo odometry wheels",
-    }
+    topics = ("scan", "imu data", "rover pose_array", "odometry wheels")
+    named = {f"metrics_node: {t}" for t in ("traversal metrics", *(f"topic leo {t}" for t in topics))}
+    assert set(statuses[0]) == named
     traversal = [each["metrics_node: traversal metrics"] for each in statuses]
     scan = [each["metrics_node: topic leo scan"] for each in statuses]
     assert {status.hardware_id for each in statuses for status in each.values()} == {"leo"}
     assert traversal[0].level == DiagnosticStatus.ERROR
     assert "min_safe_clearance" not in traversal[0].message
     assert {pair.key: pair.value for pair in traversal[1].values}["Total Collisions"] == "2"
-    assert [status.level for status in scan] == [
-        *[DiagnosticStatus.OK] * 3,
-        DiagnosticStatus.STALE,
-    ]
+    assert [status.level for status in scan] == [DiagnosticStatus.OK] * 3 + [DiagnosticStatus.STALE]
     assert {pair.key: pair.value for pair in scan[3].values}["age [s]"] == "2.2500"
     assert statuses[0]["metrics_node: topic leo imu data"].level == DiagnosticStatus.STALE
 
 
-def test_an_error_while_publishing_costs_no_row(
-    rig: "Rig", capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_while_publishing_costs_no_row(rig: Rig, capfd: Capsys, monkeypatch: Patch) -> None:
     node = rig.start(use_sim_time=True)
     heard = listen(rig, node)
     clock = rig.publisher(Clock, "/clock")
@@ -95,9 +84,7 @@ def test_an_error_while_publishing_costs_no_row(
     assert len(node.log.path.read_bytes().splitlines()) == 5
 
 
-def test_publishing_can_be_switched_off_and_on_and_builds_nothing_while_nobody_listens(
-    rig: "Rig", monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_publishing_can_be_switched_and_waits_for_listeners(rig: Rig, monkeypatch: Patch) -> None:
     node = rig.start(use_sim_time=True)
     clock = rig.publisher(Clock, "/clock")
     with monkeypatch.context() as patch:
@@ -112,9 +99,7 @@ def test_publishing_can_be_switched_off_and_on_and_builds_nothing_while_nobody_l
     assert heard[0].header.stamp.sec == 3
 
 
-def test_without_diagnostic_msgs_rows_are_written_and_the_user_is_told(
-    rig: "Rig", capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_diagnostic_msgs_rows_are_written(rig: Rig, capfd: Capsys, monkeypatch: Patch) -> None:
     monkeypatch.setattr(metrics_publisher, "DiagnosticArray", None)
     node = rig.start(use_sim_time=True)
     tick(rig, node, rig.publisher(Clock, "/clock"), 1)
@@ -122,7 +107,7 @@ def test_without_diagnostic_msgs_rows_are_written_and_the_user_is_told(
     assert node.rows == 1
 
 
-def test_a_recording_gets_each_message_though_nobody_listens(rig: "Rig") -> None:
+def test_a_recording_gets_each_message_though_nobody_listens(rig: Rig) -> None:
     node, recorded = rig.start(use_sim_time=True), Heard()
     node.publisher.record = recorded.append
     tick(rig, node, rig.publisher(Clock, "/clock"), 1, 2)

@@ -1,6 +1,6 @@
 """The parameters of a real node: declared, described, set by settings and launch, changed."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -11,12 +11,7 @@ from rclpy.parameter_client import AsyncParameterClient
 
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.settings import PARAMETERS, Settings
-from tests.rover_metrics.conftest import TRIANGLE, VALUES
-
-if TYPE_CHECKING:
-    from tests.rover_metrics.conftest import Rig
-
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+from tests.rover_metrics.conftest import TRIANGLE, VALUES, Rig
 
 RELIABILITY = "qos_overrides./scan.subscription.reliability"
 FIXED = ("log_dir", "wheels", "extended_columns")
@@ -32,7 +27,7 @@ def _listed(value: Any) -> Any:  # noqa: ANN401
     return [*value] if hasattr(value, "__len__") else value
 
 
-def test_every_parameter_is_declared_as_the_table_says_and_all_can_be_read_at_once(rig: "Rig") -> None:
+def test_every_parameter_is_declared_as_the_table_says_and_all_can_be_read_at_once(rig: Rig) -> None:
     node = rig.start()
     for name, info in PARAMETERS.items():
         descriptor = node.describe_parameter(name)
@@ -52,7 +47,7 @@ def test_every_parameter_is_declared_as_the_table_says_and_all_can_be_read_at_on
     assert len(future.result().values) == len(node._parameters)
 
 
-def test_values_of_the_launch_are_the_settings_and_can_be_changed_one_by_one(rig: "Rig") -> None:
+def test_values_of_the_launch_are_the_settings_and_can_be_changed_one_by_one(rig: Rig) -> None:
     node = rig.start(**VALUES)
     expected = Settings(log_dir=str(rig.folder)).updated(VALUES)
     assert (node.settings, told(node)) == (expected, expected.parameters)
@@ -66,7 +61,7 @@ def test_values_of_the_launch_are_the_settings_and_can_be_changed_one_by_one(rig
     assert node.metrics.thresholds == Settings().thresholds
 
 
-def test_settings_given_as_a_value_are_defaults_that_the_launch_wins_over(rig: "Rig") -> None:
+def test_settings_given_as_a_value_are_defaults_that_the_launch_wins_over(rig: Rig) -> None:
     given = Settings().updated(VALUES)
     words = ("-p", "collision_threshold:=0.3", "-p", "footprint:=[0.0, 0.0, 2.0, 0.0, 0.0, 2.0]")
     node = rig.start(*words, settings=given, gravity=3.7)
@@ -94,13 +89,13 @@ def test_values_of_settings_have_the_types_that_ros_declares_and_lead_back_to_th
         ("stale_after", 5),
     ],
 )
-def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: "Rig", name: str, value: Any) -> None:  # noqa: ANN401
+def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: Rig, name: str, value: Any) -> None:  # noqa: ANN401
     with pytest.raises(ParameterError) as refused:
         rig.start(**{name: value})
     assert str(refused.value) == f"parameter {name} must be {PARAMETERS[name].constraint}"
     assert list(rig.folder.iterdir()) == []
 
 
-def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(rig: "Rig") -> None:
+def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(rig: Rig) -> None:
     with pytest.raises(ParameterError, match=f"{RELIABILITY} must be reliable or best_effort, as text"):
         rig.start("-p", f"{RELIABILITY}:=relyable")

@@ -10,11 +10,13 @@ import rclpy
 
 from rover_metrics.ros import program
 
+Patch = pytest.MonkeyPatch
+
 
 class Stage:
     """ROS and a node, as far as a program sees them; what happens is written down."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, monkeypatch: Patch) -> None:
         self.events: list[object] = []
         self.ros_is_up = True
         self.errors: dict[str, BaseException] = {}
@@ -61,7 +63,7 @@ class Stage:
 
 
 @pytest.fixture
-def stage(monkeypatch: pytest.MonkeyPatch) -> Stage:
+def stage(monkeypatch: Patch) -> Stage:
     return Stage(monkeypatch)
 
 
@@ -81,7 +83,7 @@ def test_while_a_simulator_waits_the_faster_executor_spins_the_node(stage: Stage
 @pytest.mark.parametrize("error", [RuntimeError("context"), AttributeError("handle")])
 @pytest.mark.parametrize("where", ["make node", "spin"])
 @pytest.mark.parametrize("ros_is_up", [True, False])
-def test_a_context_that_a_signal_pulled_away_is_a_clean_end_but_the_same_error_with_ros_up_is_not(
+def test_an_error_of_rclpy_after_a_signal_is_a_clean_end(
     stage: Stage, error: Exception, where: str, ros_is_up: bool
 ) -> None:
     stage.errors[where] = error

@@ -123,7 +123,7 @@ def _legend_place(figure: Figure, lines: int) -> Literal["outside lower center",
     """
     if mpl.__version_info__ >= (3, 7):
         return "outside lower center"
-    figure.supxlabel("\n" * lines, fontsize=STYLE["legend.fontsize"], linespacing=1.5)
+    figure.supxlabel("\n" * lines, fontsize=STYLE["legend.fontsize"], linespacing=1.6)
     return "lower center"
 
 
