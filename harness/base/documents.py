@@ -8,6 +8,8 @@ from harness.base.errors import UsageError
 from rover_metrics.log import documents
 from rover_metrics.log.documents import LARGEST_JSON, DocumentError
 
+__all__ = ["LARGEST_JSON", "parse_json", "read_json", "read_mapping", "read_yaml"]
+
 
 def read_json(path: Path, largest: int = LARGEST_JSON) -> Any:  # noqa: ANN401 - whatever a file holds
     """Returns what a JSON file of at most so many bytes holds; UsageError if it is none."""

@@ -103,7 +103,7 @@ def _check_events(events: Iterable[Any]) -> None:
         kind = type(event).__name__
         if kind == "AliasEvent":
             if event.anchor not in behind:
-                raise DocumentError(f"*{event.anchor} stands for nothing that is whole before it; write it out")
+                raise DocumentError(f"*{event.anchor} stands for nothing before it; write it out")
             values += behind[event.anchor]
         elif kind == "ScalarEvent":
             values, behind[event.anchor] = values + 1, 1

@@ -16,7 +16,7 @@ ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
 
 @contextlib.contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Yields a file beside the target that replaces it if all goes well; a link to a file is replaced too.
+    """Yields a file beside the target that replaces it if all goes well, and a link to a file too.
 
     A device or a pipe stays what it is: what was written is written into it. A signal that would end the
     process on the spot ends it after the unfinished file is gone.
