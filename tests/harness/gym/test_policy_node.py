@@ -152,8 +152,12 @@ def test_a_node_that_is_stopped_ends_well(
     ros_domain: int,
     end: type[BaseException],
 ) -> None:
+    made = Mock(wraps=PolicyNode)
     monkeypatch.setattr("harness.gym.policy_node.rclpy.spin", Mock(side_effect=end))
+    monkeypatch.setattr("harness.gym.policy_node.PolicyNode", made)
     write_policy(tmp_path / "small.npz", policy)
     words = [str(tmp_path / "small.npz"), "--goal", "3,-1", "--robot", "rover_zero4wd"]
     assert ros_domain >= 0
     assert main([*words, "--ros-args", "-p", "use_sim_time:=true"]) == 0
+    read, *others = made.call_args.args
+    assert (read.beams, *others) == (policy.beams, find_rover("rover_zero4wd"), (3.0, -1.0))
