@@ -28,6 +28,7 @@ SHOWN = (
     "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
     "footprint", "clearance", "lidar_height", "step_limit", "slope_limit",
 )  # fmt: skip
+LEAST = 1e-6  # [m], [rad]: less is the arithmetic's
 GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step_limit", "slope_limit"}
 
 
@@ -175,12 +176,9 @@ def _derived(rover: RoverSpec, equipment: Equipment) -> str:
     for key in SHOWN:
         value = getattr(rover, key)
         if isinstance(value, tuple):
-            value = [_rounded(number, 4) for number in value]
-        text = f"{_rounded(value, 6):.4g}" if isinstance(value, float) else f"{value}"
+            value = [round(number, 4) or 0.0 for number in value]
+        elif isinstance(value, float):
+            value = f"{value if abs(value) > LEAST else 0.0:.4g}"
         if key not in equipment.beliefs:
-            lines.append(f"# {key}: {text}{'  # guess' if key in GUESSED else ''}")
+            lines.append(f"# {key}: {value}{'  # guess' if key in GUESSED else ''}")
     return "\n".join([*lines, ""])
-
-
-def _rounded(value: float, digits: int) -> float:
-    return round(value, digits) or 0.0  # never -0.0

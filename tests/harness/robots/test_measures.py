@@ -169,6 +169,9 @@ def steering_ends(model: mujoco.MjModel, names: tuple[str, ...]) -> list[float]:
     return ends
 
 
+ENDS = {1: ("",), 2: ("front_", "rear_"), 3: ("front_", "middle_", "rear_")}
+
+
 def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
     """What RoverSpec is to say, from the model of the file alone."""
     model, data = at_the_origin(rover.model_path)
@@ -259,6 +262,10 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
         "odometry_rate": 50,
         "top_speed": limit * radius,
         "motors": (*driven, *known.steering),
+        "length": reach(solid, 0) + reach(solid, 0, -1.0),
+        "width": reach(solid, 1) + reach(solid, 1, -1.0),
+        "tightest_turn": wheelbase / math.tan(min(angles)) + track / 2 if angles else 0.0,
+        "wheel_names": tuple(f"{end}{side}" for side in ("left", "right") for end in ENDS[count]),
     }
 
 

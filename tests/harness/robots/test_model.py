@@ -126,6 +126,17 @@ MISTAKES = {
         {"<worldbody>": '<asset><mesh file="/etc/x.stl"/></asset><worldbody>'},
         "<mesh>: /etc/x.stl is not in the rover's folder",
     ),
+    "a texture elsewhere": (
+        {"<worldbody>": '<asset><texture type="2d" file="/etc/x.png"/></asset><worldbody>'},
+        "<texture>: /etc/x.png is not in the rover's folder",
+    ),
+    "textures elsewhere": (
+        {
+            "<worldbody>": '<compiler texturedir="../"/><asset><texture type="2d" file="x.stl"/></asset>'
+            "<worldbody>"
+        },
+        "<texture>: ",
+    ),
     "meshes elsewhere": (
         {"<worldbody>": '<compiler meshdir="../"/><asset><mesh file="x.stl"/></asset><worldbody>'},
         "is not in the rover's folder",

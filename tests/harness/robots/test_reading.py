@@ -131,6 +131,10 @@ def test_a_folder_without_a_rover_yaml_says_how_to_get_one(tmp_path: Path) -> No
     (tmp_path / "rover.yaml").write_text("summary: mine\n")
     with pytest.raises(UsageError, match="key 'model' is missing; give an MJCF file"):
         find_rover(str(tmp_path))
+    for name in ("c", "a", "b"):
+        (tmp_path / f"{name}.xml").touch()
+    with pytest.raises(UsageError, match=r"'model' is missing; give which of a\.xml, b\.xml, c\.xml is"):
+        find_rover(str(tmp_path))
 
 
 def test_a_path_finds_the_same_rover_from_everywhere(

@@ -130,6 +130,7 @@ def test_steering_has_the_stated_range_as_seen_from_above(
     """Servos turn the wheels of a car that stands; an axis that points down is turned with its range."""
     urdf = BUGGY.urdf.replace('lower="-0.4189" upper="0.4189"', f'lower="{lower}" upper="{upper}"')
     urdf = urdf.replace('<axis xyz="0 0 1"/>', f'<axis xyz="{axis}"/>')
+    urdf = urdf.replace('velocity="3.2"', 'velocity="4.1"', 1)  # one of the two is faster
     made = written(tmp_path, urdf.replace('velocity="3.2"', f'velocity="{velocity}"'))
     model, rover = read_model(made.rover).compile(), made.rover
     stated = (float(lower), float(upper))
@@ -209,7 +210,7 @@ def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
         ("<wheel_separation>1.1</wheel_separation><wheel_diameter>0.3</wheel_diameter>", (1.1, 0.15)),
         ("<wheelSeparation>1.1</wheelSeparation><wheelDiameter>0.3</wheelDiameter>", (1.1, 0.15)),
         ("<wheel_radius>0.2</wheel_radius><wheel_diameter>0.3</wheel_diameter>", (0.5708, 0.2)),
-        ("<wheelRadius/><wheelRadius>-1</wheelRadius><wheelRadius>0.2</wheelRadius>", (0.5708, 0.2)),
+        ("<wheelRadius/><wheelRadius>0</wheelRadius><wheelRadius>0.2</wheelRadius>", (0.5708, 0.2)),
     ],
 )
 def test_a_controllers_plugin_tells_what_it_believes(
@@ -254,6 +255,17 @@ def test_meshes_that_cannot_be_had_are_noted_and_those_of_other_folders_are_name
         "joint 'arm' has no motor and moves freely",
     )
     assert 'model="made"' in (tmp_path / "b" / "made.xml").read_text()
+
+
+def test_an_inertia_that_no_body_can_have_is_balanced_and_told(tmp_path: Path) -> None:
+    thin = '<mass value="{}"/><inertia ixx="0.1" iyy="0.2" izz="{}" ixy="0" ixz="0" iyz="0"/>'
+    parts = "".join(
+        f'<link name="{name}"><inertial>{thin.format(1, izz)}</inertial></link>'
+        + joint(f"{name}_mount", "fixed", "base_link", name, (0, 0, 0.5))
+        for name, izz in (("odd", 0.31), ("flat", 0.3))
+    )
+    made = written(tmp_path, HUSKY.urdf.replace("</robot>", f"{parts}</robot>"))
+    assert made.notes == ("link 'odd': no body has the inertia [0.1, 0.2, 0.31]; balanced",)
 
 
 def test_a_link_without_an_inertia_weighs_nothing(tmp_path: Path) -> None:
