@@ -109,8 +109,9 @@ def session_arguments(log: str | Path) -> dict[str, Any]:
 
 
 def _read(log: str | Path) -> dict[str, Any]:
+    path = Path(log).with_suffix(".json")
     try:
-        record = read_json(Path(log).with_suffix(".json"))
+        record = read_json(path) if path.is_file() else {}  # a pipe would wait for its writer
     except DocumentError:
         return {}
     return record if isinstance(record, dict) else {}
