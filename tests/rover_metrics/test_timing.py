@@ -111,6 +111,7 @@ def due(timer: FullSeconds | ClockRows, *times: float) -> list[int]:
         ([0.5, 60.5], list(range(1, 61)), [], []),
         ([0.5, 61.0], list(range(1, 61)), [61], []),
         ([0.5, 61.5], [61], [], ["time jumps from 0.50 s to 61.50 s"]),
+        ([], [], [], []),
         ([3.9, 64.5, 0.0, 0.9, 1.0, 2.0], [64, 1], [2], None),
     ],
 )

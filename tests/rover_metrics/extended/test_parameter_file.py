@@ -36,6 +36,21 @@ def test_every_parameter_is_read_as_it_stands_there(file: Path) -> None:
     assert read_values(file) == VALUES
 
 
+@pytest.mark.parametrize(("depth", "values"), [(98, 5), (1, 49_990)])
+def test_the_bounds_of_a_file_are_met_by_one_value_more(file: Path, depth: int, values: int) -> None:
+    def text(depth: int, values: int) -> str:
+        lists = "[" * depth + "x" + "]" * depth
+        return (
+            f"{section('fsync: true')}other: {lists}\na: &a y\nb: [{'*a, ' * values}{'y, ' * values}]\n"
+        )
+
+    file.write_text(text(depth, values))
+    assert read_values(file) == {"fsync": True}
+    file.write_text(text(depth + 2, values + 10))
+    with pytest.raises(ParameterError, match=r"deeper than 100|more than 100,000"):
+        read_values(file)
+
+
 def test_what_is_not_named_keeps_its_default(file: Path) -> None:
     file.write_text(section("use_sim_time: true", "qos_overrides./scan.x: best_effort", "footprint: []"))
     assert read_parameters(file) == Settings(

@@ -72,6 +72,7 @@ def test_a_topics_state_is_what_is_known(listener: Listener, remarks: dict[str, 
     assert [state.is_silent for state in reception.states()] == [True]
     reception.arrived("/truth", None)
     assert reception.states()[1] == TopicState("/truth", 1, 0, 0, 0, False, 0)
+    assert TopicState("/new") == ("/new", 0, 0, 0, 0, False, 0)
 
 
 def test_each_topic_is_missed_once_it_is_expected(listener: Listener) -> None:

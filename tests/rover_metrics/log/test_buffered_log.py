@@ -39,6 +39,7 @@ def buffered(folder: Path, told: Told, *capacity: int) -> BufferedLog:
 def test_rows_wait_in_order_while_the_disk_is_full(tmp_path: Path, full_disk: FullDisk) -> None:
     told = Told()
     log = buffered(tmp_path, told)
+    assert not log.fsync
     log.write(row(0))
     with full_disk(log.path.stat().st_size + 5):
         for second in range(1, 51):
