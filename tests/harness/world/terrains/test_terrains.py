@@ -3,6 +3,7 @@
 from dataclasses import asdict, astuple
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -128,3 +129,11 @@ def test_a_seed_makes_the_world_that_it_has_made_since_the_first_release(
     assert found == pytest.approx((rms, height), abs=2e-6)
     weighted = sum(n * value for row in numbers for n, value in enumerate(row, start=1))
     assert weighted == pytest.approx(total, abs=0.01)
+
+
+@ALL
+def test_the_page_has_its_values_and_its_promise(name: str) -> None:
+    page = (Path(__file__).parents[4] / "docs/terrains.md").read_text().partition(f"## {name}\n")[2]
+    section = page.partition("\n## ")[0]
+    assert f": {TERRAINS[name].describe()}." in section
+    assert f": {TERRAINS[name].promise.describe()}." in section
