@@ -262,6 +262,9 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
         "odometry_rate": 50,
         "top_speed": limit * radius,
         "motors": (*driven, *known.steering),
+        "reach": max(
+            math.hypot(reach(solid, 0, s), reach(solid, 1, r)) for s in (1, -1) for r in (1, -1)
+        ),
         "length": reach(solid, 0) + reach(solid, 0, -1.0),
         "width": reach(solid, 1) + reach(solid, 1, -1.0),
         "tightest_turn": wheelbase / math.tan(min(angles)) + track / 2 if angles else 0.0,

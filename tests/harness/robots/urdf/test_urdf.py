@@ -117,6 +117,7 @@ def test_wheels_have_the_stated_motors_or_those_that_spin_them(variant: str, tmp
     seen = ~solid & (model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER)
     assert model.geom_rgba[seen] == pytest.approx(np.array([[0.07, 0.07, 0.075, 1.0]] * 4))
     assert (model.opt.cone, model.opt.timestep) == (mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025)
+    assert model.opt.gravity.tolist() == [0.0, 0.0, -9.81]
     assert {model.site(name).group[0] for name in ("lidar", "imu")} == {4}
 
 
