@@ -5,6 +5,7 @@ import math
 import os
 import shutil
 import signal
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator, Mapping
@@ -41,14 +42,17 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _unwinding() -> Iterator[None]:
-    """Within, signals that nobody handles raise SystemExit instead of ending the process at once."""
+    """Within, signals that nobody handles raise SystemExit instead of ending the process at once.
+
+    Not beside rclpy: its handlers are C's, which Python takes for none and could not put back.
+    """
 
     def leave(number: int, _: object) -> None:
         raise SystemExit(128 + number)
 
     ends = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
-    is_main = threading.current_thread() is threading.main_thread()  # others set no handlers
-    before = [n for n in ends if is_main and signal.getsignal(n) is signal.SIG_DFL]
+    may = threading.current_thread() is threading.main_thread() and "rclpy" not in sys.modules
+    before = [n for n in ends if may and signal.getsignal(n) is signal.SIG_DFL]
     for number in before:
         signal.signal(number, leave)
     try:
