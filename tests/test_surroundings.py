@@ -13,8 +13,7 @@ ROOT = Path(__file__).parents[1]
 # Tests that signal, start programs, write files, and write numbers and dates.
 PART = (
     "e2e/test_clean_ends.py::test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time",
-    "e2e/test_clean_ends.py::test_nohup_is_respected",
-    "harness/episode/test_manifest.py",
+    "harness/episode/test_result.py",
     "harness/test_run.py::test_direct_run_writes_csv_and_manifest",
     "rover_metrics/log/test_csv_log.py",
     "rover_metrics/test_metrics_program.py::test_a_signal_ends_the_program_cleanly_and_marks_the_end",

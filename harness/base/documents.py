@@ -27,7 +27,7 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
     Raises:
         UsageError: It cannot be read, is no YAML, or is beyond a bound.
     """
-    return _named(str(path), lambda: documents.read_yaml(path, kind="rt" if with_places else "safe"))
+    return _named(str(path), lambda: documents.read_yaml(path, with_places=with_places))
 
 
 def read_mapping(path: Path) -> dict[str, Any]:
@@ -42,5 +42,7 @@ def _named(where: str, read: Callable[[], Any]) -> Any:  # noqa: ANN401
     try:
         return read()
     except DocumentError as error:
+        if isinstance(error.__cause__, OSError):
+            raise UsageError(f"cannot read {where}: {error}") from error
         place = "".join(f":{number}" for number in error.place or ())
         raise UsageError(f"{where}{place}: {error}") from error

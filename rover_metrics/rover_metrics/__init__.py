@@ -26,19 +26,21 @@ __all__ = [
     "TraversalMetrics",
 ]
 _PLACES = {
-    "core.columns": ("COLUMNS", "Row"),
-    "core.metrics": ("TraversalMetrics",),
-    "core.thresholds": ("Thresholds",),
-    "extended.settings": ("ExtendedSettings", "Settings"),
-    "log.csv_log": ("CsvLog",),
-    "session": ("MetricsSession", "Remark"),
+    "COLUMNS": "rover_metrics.core.columns",
+    "CsvLog": "rover_metrics.log.csv_log",
+    "ExtendedSettings": "rover_metrics.extended.settings",
+    "MetricsSession": "rover_metrics.session",
+    "Remark": "rover_metrics.session",
+    "Row": "rover_metrics.core.columns",
+    "Settings": "rover_metrics.extended.settings",
+    "Thresholds": "rover_metrics.core.thresholds",
+    "TraversalMetrics": "rover_metrics.core.metrics",
 }
 
 
 def __getattr__(name: str) -> object:
-    for place, names in _PLACES.items():
-        if name in names:
-            return getattr(importlib.import_module(f"rover_metrics.{place}"), name)
-    raise AttributeError(
-        f"module 'rover_metrics' has no attribute '{name}'; public: {', '.join(__all__)}"
-    )
+    if name not in _PLACES:
+        raise AttributeError(
+            f"module 'rover_metrics' has no attribute '{name}'; public: {', '.join(__all__)}"
+        )
+    return getattr(importlib.import_module(_PLACES[name]), name)

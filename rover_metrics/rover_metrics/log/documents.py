@@ -47,12 +47,11 @@ def parse_json(text: str | bytes) -> Any:  # noqa: ANN401
     return content
 
 
-def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401
-    """Returns what a YAML file holds as ruamel.yaml reads it, or raises a DocumentError.
+def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
+    """Returns what a YAML file holds; where each value stands too, as ruamel.yaml has it, if asked for.
 
-    Args:
-        path: The file.
-        kind: Of ruamel.yaml: "safe" for plain values, "rt" for such that know where they stand.
+    Raises:
+        DocumentError: It cannot be read, is no YAML, or is beyond a bound.
     """
     from ruamel.yaml import YAML  # noqa: PLC0415 - takes 25 ms, and most imports of this need no file
     from ruamel.yaml.error import MarkedYAMLError, YAMLError  # noqa: PLC0415
@@ -61,7 +60,7 @@ def read_yaml(path: Path, *, kind: str = "safe") -> Any:  # noqa: ANN401
     _check_digits(text)
     try:
         _check_events(YAML(typ="safe", pure=True).parse(text))
-        content = YAML(typ=kind).load(text)
+        content = (YAML(typ="rt") if with_places else YAML(typ="safe")).load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark
         place = (mark.line + 1, mark.column + 1) if mark else None
@@ -80,7 +79,7 @@ def _text_of(path: Path, largest: int) -> str:
         with path.open("rb") as file:
             content = file.read(largest + 1)
     except OSError as error:
-        raise DocumentError(f"cannot be read: {error.strerror or error}") from error
+        raise DocumentError(error.strerror or str(error)) from error
     if len(content) > largest:
         raise DocumentError(f"larger than {largest:,} bytes; is it the right file?")
     try:
@@ -114,7 +113,7 @@ def _check_events(events: Iterable[Any]) -> None:
             anchor, before = unfinished.pop()
             behind[anchor] = values - before
         if values > MOST_VALUES:
-            raise DocumentError(f"more than {MOST_VALUES:,} values; give fewer, or no alias")
+            raise DocumentError(f"comes to more than {MOST_VALUES:,} values; give fewer, or no alias")
         if len(unfinished) > DEEPEST:
             raise DocumentError(_TOO_DEEP)
 

@@ -56,7 +56,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     ) -> Subscription:
         """Creates a subscription as a Node does, and guards it; its callback takes messages alone."""
         guarded = partial(self._hear, topic, callback)
-        if msg_type is Clock:
+        if msg_type is Clock and not options.get("raw"):
             guarded = partial(self._hear_clock, topic, callback)
             qos_profile = CLOCK_QOS
         return super().create_subscription(msg_type, topic, guarded, qos_profile, **options)

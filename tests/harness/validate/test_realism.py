@@ -116,7 +116,7 @@ def test_a_log_is_read_by_column_without_the_rows_before_the_first_scan(tmp_path
         (b"", "empty"),
         (b"Timestamp,Current Velocity\n1,2\n", "IMU Acceleration Magnitude, Vertical"),
         (f"{HEADER}\n1,9.8,9.7,0.1,inf\n".encode(), "no complete row"),
-        (b"\xff\xfe\x00\x80", "not the header of a metrics log"),
+        (b"\xff\xfe\x00\x80", "no text in UTF-8, perhaps UTF-16"),
         (None, "--realism takes two logs"),
     ],
 )
