@@ -26,6 +26,7 @@ from rover_metrics.metrics_node import KEEPS_ORDER
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
+FIRST_ANSWER_PATIENCE = 3.0  # [s] until the first question is put again
 BARRIER = GetParameters.Request(names=["use_sim_time"])  # not changed by being sent
 
 
@@ -88,11 +89,14 @@ class RemoteNode:
         return not self._parameters.service_is_ready()
 
     def _runs_on_sim_time(self) -> bool:
-        future = self.ask()
-        if not spin_until(self._executor, future.done, ANSWER_PATIENCE):
-            raise RunFailed(f"{self.name} stopped answering")
-        values = future.result().values
-        return bool(values and values[0].bool_value)
+        # A service is seen before it has matched this client: what it answers until then is lost.
+        asked: list[Future] = []
+        for _ in range(round(ANSWER_PATIENCE / FIRST_ANSWER_PATIENCE)):
+            asked.append(self.ask())
+            if spin_until(self._executor, lambda: any(f.done() for f in asked), FIRST_ANSWER_PATIENCE):
+                values = next(f for f in asked if f.done()).result().values
+                return bool(values and values[0].bool_value)
+        raise RunFailed(f"{self.name} stopped answering")
 
     def _topics_match(self) -> bool:
         """Whether each publisher knows the readers that the graph shows for its topic."""

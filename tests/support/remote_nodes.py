@@ -20,6 +20,7 @@ class Rig:
         self.found = self.sim_time = self.is_metrics_node = True
         self.promise = ""
         self.silent = ""  # the service that does not answer
+        self.lost = 0  # answers that are lost on their way
         self.received: dict[str, int] = {"/scan": 3, "/stranger": 9}
         self.asked: list[str] = []
         self.patience: list[float] = []
@@ -74,7 +75,9 @@ class Rig:
                 values=[SimpleNamespace(bool_value=self.sim_time)],
                 message=self.promise if name.endswith("lock_step") else json.dumps(self.received),
             )
-            if name != self.silent:
+            if self.lost:
+                self.lost -= 1
+            elif name != self.silent:
                 self._waiting.append((future, answer))
             return future
 
