@@ -3,8 +3,6 @@
 from contextlib import ExitStack
 from typing import Any
 
-from harness.sensors.lidar_spec import LidarSpec
-from tests.support.rovers import LEO
 from tests.support.waiting import PATIENCE
 
 Untyped = Any  # rclpy has no types
@@ -33,6 +31,8 @@ class Ros:
         from rclpy.logging import LoggingSeverity  # noqa: PLC0415 - see `ros`
 
         from harness.ros.bridge import Bridge  # noqa: PLC0415
+        from harness.sensors.lidar_spec import LidarSpec  # noqa: PLC0415 - needs more than rover_metrics
+        from tests.support.rovers import LEO  # noqa: PLC0415
 
         bridge = Bridge(LEO, LidarSpec(beams=4), context=self.context, **options)
         bridge.get_logger().set_level(LoggingSeverity.INFO)  # whatever ran in this process before
