@@ -1,6 +1,7 @@
 """Processes of this machine: joblib's loky."""
 
 import os
+import sys
 import threading
 import time
 import warnings
@@ -13,6 +14,8 @@ from joblib.externals.loky import get_reusable_executor
 from harness.base.interrupt import FROM_TERMINALS, held_back
 from harness.workers.pool import Item, Outcome, WorkerLost, Workers
 
+# A process that ends at a signal may leave one of joblib's semaphores to its tracker, which warns of it.
+TIDIED = "ignore::UserWarning:joblib.externals.loky.backend.resource_tracker"
 WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
 
 
@@ -27,6 +30,8 @@ class LocalWorkers(Workers):
     ) -> Generator[Outcome, None, None]:
         """Yields outcomes as Workers.map does, from processes that leave Ctrl-C to this one."""
         parent = os.getpid()
+        if TIDIED not in sys.warnoptions:  # which Python passes on to the processes that it starts
+            sys.warnoptions.append(TIDIED)
         # One thread each: numerical libraries would start one per CPU in every process.
         with (
             parallel_config("loky", inner_max_num_threads=1, initializer=_begin, initargs=(parent,)),
