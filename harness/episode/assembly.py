@@ -5,6 +5,7 @@ compiled kernels.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +22,7 @@ from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
 from harness.spec.run import Run
+from harness.soil.soils import Soil, find_soil
 from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
 from harness.world.berths import Member, berth
@@ -33,6 +35,8 @@ def check(run: Run) -> None:
     for rover in run.rovers:
         find_rover(rover.robot)
     check_terrain(run.world)
+    if run.world.soil:
+        find_soil(run.world.soil)
     people(run.world)
     for rover in run.rovers:
         _check_rover(rover)
@@ -58,7 +62,10 @@ def check_world(run: Run) -> None:
 
 def world_of(run: Run) -> World:
     """Returns the world, built once and then shared; a UsageError says why there can be none."""
-    return _peopled(_terrain_world(run), run.rover.start, people(run.world))
+    world = _terrain_world(run)
+    if run.world.soil:
+        world = _of_soil(world, find_soil(run.world.soil))
+    return _peopled(world, run.rover.start, people(run.world))
 
 
 def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
@@ -158,6 +165,11 @@ _named_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to
 @lru_cache(maxsize=2)
 def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int, _modified_ns: int) -> World:
     return file_world(spec, rover, seed)
+
+
+@lru_cache(maxsize=2)
+def _of_soil(world: World, soil: Soil) -> World:
+    return replace(world, soil=soil)
 
 
 @lru_cache(maxsize=2)  # of a long way, each step is looked at

@@ -14,9 +14,10 @@ from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
-from harness.physics.scene import Scene
+from harness.physics.scene import Scene, soil_ground
+from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
-from harness.world.heightfield import EDGE_MARGIN
+from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
@@ -47,6 +48,8 @@ class Physics:
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
         crowd: The people who walk about; None without any.
+        bed: The soil under the wheels; None on rigid ground.
+        ground: What is driven on, with the ruts of now.
     """
 
     def __init__(self, scenes: Sequence[Scene], timestep_ns: int, settled: Sequence[State] = ()) -> None:
@@ -61,8 +64,12 @@ class Physics:
         self.step_count = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
         parked = set[str]()
+        self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
+        if self.bed is not None:
+            fine = soil_ground(self.ground)
+            self.ground = Heightfield(self.bed.surface, fine.cell, fine.middle)
         self.rovers = tuple(
-            Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked)
+            Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked, self.bed)
             for number, scene in enumerate(scenes)
         )
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
@@ -71,6 +78,7 @@ class Physics:
             rover.parking.hold(True)
         if not settled:
             self.settle([(rover, rover.scene.world.start) for rover in self.rovers])
+        self.smooth()
 
     @property
     def time_ns(self) -> int:
@@ -133,6 +141,11 @@ class Physics:
         for rover, _ in starts:
             rover.parking.hold(True)
         self.data.time = 0.0
+
+    def smooth(self) -> None:
+        """Takes all ruts out of the ground."""
+        if self.bed is not None:
+            self.bed.smooth()
 
     def check(self) -> None:
         """Checks the present state.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from harness.physics.contacts import ContactWatch
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene
+from harness.soil.bed import Bed
 
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 
@@ -22,6 +23,7 @@ class Rover:
         scenes: Of all rovers of the world, this one's first.
         data: Their state.
         parked: As ParkingHold has it.
+        bed: The soil under all of them; None on rigid ground.
 
     Attributes:
         scene: The rover in its world.
@@ -31,7 +33,9 @@ class Rover:
         parking: Its brake.
     """
 
-    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str]) -> None:
+    def __init__(
+        self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str], bed: Bed | None = None
+    ) -> None:
         self.scene = scene = scenes[0]
         model, self._geoms = scene.model, scene.geoms()
         self.contacts = ContactWatch(scenes, data)
@@ -44,6 +48,9 @@ class Rover:
         after = model.jnt_qposadr[joints[-1] + 1] if joints[-1] + 1 < model.njnt else model.nq
         # All that its next step depends on, warm start included: it goes on bit for bit.
         self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]
+        self._lift = None if bed is None else bed.lift[bed.wheels_of(scene.root)]
+        if bed is not None:
+            self._state.append(bed.states[bed.wheels_of(scene.root)])
         if motors.size:
             first, last = int(motors[0]), int(motors[-1])
             self._state.append(data.ctrl[first : last + 1])
@@ -60,7 +67,10 @@ class Rover:
     def rests(self, data: mujoco.MjData) -> bool:
         """Returns whether it stands on something."""
         still = np.abs(self.velocities).max() < AT_REST_SPEED
-        return bool(still and np.isin(data.contact.geom, self._geoms).any())
+        if not still:
+            return False
+        on_soil = self._lift is not None and bool(self._lift.any())
+        return on_soil or bool(np.isin(data.contact.geom, self._geoms).any())
 
     def state(self) -> State:
         """Returns a copy of its state."""

@@ -7,6 +7,7 @@ Geom groups say what a thing is: 0 terrain, 1 obstacles, 2 rover as seen, 3 rove
 lidar's ray mask and the pictures rely on them.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -18,6 +19,7 @@ from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
 from harness.world.berths import Member
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
@@ -26,6 +28,10 @@ GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1,
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's own: harness.view gives them their kind's colour
 FIRST_OF_FLEET = 4  # the contact bit of the second rover; the next one has twice that
 UNTOUCHED = {"contype": 0, "conaffinity": 0}
+SOIL_CONTACT = 1 << 30  # of soil, which what is no wheel has too
+SOIL_ROOM = 0.2  # [m] that soil may sink below the lowest point and rise above the highest
+RUT_CELL = 0.025  # [m]: half the width of a small rover's wheel
+MOST_RUT_CELLS = 4_000_000  # 32 MB; of larger maps the cells are larger
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
@@ -127,6 +133,8 @@ def build_scenes(
     roots = [prefix + root_of(spec) for prefix, spec in zip(prefixes, specs, strict=True)]
     for number, one in enumerate(specs):
         _let_meet(one, number, len(specs))
+        if world.soil is not None:
+            _let_sink(one, fleet[number].rover)
     spec = specs[0]
     spec.option.timestep = timestep
     _add_terrain(spec, world)
@@ -144,7 +152,7 @@ def build_scenes(
     if world.friction is not None:
         # The lesser of the two, as in Gazebo. MuJoCo takes the larger, unless one has priority.
         for geom in spec.geoms:
-            is_ground = geom.contype & GROUND_CONTACT["contype"]
+            is_ground = geom.contype & (GROUND_CONTACT["contype"] | SOIL_CONTACT)
             friction = 0.0 if is_ground else min(geom.friction[0], world.friction)
             geom.friction = [friction, *geom.friction[1:]]
     if dress is not None:
@@ -154,6 +162,21 @@ def build_scenes(
         Scene(model, replace(world, start=of.start), of.rover, of.name, prefix, model.body(root).id)
         for of, prefix, root in zip(fleet, prefixes, roots, strict=True)
     )
+
+
+@lru_cache(maxsize=2)
+def soil_ground(ground: Heightfield) -> Heightfield:
+    """Returns a ground in cells that are fine enough for ruts, or as fine as a large map allows."""
+    rows, columns = ground.heights.shape
+    area = (rows - 1) * (columns - 1) * ground.cell**2
+    cell = max(RUT_CELL, math.sqrt(area / MOST_RUT_CELLS))
+    parts = math.ceil(ground.cell / cell - 1e-9)
+    if parts <= 1:
+        return ground
+    left, right, low, high = ground.bounds()
+    x = np.linspace(left, right, parts * (columns - 1) + 1)
+    y = np.linspace(low, high, parts * (rows - 1) + 1)
+    return Heightfield(ground.heights_at(*np.meshgrid(x, y)), ground.cell / parts, ground.middle)
 
 
 def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
@@ -192,6 +215,24 @@ def _let_meet(spec: mujoco.MjSpec, number: int, count: int) -> None:
             geom.conaffinity |= bits[number]
 
 
+def _let_sink(spec: mujoco.MjSpec, rover: RoverSpec) -> None:
+    """Lets soil meet what is no wheel by contacts; wheels meet it by its forces."""
+    wheels = set(rover.wheel_joints)
+    for body in spec.bodies:
+        if body.name != "world" and not any(joint.name in wheels for joint in _joints_of(body)):
+            for geom in body.geoms:
+                if geom.group == COLLIDING_GROUP:
+                    geom.conaffinity |= SOIL_CONTACT
+
+
+def _joints_of(body: mujoco.MjsBody) -> Sequence[mujoco.MjsJoint]:
+    """The joints on which a body turns, those of the body that it is fixed to."""
+    while not body.joints and body.parent.name != "world":
+        body = body.parent
+    joints: Sequence[mujoco.MjsJoint] = body.joints
+    return joints
+
+
 def _keep_constraints_soft(spec: mujoco.MjSpec, timestep: float) -> None:
     # MuJoCo clamps a time constant below two steps and would change the stiffness silently.
     for equality in spec.equalities:
@@ -199,7 +240,11 @@ def _keep_constraints_soft(spec: mujoco.MjSpec, timestep: float) -> None:
 
 
 def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
-    heights = world.ground.heights
+    heights = world.ground.heights if world.soil is None else soil_ground(world.ground).heights
+    contact = GROUND_CONTACT
+    if world.soil is not None:
+        heights, contact = heights.copy(), {"contype": SOIL_CONTACT, "conaffinity": 0}
+        heights[0, 0], heights[-1, -1] = heights.min() - SOIL_ROOM, heights.max() + SOIL_ROOM
     lowest = float(heights.min())
     # The compiler normalises to 0..1 and wants a positive range, even for a flat map.
     relief = max(float(np.ptp(heights)), 1e-3)
@@ -216,7 +261,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
         hfieldname="terrain",
         pos=[*world.ground.middle, lowest],
         group=TERRAIN_GROUP,
-        **GROUND_CONTACT,
+        **contact,
     )
 
 
@@ -290,6 +335,4 @@ def _scrapes(body: mujoco.MjsBody, wheels: set[str]) -> bool:
     """Whether something of a body collides that is not on one of the wheels' joints."""
     if not any(geom.group == COLLIDING_GROUP for geom in body.geoms):
         return False
-    while not body.joints and body.parent.name != "world":
-        body = body.parent
-    return not any(joint.name in wheels for joint in body.joints)
+    return not any(joint.name in wheels for joint in _joints_of(body))

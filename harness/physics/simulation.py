@@ -33,6 +33,7 @@ class Simulation:
         motors: The actuators that the controller commands, in the order of the rover's `motors`;
             the first `driven` of them drive.
         crowd: The people who walk about; None without any.
+        ground: What is driven on, with the ruts of now.
     """
 
     def __init__(self, scene: Scene, timestep_ns: int, physics: Physics | None = None) -> None:
@@ -40,6 +41,7 @@ class Simulation:
         self.physics = physics = Physics((scene,), timestep_ns) if physics is None else physics
         (self._rover,) = (rover for rover in physics.rovers if rover.scene is scene)
         self.model, self.data, self.crowd = physics.model, physics.data, physics.crowd
+        self.ground = physics.ground
         self.pose, self.twist, self.contacts = self._rover.pose, self._rover.twist, self._rover.contacts
         self.steps_per_tick, self.tick_sum = physics.steps_per_tick, physics.tick_sum
         self.motors = np.array(motors_of(self.model, scene.all_own(scene.rover.motors)))
@@ -115,6 +117,8 @@ class Simulation:
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         self._rover.restore(self._start)
+        if len(self.physics.rovers) == 1:
+            self.physics.smooth()
         self.command_wheels(self.data.ctrl[self.motors])
         for place in self._felt.values():
             self.tick_sum[place] = 0.0

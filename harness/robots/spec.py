@@ -61,6 +61,10 @@ class RoverFile(Value):
     footprint: Annotated[Bounds, AfterValidator(_not_empty)] = _measured(
         "x_min, x_max, y_min, y_max over the wheels, in the model frame"
     )
+    grousers: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
+        default=0.0,
+        description="of the wheels, in soil: 0 smooth, 1 as 24 of 5 mm on a wheel of 125 mm",
+    )
     lidar_height: Positive = _measured("height of the lidar above flat ground")
     clearance: Positive = _measured("height of the underside above flat ground")
     slope_limit: Positive = Field(

@@ -123,7 +123,7 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
         cos, sin = math.cos(yaw), math.sin(yaw)
         east = x + cos * self._along - sin * self._across
         north = y + sin * self._along + cos * self._across
-        ground = simulation.scene.world.ground
+        ground = simulation.ground
         heights = np.maximum(ground.heights_at(east, north), self._obstacles_at(east, north, (x, y)))
         x_min, x_max, y_min, y_max = ground.bounds()
         heights[(east < x_min) | (east > x_max) | (north < y_min) | (north > y_max)] = np.nan

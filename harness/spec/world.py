@@ -47,6 +47,11 @@ class WorldSpec(Value):
     difficulty: Annotated[Share, Option("D")] = Field(
         default=DEFAULT_DIFFICULTY, description="0 to 1, of a named terrain"
     )
+    soil: Annotated[str, Option("NAME|FILE")] = Field(
+        default="",
+        description="ground that gives way (docs/soil.md): see --list, or a YAML file; "
+        "default: rigid ground",
+    )
     terrain_size: Annotated[
         tuple[MapLength, MapLength] | None, BeforeValidator(_both_lengths), Option("M", many=True)
     ] = Field(

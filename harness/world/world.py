@@ -8,6 +8,7 @@ from itertools import chain
 import numpy as np
 
 from harness.base.errors import UsageError
+from harness.soil.soils import Soil
 from harness.spec.world import DEFAULT_DIFFICULTY
 from harness.world.actors.actor import Actor, actor_of
 from harness.world.actors.free_space import FreeSpace
@@ -47,6 +48,7 @@ class World:
     room: tuple[float, float, float, float] | None = None
     gravity: float | None = None  # downwards [m/s^2]; None is that of the rover's model
     friction: float | None = None  # of the ground where it is less than the wheels' own; None is theirs
+    soil: Soil | None = None  # what the ground is of; None is rigid
     files: tuple[tuple[str, str], ...] = ()  # those that the world was read from, each with its SHA-256
 
     @property
@@ -105,6 +107,8 @@ def terrain_hash(world: World) -> str:
         digest.update(
             np.array([*numbers, *chain(*obstacle.corners, *obstacle.faces)], dtype="<f8").tobytes()
         )
+    if world.soil is not None:
+        digest.update(world.soil.model_dump_json().encode())
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
     for person in world.people:

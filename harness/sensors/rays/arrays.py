@@ -27,7 +27,8 @@ Integers = NDArray[np.int64]
 def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers, Doubles]:
     """Returns heights, pyramid, levels and frame of the terrain as cast_rays takes them.
 
-    The heights are a view onto the model's: they must not be edited afterwards.
+    The heights are a view onto the model's: they must not be edited afterwards, but for those of soil,
+    for whose rise the pyramid has room.
     """
     geom = model.geom(TERRAIN).id
     field = model.geom_dataid[geom]

@@ -14,7 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.sensors.rays.compiled import inlined, kernel
+from harness.base.compiled import inlined, kernel
 
 MISS = math.inf
 NEAR_LEVEL = 3  # where a walk begins that is not far from its end

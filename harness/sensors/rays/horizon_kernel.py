@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.sensors.rays.compiled import inlined, kernel
+from harness.base.compiled import inlined, kernel
 
 SECTORS = 256  # a power of two
 RINGS = 32

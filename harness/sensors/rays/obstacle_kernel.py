@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.sensors.rays.compiled import inlined, kernel
+from harness.base.compiled import inlined, kernel
 
 MISS = math.inf
 SLACK = 1e-6  # [rad]

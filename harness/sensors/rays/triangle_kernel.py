@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.sensors.rays.compiled import inlined, kernel
+from harness.base.compiled import inlined, kernel
 
 MISS = math.inf
 LEAF = 4  # triangles

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.sensors.rays import compiled
+from harness.base import compiled
 
 
 def test_no_run_imports_what_no_kernel_needs_which_stays_importable() -> None:
@@ -21,7 +21,7 @@ def test_no_run_imports_what_no_kernel_needs_which_stays_importable() -> None:
 
 
 KERNEL = (
-    "from harness.sensors.rays import compiled\ndouble = compiled.kernel('f8(f8)')(lambda x: 2 * x)\n"
+    "from harness.base import compiled\ndouble = compiled.kernel('f8(f8)')(lambda x: 2 * x)\n"
 )
 TOLD = "harness: {}: neither the installation nor the user's cache can be written (NUMBA_CACHE_DIR names"
 

@@ -1,0 +1,51 @@
+"""Soil in a scene: a finer ground that may sink and rise, wheels that meet it by the soil's forces alone."""
+
+from collections.abc import Sequence
+
+import mujoco
+
+from harness.base.errors import UsageError
+from harness.physics.scene import TERRAIN, Scene, soil_ground
+from harness.soil.bed import Bed, Ground, SoilWheel
+
+
+def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> Bed | None:
+    """Returns the soil under all rovers of a model; None on rigid ground.
+
+    Raises:
+        UsageError: A wheel is too narrow for ruts, or the soil too stiff for the timestep.
+    """
+    world, model = scenes[0].world, scenes[0].model
+    if world.soil is None:
+        return None
+    geom, ground = model.geom(TERRAIN).id, soil_ground(world.ground)
+    start, (rows, columns) = int(model.hfield_adr[model.geom_dataid[geom]]), ground.heights.shape
+    field = model.hfield_data[start:][: rows * columns].reshape(rows, columns)
+    relief, base = float(model.hfield_size[model.geom_dataid[geom], 2]), float(model.geom_pos[geom, 2])
+    field[:] = (ground.heights - base) / relief  # the corners had to hold the extremes
+    (half_x, half_y), (x, y) = ground.half_size, ground.middle
+    corner = x - half_x, y - half_y
+    told = Ground(ground.heights, corner, ground.cell, field, base, relief)
+    wheels = [wheel for scene in scenes for wheel in _wheels(scene, data)]
+    for wheel in wheels:
+        if wheel.width < ground.cell:
+            raise UsageError(
+                f"wheels {1e3 * wheel.width:.0f} mm wide are too narrow for soil, whose ruts have cells of "
+                f"{1e3 * ground.cell:g} mm; leave out --soil"
+            )
+    return Bed(world.soil, told, wheels, model, data)
+
+
+def _wheels(scene: Scene, data: mujoco.MjData) -> list[SoilWheel]:
+    model, rover = scene.model, scene.rover
+    mujoco.mj_kinematics(model, data)
+    mass = model.body_subtreemass[scene.root]
+    load = float(mass) * -float(model.opt.gravity[2]) / len(rover.wheel_joints)
+    left = data.xmat[scene.root].reshape(3, 3)[:, 1]
+    made = []
+    for name in scene.all_own(rover.wheel_joints):
+        joint = model.joint(name)
+        to_left = bool(data.xaxis[joint.id] @ left > 0.0)
+        size = rover.wheel_radius, rover.wheel_width, rover.grousers
+        made.append(SoilWheel(int(joint.bodyid[0]), joint.id, scene.root, *size, to_left, load))
+    return made

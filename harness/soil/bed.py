@@ -1,0 +1,201 @@
+"""A bed of soil under the wheels of a MuJoCo model: forces in each step, and the ruts that stay.
+
+MuJoCo calls a compiled function in each of its steps, after positions and velocities and before forces,
+so that plain steps and several ticks in one call work alike. It is one for the whole process and finds
+the bed of a state by the state's address.
+"""
+
+import math
+import weakref
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.base.errors import UsageError
+from harness.soil import wheel_kernel
+from harness.soil.soils import Soil
+
+MOST_BEDS = 256  # in a process at a time
+STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
+AT_LOAD = 0.002  # [m]: change of the sinkage by which the stiffness is measured
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SoilWheel:
+    """A wheel in the model.
+
+    Attributes:
+        body: Of the wheel.
+        joint: About which it turns.
+        root: Body of the rover.
+        radius: [m].
+        width: [m].
+        grousers: 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm.
+        to_left: Whether the joint's axis points to the rover's left, else to the right.
+        load: Share of the rover's weight [N].
+    """
+
+    body: int
+    joint: int
+    root: int
+    radius: float
+    width: float
+    grousers: float
+    to_left: bool
+    load: float
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A grid of heights that MuJoCo has too.
+
+    Attributes:
+        heights: Without ruts [m], shape (rows, columns).
+        corner: x, y of the first one [m].
+        cell: Distance of two [m].
+        field: MuJoCo's, a view of the same shape, of 0 to 1.
+        base: Height of its 0 [m].
+        relief: Height of its 1 above that [m].
+    """
+
+    heights: Doubles
+    corner: tuple[float, float]
+    cell: float
+    field: NDArray[np.float32]
+    base: float
+    relief: float
+
+
+class Bed:
+    """Soil under all wheels of a model.
+
+    Args:
+        soil: What the ground is of.
+        ground: Its heights.
+        wheels: In the model.
+        model: MuJoCo's.
+        data: Its state.
+
+    Attributes:
+        surface: Heights of the ground with its ruts [m], shape (rows, columns); changes in each step.
+        states: What the wheels remember, a row of each; kept and put back with the state of a rover.
+        felt: Of each wheel: sinkage [m], forces of the soil ahead, left and up [N], speed of the rim, of
+            the hub ahead and left [m/s], depth of the rut ahead [m]; shape (n, 8).
+
+    Raises:
+        UsageError: A wheel is narrower than a cell, or the soil is too stiff for the timestep.
+    """
+
+    def __init__(
+        self,
+        soil: Soil,
+        ground: Ground,
+        wheels: Sequence[SoilWheel],
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+    ) -> None:
+        self.wheels, self._ground = tuple(wheels), ground
+        gravity = -float(model.opt.gravity[2])
+        widest = max(wheel.width for wheel in wheels)
+        self._numbers = soil.numbers(widest, gravity)
+        _check(soil, self._numbers, self.wheels, gravity, float(model.opt.timestep))
+        self._virgin, self.surface = ground.heights.copy(), ground.heights.copy()
+        self._fresh = ground.field.copy()
+        frame = (*ground.corner, ground.cell, ground.base, ground.relief, 0.0, model.opt.timestep)
+        self._frame = np.array(frame)
+        self.states = np.zeros((len(wheels), wheel_kernel.STATE))
+        self.felt = np.zeros((len(wheels), 8))
+        sizes = [(w.radius, w.width, w.grousers, 1.0 if w.to_left else -1.0) for w in wheels]
+        self._sizes = np.array(sizes)
+        self._bodies = np.array([(w.body, w.joint, w.root) for w in wheels], np.int64)
+        self._addresses = self._told(model, data)
+        _register(self, data)
+
+    @property
+    def lift(self) -> Doubles:
+        """Force of the soil on each wheel upwards [N], shape (n,)."""
+        return np.asarray(self.felt[:, 3])
+
+    def wheels_of(self, root: int) -> slice:
+        """Returns the rows of a rover's wheels, by its root body."""
+        rows = np.flatnonzero(self._bodies[:, 2] == root)
+        return slice(int(rows[0]), int(rows[-1]) + 1)
+
+    def smooth(self) -> None:
+        """Makes the ground as it was without ruts; what the wheels remember stays."""
+        self._virgin[:] = self.surface[:] = self._ground.heights
+        self._ground.field[:] = self._fresh
+        self._frame[5] = 0.0
+
+    def _told(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int64]:
+        arrays = (self._numbers, self._sizes, self._bodies, self._virgin, self._frame, self.surface)
+        moving = (data.xpos, data.xaxis, data.cvel, data.subtree_com, data.xipos)
+        rest = (self._ground.field, self.states, self.felt, *moving)
+        counts = (len(self.wheels), data.xfrc_applied.ctypes.data, *self.surface.shape)
+        counts += (model.nbody, model.njnt)
+        return np.array([*counts, *(a.ctypes.data for a in (*arrays, *rest))], np.int64)
+
+
+def _check(
+    soil: Soil, numbers: Doubles, wheels: Sequence[SoilWheel], gravity: float, timestep: float
+) -> None:
+    """Raises UsageError if a wheel would swing too fast on a soil for the timestep."""
+    for wheel in wheels:
+        loads = np.array([0.5, 1.0, 1.5]) * wheel.load
+        trials = np.zeros((3, 6))
+        trials[:] = wheel.radius, wheel.grousers, 0.01, 0.01, 0.0, 0.0
+        trials[:, 5] = loads
+        results = np.empty((3, 4))
+        wheel_kernel.steady_wheels(numbers, trials, wheel.width, results)
+        sinkages = results[:, 0]
+        if np.isnan(sinkages).any():
+            raise UsageError(
+                f"a wheel sinks in whole under {loads[-1]:.0f} N; give a soil of a larger k_phi"
+            )
+        stiffness = (loads[2] - loads[0]) / max(sinkages[2] - sinkages[0], 1e-9)
+        stiffness /= 1.0 - (1.0 - wheel_kernel.COMPACTION) * (soil.rebound == 0.0) * 0.8
+        swing = math.sqrt(stiffness * gravity / wheel.load) * timestep
+        if swing > STABLE:
+            raise UsageError(
+                f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by {swing:.2f} rad "
+                f"in one, more than {STABLE:g}; give --timestep {timestep * STABLE / swing / 1.2:.1g}, "
+                "or a soil of a smaller k_phi"
+            )
+
+
+_table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of the bed's arrays
+_callback: list[object] = []  # as long as MuJoCo may call it
+
+
+def _register(bed: Bed, data: mujoco.MjData) -> None:
+    """Lets MuJoCo press the wheels of a bed whenever it steps that state, as long as the bed lives."""
+    if not _callback:
+        _callback.append(_compiled(_table.ctypes.data))
+    free = np.flatnonzero(_table[:MOST_BEDS, 0] == 0)
+    if not free.size:
+        raise UsageError(f"more than {MOST_BEDS} simulations with soil in a process; use several")
+    row = int(free[0])
+    _table[row] = data._address, bed._addresses.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
+    mujoco.set_mjcb_control(_callback[0].ctypes)  # type: ignore[attr-defined]  # numba has no types
+    weakref.finalize(bed, _table[row].fill, 0)
+
+
+def _compiled(table: int) -> object:
+    """What MuJoCo calls in each step; the beds' table is at that address."""
+    press_bed, pointer, rows = wheel_kernel.press_bed, wheel_kernel.pointer, MOST_BEDS
+
+    @numba.cfunc("void(int64, int64)")
+    def press(_: int, state: int) -> None:
+        beds = numba.carray(pointer(table), (rows, 2), np.int64)
+        for row in range(rows):
+            if beds[row, 0] == state:
+                press_bed(beds[row, 1])
+                return
+
+    return press

@@ -1,0 +1,203 @@
+"""Soils: a table like that of the terrains, and files of one's own.
+
+Numbers are those of a source that was read; what a source does not tell has a default that does nothing.
+"""
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from harness.base.documents import read_mapping
+from harness.base.errors import find_named
+from harness.spec.value import Length, NotNegative, Share, Value, made
+
+SUFFIXES = (".yaml", ".yml")
+Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
+
+
+class Soil(Value):
+    """A soil in SI units; one without a word on flow, digging and grousers is Wong and Reece's."""
+
+    summary: str = Field(default="", description="what it is, in a line")
+    source: str = Field(default="", description="where the numbers come from")
+    k_c: NotNegative = Field(default=0.0, description="cohesive modulus of pressure [N/m^(n+1)]")
+    k_phi: NotNegative = Field(description="frictional modulus of pressure [N/m^(n+2)]")
+    n: Annotated[float, Field(ge=0.2, le=4.0)] = Field(description="exponent of the sinkage")
+    slip_n: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
+        default=0.0, description="what a slip of 1 adds to n"
+    )
+    cohesion: NotNegative = Field(default=0.0, description="[Pa]")
+    friction_angle_deg: Annotated[float, Field(gt=0.0, le=60.0)] = Field(description="internal friction")
+    shear_length: Length = Field(description="Janosi's K: slid path of 63 % of the strength [m]")
+    rebound: Share = Field(
+        default=0.0, description="share that presses against a wheel's rear half while it rolls"
+    )
+    damping: NotNegative = Field(
+        default=2.0, description="growth of the pressure with the sinking speed [s/m]"
+    )
+    peak: Share = Field(
+        default=0.4, description="place of the highest pressure, share of the entry angle"
+    )
+    peak_driving: Annotated[float, Field(ge=-1.0, le=1.0)] = Field(
+        default=0.2, description="what a slip of 1 adds to `peak`"
+    )
+    peak_braking: Annotated[float, Field(ge=-1.0, le=1.0)] = Field(
+        default=0.0, description="what a slip of -1 adds to `peak`"
+    )
+    flowing: Share = Field(
+        default=1.0, description="share of the pressure that is left where soil flows away"
+    )
+    flow_exponent: Length = Field(default=1.0, description="of the rim's angle of attack")
+    flow_lateral: NotNegative = Field(default=1.0, description="weight of sideways motion in it")
+    flow_driving: NotNegative = Field(default=1.0, description="weight of driving slip in it")
+    flow_grousers: Factor = Field(default=0.0, description="what grousers add to that, as a factor")
+    flow_pressing: NotNegative = Field(default=0.0, description="weight of sinking straight down in it")
+    dig: NotNegative = Field(default=0.0, description="the pressure falls by exp(-dig) at a slip of 1")
+    dig_grousers: NotNegative = Field(default=0.0, description="what grousers add to `dig`")
+    dig_exponent: Length = Field(default=1.0, description="of the slip in what grousers add")
+    grouser_friction: Factor = Field(default=0.0, description="what grousers add to friction")
+    grouser_shear: Factor = Field(default=0.0, description="what grousers add to the shear length")
+    stay_braking: NotNegative = Field(
+        default=1.0, description="speed at which a braked wheel leaves the soil, per slip speed"
+    )
+    stay_lateral: NotNegative = Field(default=1.0, description="the same, per sideways speed")
+    side_modulus: NotNegative | None = Field(
+        default=None,
+        description="force beside the wheel per length [N/m^(1+side_exponent)]; default: Hegedus 1960",
+    )
+    side_exponent: Length = Field(default=2.0, description="of the sinkage in it")
+    side_flow: Length = Field(default=1.0, description="exponent of the sideways share of the motion")
+    density: Length = Field(default=1500.0, description="for the force beside the wheel [kg/m^3]")
+
+    def numbers(self, width: float, gravity: float) -> NDArray[np.float64]:
+        """Returns the soil as the kernels take it.
+
+        Args:
+            width: Of the wheel [m].
+            gravity: For the weight of the soil beside it [m/s^2].
+        """
+        phi = math.radians(self.friction_angle_deg)
+        # Hegedus 1960 in the form of Ishigami et al. 2007: a wedge at 45 deg - phi / 2 is pushed away.
+        wedge = math.radians(45.0) - 0.5 * phi
+        cot = 1.0 / math.tan(wedge)
+        cohesive, weight = cot + math.tan(wedge + phi), cot + cot * cot * math.tan(phi)
+        side = self.side_modulus
+        if side is None:
+            side = 0.5 * cohesive * weight * self.density * gravity
+        return np.array(
+            [
+                self.k_c / width + self.k_phi,
+                self.n,
+                self.slip_n,
+                self.cohesion,
+                math.tan(phi),
+                self.shear_length,
+                self.peak,
+                self.peak_driving,
+                self.peak_braking,
+                self.flowing,
+                self.flow_exponent,
+                self.flow_lateral,
+                self.flow_driving,
+                self.flow_pressing,
+                self.dig,
+                self.dig_grousers,
+                self.dig_exponent,
+                self.grouser_friction,
+                self.grouser_shear,
+                self.stay_braking,
+                self.stay_lateral,
+                self.flow_grousers,
+                self.rebound,
+                side,
+                self.side_exponent,
+                self.side_flow,
+                self.damping,
+                cohesive * self.cohesion,
+            ]
+        )
+
+
+LLL = "Land Locomotion Laboratory, in gz-terramechanics (unitsSpaceLab), soil_params.yaml"
+SOILS = {
+    "dry_sand": Soil(
+        summary="dry sand, fitted to 234 trials of single wheels",
+        source="C. Pavlov, Carnegie Mellon University 2022: 3d-terramechanics; fit in docs/soil.md",
+        k_phi=2.21e8,
+        n=1.9,
+        friction_angle_deg=26.68,
+        shear_length=0.0035,
+        peak=0.6393,
+        peak_driving=-0.4638,
+        peak_braking=0.236,
+        flowing=0.0264,
+        flow_exponent=0.9994,
+        flow_lateral=3.7951,
+        flow_driving=2.1861,
+        flow_grousers=1.5556,
+        flow_pressing=5.0,
+        dig=1.1119,
+        dig_grousers=0.8699,
+        dig_exponent=12.0259,
+        grouser_friction=0.5646,
+        grouser_shear=0.9968,
+        stay_braking=6.5088,
+        stay_lateral=3.5938,
+        side_modulus=1.4468e5,
+        side_exponent=1.9317,
+        side_flow=0.5014,
+    ),
+    "lll_sand": Soil(
+        summary="dry sand of tables, rather firm",
+        source=LLL,
+        k_c=0.99e3,
+        k_phi=1528.43e3,
+        n=1.10,
+        cohesion=1040.0,
+        friction_angle_deg=28.0,
+        shear_length=0.010,
+    ),
+    "clay": Soil(
+        summary="clay",
+        source=LLL,
+        k_c=13.19e3,
+        k_phi=692.15e3,
+        n=0.5,
+        cohesion=4140.0,
+        friction_angle_deg=13.0,
+        shear_length=0.006,
+    ),
+    "lunar": Soil(
+        summary="lunar soil",
+        source=LLL,
+        k_c=1.4e3,
+        k_phi=820e3,
+        n=1.0,
+        cohesion=170.0,
+        friction_angle_deg=35.0,
+        shear_length=0.018,
+    ),
+    "firm": Soil(
+        summary="ground that hardly gives way, elastic: rigid ground at a lower price",
+        source="chosen: a wheel sinks in by 1 mm under 30 N, friction 1 as MuJoCo's",
+        k_phi=4.0e7,
+        n=1.0,
+        friction_angle_deg=45.0,
+        shear_length=0.002,
+        rebound=1.0,
+        peak=0.0,
+        peak_driving=0.0,
+        side_modulus=0.0,
+    ),
+}
+
+
+def find_soil(name: str) -> Soil:
+    """Returns a soil by its name, or of a YAML file; UsageError names what is valid."""
+    if name in SOILS or not name.lower().endswith(SUFFIXES):
+        return find_named("soil", name, SOILS)
+    return made(Soil, read_mapping(Path(name)), where=name)
