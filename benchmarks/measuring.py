@@ -8,21 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Effort:
-    """How long to measure.
+    """How long to measure."""
 
-    Attributes:
-        rounds: Repeats of each measurement.
-        seconds: Simulated seconds of a run.
-        poses: Places from which a scan is taken in each round.
-        maps: How many of the lidar's maps, the small ones first, and at most as many rovers that learn.
-        hour: What the memory benchmark calls an hour, in simulated seconds.
-    """
-
-    rounds: int
-    seconds: float
-    poses: int
+    rounds: int  # repeats of each measurement
+    seconds: float  # simulated seconds of a run
+    poses: int  # places from which a scan is taken in each round
+    # how many of the lidar's maps, the small ones first, and at most as many rovers that learn
     maps: int
-    hour: float
+    hour: float  # what the memory benchmark calls an hour, in simulated seconds
 
 
 FULL = Effort(rounds=5, seconds=60.0, poses=6, maps=3, hour=3600.0)

@@ -8,17 +8,11 @@ from benchmarks.measuring import Effort, Table
 
 @dataclass(frozen=True, slots=True)
 class Benchmark:
-    """One subject.
+    """One subject."""
 
-    Attributes:
-        name: Of its module.
-        question: What its table answers.
-        takes_minutes: Whether it is left out unless asked for.
-    """
-
-    name: str
-    question: str
-    takes_minutes: bool = False
+    name: str  # of its module
+    question: str  # what its table answers
+    takes_minutes: bool = False  # whether it is left out unless asked for
 
     def measure(self, effort: Effort) -> Table:
         """Its table; one that says why where something that it needs is not installed."""

@@ -21,28 +21,17 @@ COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """One scenario.
+    """One scenario."""
 
-    Attributes:
-        scenario: What was done.
-        seconds: Simulated time that was planned [s].
-        failure: What the run itself says went wrong; None if it came to its end.
-        speed: Simulated seconds per wall second.
-        messages: How many were published.
-        lost: How many of those a metrics node did not handle, of the worst node and over all topics.
-        rows: Rows in the log of each metrics node.
-        same: Whether each log has the bytes of the run without ROS.
-        grown: Memory [bytes] from the first minute to the end, by process; empty if not watched.
-    """
-
-    scenario: str
-    seconds: int
-    failure: str | None
-    speed: float
-    messages: int
-    lost: int
-    rows: tuple[int, ...]
-    same: bool
+    scenario: str  # what was done
+    seconds: int  # simulated time that was planned [s]
+    failure: str | None  # what the run itself says went wrong; None if it came to its end
+    speed: float  # simulated seconds per wall second
+    messages: int  # how many were published
+    lost: int  # how many of those a metrics node did not handle, of the worst node and over all topics
+    rows: tuple[int, ...]  # rows in the log of each metrics node
+    same: bool  # whether each log has the bytes of the run without ROS
+    # memory [bytes] from the first minute to the end, by process; empty if not watched
     grown: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -1,4 +1,4 @@
-"""The reader of YAML and JSON of rover_metrics, with errors that name the file."""
+"""The reader of files, YAML and JSON of rover_metrics, with errors that name the file."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -8,7 +8,20 @@ from harness.base.errors import UsageError
 from rover_metrics.log import documents
 from rover_metrics.log.documents import LARGEST_JSON, DocumentError
 
-__all__ = ["LARGEST_JSON", "parse_json", "read_json", "read_mapping", "read_yaml"]
+__all__ = ["LARGEST_JSON", "parse_json", "read_bytes", "read_json", "read_mapping", "read_yaml"]
+
+
+def read_bytes(path: Path, largest: int, *, pipes: bool = False) -> bytes:
+    """Returns the bytes of a file; UsageError if it cannot be read or is too large.
+
+    Args:
+        path: The file.
+        largest: Most bytes that it may have.
+        pipes: Whether it may be a pipe or a device, which may never end a wait.
+    """
+    if not pipes and path.exists() and not path.is_file():
+        raise UsageError(f"{path} is not a file")
+    return _named(str(path), lambda: documents.read_bytes(path, largest))  # type: ignore[no-any-return]
 
 
 def read_json(path: Path, largest: int = LARGEST_JSON) -> Any:  # noqa: ANN401 - whatever a file holds

@@ -28,37 +28,23 @@ HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """One frame of a rover.
-
-    Attributes:
-        parent: Its parent's name; empty for the base.
-        body: The body of the model to which it is fixed.
-        carries: Whether its link has the body's mass and shapes.
-        in_base: Where it is while all joints are at 0.
-        joint: The model's joint by which it moves in its parent; -1 if it is fixed there.
-    """
+    """One frame of a rover."""
 
     name: str
-    parent: str
-    body: int
-    carries: bool
-    in_base: Matrix
-    joint: int
+    parent: str  # its parent's name; empty for the base
+    body: int  # the body of the model to which it is fixed
+    carries: bool  # whether its link has the body's mass and shapes
+    in_base: Matrix  # where it is while all joints are at 0
+    joint: int  # the model's joint by which it moves in its parent; -1 if it is fixed there
 
 
 @dataclass(frozen=True, eq=False)
 class RoverFrames:
-    """All frames of a rover, the base first, every parent before its children.
+    """All frames of a rover, the base first, every parent before its children."""
 
-    Attributes:
-        name: Name of the rover.
-        model: The rover alone, with what is only to be seen.
-        data: Its state at the origin, all joints at 0.
-    """
-
-    name: str
-    model: mujoco.MjModel
-    data: mujoco.MjData
+    name: str  # name of the rover
+    model: mujoco.MjModel  # the rover alone, with what is only to be seen
+    data: mujoco.MjData  # its state at the origin, all joints at 0
     links: tuple[Link, ...]
 
     @property

@@ -22,20 +22,13 @@ class Edge:
 
 @dataclass(frozen=True)
 class Description:
-    """What is published of a rover once, before its first tick.
+    """What is published of a rover once, before its first tick."""
 
-    Attributes:
-        fixed: The frames that do not move in their parents.
-        moving: Parent and child of each pose in a sample of transforms; one that has fewer has the
-            first of them.
-        owns_odom: Whether the first of them is the rover in the frame odom.
-        urdf: The robot description.
-    """
-
-    fixed: tuple[Edge, ...]
+    fixed: tuple[Edge, ...]  # the frames that do not move in their parents
+    # parent and child of each pose in a sample of transforms; one that has fewer has the first of them
     moving: tuple[tuple[str, str], ...]
-    owns_odom: bool
-    urdf: str
+    owns_odom: bool  # whether the first of them is the rover in the frame odom
+    urdf: str  # the robot description
 
 
 def check_tree(root: str, edges: Iterable[tuple[str, str]], where: object) -> None:

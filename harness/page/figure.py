@@ -111,18 +111,12 @@ def level(name: str, place: Layout, dash: str, color: str = INK) -> Layout:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A line of a legend.
-
-    Attributes:
-        swatch: "line", "area", "hatch", "cross" or the name of a marker symbol.
-        color: Name of a custom property of the style sheet.
-        dash: Dash pattern of a line [px].
-    """
+    """A line of a legend."""
 
     name: str
-    swatch: str
-    color: str
-    dash: str = ""
+    swatch: str  # "line", "area", "hatch", "cross" or the name of a marker symbol
+    color: str  # name of a custom property of the style sheet
+    dash: str = ""  # dash pattern of a line [px]
 
 
 def keys(figure: Figure) -> list[Key]:
@@ -147,18 +141,12 @@ def _key(item: Trace | Layout) -> Key:
 
 @dataclass(frozen=True)
 class Plot:
-    """A figure, named and described.
+    """A figure, named and described."""
 
-    Attributes:
-        name: Identifies it on the page.
-        summary: What it shows, as text for readers who cannot see it.
-        heading: Above it; empty where the page has one, as is the caption below it.
-    """
-
-    name: str
-    summary: str
+    name: str  # identifies it on the page
+    summary: str  # what it shows, as text for readers who cannot see it
     figure: Figure
-    heading: str = ""
+    heading: str = ""  # above it; empty where the page has one, as is the caption below it
     caption: str = ""
 
     @property

@@ -13,17 +13,11 @@ MOST_ENCOUNTERS = 30  # that a page can show
 
 @dataclass(frozen=True)
 class Encounter:
-    """A time that somebody was near, or of who never was, the nearest there was.
+    """A time that somebody was near, or of who never was, the nearest there was."""
 
-    Attributes:
-        person: In the order of the world's people.
-        nearest: The moment at which the rover was nearest to them.
-        near_s: How long the rover was within NEAR of them [s].
-    """
-
-    person: int
-    nearest: Approach
-    near_s: float
+    person: int  # in the order of the world's people
+    nearest: Approach  # the moment at which the rover was nearest to them
+    near_s: float  # how long the rover was within NEAR of them [s]
 
 
 def encounters(track: Sequence[Stretch]) -> list[Encounter]:

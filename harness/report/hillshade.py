@@ -26,19 +26,13 @@ MOST_PIXELS = 600  # along a side: the picture is most of the page, and few scre
 
 @dataclass(frozen=True, eq=False)
 class Hillshade:
-    """A shaded relief, pixels with row 0 in the north.
-
-    Attributes:
-        west: x of its left edge [m]; `north` is y of its upper edge [m].
-        size: Its lengths along x and y [m].
-        exaggeration: By what the heights were multiplied before the light fell on them.
-    """
+    """A shaded relief, pixels with row 0 in the north."""
 
     pixels: NDArray[np.uint8]
-    west: float
+    west: float  # x of its left edge [m]; `north` is y of its upper edge [m]
     north: float
-    size: tuple[float, float]
-    exaggeration: float
+    size: tuple[float, float]  # its lengths along x and y [m]
+    exaggeration: float  # by what the heights were multiplied before the light fell on them
 
     def data_uri(self) -> str:
         """Returns the picture as a PNG in a data URI."""

@@ -20,44 +20,28 @@ FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
 
 @dataclass(frozen=True, slots=True)
 class Approach:
-    """How near somebody was: from the model frame to the person's axis, from above.
+    """How near somebody was: from the model frame to the person's axis, from above."""
 
-    Attributes:
-        distance: Between the two [m].
-        time_s: When [s].
-        rover: Where the rover was, x and y [m].
-        person: Where the person was, x and y [m].
-    """
-
-    distance: float
-    time_s: float
-    rover: tuple[float, float]
-    person: tuple[float, float]
+    distance: float  # between the two [m]
+    time_s: float  # when [s]
+    rover: tuple[float, float]  # where the rover was, x and y [m]
+    person: tuple[float, float]  # where the person was, x and y [m]
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A short piece of a run, up to and including its last tick.
+    """A short piece of a run, up to and including its last tick."""
 
-    Attributes:
-        time_s: Its end [s]; `position` [m] and `path_length` since the start [m] are those then.
-        lowest_acceleration: Smallest |a| of its IMU samples, gravity included [m/s^2], or inf.
-        highest_acceleration: Largest of them, or -inf.
-        nearest_range: Nearest finite range of its scans [m], or inf.
-        contact_s: Time in contact with a hazard [s].
-        people: Where people are at its end [m].
-        approaches: When each of them was nearest.
-    """
-
-    time_s: float
+    time_s: float  # its end [s]; `position` [m] and `path_length` since the start [m] are those then
     position: Vector3
     path_length: float
+    # smallest |a| of its IMU samples, gravity included [m/s^2], or inf
     lowest_acceleration: float = math.inf
-    highest_acceleration: float = -math.inf
-    nearest_range: float = math.inf
-    contact_s: float = 0.0
-    people: tuple[Vector3, ...] = ()
-    approaches: tuple[Approach, ...] = ()
+    highest_acceleration: float = -math.inf  # largest of them, or -inf
+    nearest_range: float = math.inf  # nearest finite range of its scans [m], or inf
+    contact_s: float = 0.0  # time in contact with a hazard [s]
+    people: tuple[Vector3, ...] = ()  # where people are at its end [m]
+    approaches: tuple[Approach, ...] = ()  # when each of them was nearest
 
     @property
     def nearest_person(self) -> float:

@@ -13,6 +13,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 
 MOST_BYTES = 20_000_000  # of a URDF, a model, or what it includes
@@ -44,19 +45,11 @@ def read_xml(path: Path) -> ET.Element:
 
 
 def read_text(path: Path) -> str:
-    """Returns the text of a file, which may be a pipe but not an endless one.
-
-    Raises:
-        UsageError: It cannot be read, or is larger than a model.
-    """
+    """Returns the text of a file, which may be a pipe; UsageError if it is too large or none."""
     try:
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise UsageError(f"{path} has more than {MOST_BYTES // 1_000_000} MB; give a robot's model")
-        return content.decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+        return read_bytes(path, MOST_BYTES, pipes=True).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise UsageError(f"cannot read {path}: {error}") from error
 
 
 def parsed(text: str, path: Path) -> ET.Element:

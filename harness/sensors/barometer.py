@@ -18,15 +18,11 @@ CHIPS = {
 
 @plain_value
 class Pressure:
-    """Static pressure; names are those of sensor_msgs/FluidPressure.
-
-    Attributes:
-        fluid_pressure: Pressure [Pa], whose variance [Pa^2] is 0 if there is no noise.
-    """
+    """Static pressure; names are those of sensor_msgs/FluidPressure."""
 
     stamp_ns: int
     sensor: str
-    fluid_pressure: float
+    fluid_pressure: float  # pressure [Pa], whose variance [Pa^2] is 0 if there is no noise
     variance: float
 
 

@@ -28,17 +28,12 @@ CHIPS = {
 
 @plain_value
 class MagneticField:
-    """Flux density in the sensor's axes; names are those of sensor_msgs/MagneticField.
-
-    Attributes:
-        magnetic_field: x, y, z [T].
-        magnetic_field_covariance: By rows [T^2]; zeros if there is no noise.
-    """
+    """Flux density in the sensor's axes; names are those of sensor_msgs/MagneticField."""
 
     stamp_ns: int
     sensor: str
-    magnetic_field: Vector3
-    magnetic_field_covariance: tuple[float, ...]
+    magnetic_field: Vector3  # x, y, z [T]
+    magnetic_field_covariance: tuple[float, ...]  # by rows [T^2]; zeros if there is no noise
 
 
 def _check_field(field: tuple[float, ...]) -> None:

@@ -116,20 +116,14 @@ class Mount:
 
 @dataclass(frozen=True, eq=False)
 class Installation(Generic[Given]):
-    """What an optional sensor of an episode is made with.
-
-    Attributes:
-        rng: Its own source of randomness.
-        datum: The origin of the world on the Earth.
-        surroundings: What its rays can meet.
-        noise: The preset of --noise; None for exact sensors. What its options say of noise wins.
-    """
+    """What an optional sensor of an episode is made with."""
 
     options: Given
     mount: Mount
-    rng: np.random.Generator
-    datum: Datum
-    surroundings: "Surroundings"
+    rng: np.random.Generator  # its own source of randomness
+    datum: Datum  # the origin of the world on the Earth
+    surroundings: "Surroundings"  # what its rays can meet
+    # the preset of --noise; None for exact sensors. What its options say of noise wins
     noise: NoisePreset | None = None
 
 

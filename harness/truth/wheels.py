@@ -11,19 +11,12 @@ SLIP_SPEED = 0.05  # [m/s]: a wheel whose rim and centre are both slower does no
 
 
 class WheelMotion(NamedTuple):
-    """One wheel at one instant.
+    """One wheel at one instant."""
 
-    Attributes:
-        x: Position of its centre in the world [m].
-        y: Position of its centre in the world [m].
-        slip: Slip ratio, -1..1.
-        moves: Whether its rim or its centre is faster than what counts as standing.
-    """
-
-    x: float
-    y: float
-    slip: float
-    moves: bool
+    x: float  # position of its centre in the world [m]
+    y: float  # position of its centre in the world [m]
+    slip: float  # slip ratio, -1..1
+    moves: bool  # whether its rim or its centre is faster than what counts as standing
 
 
 class Wheels:

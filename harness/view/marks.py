@@ -30,24 +30,16 @@ HIT_RADIUS = 0.018  # [m]
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """One geom that is only to be seen.
-
-    Attributes:
-        position: Of its middle, or of one end [m].
-        frame: Its axes as columns, shape (3, 3).
-        end: The other end of a capsule or a line [m], whose width is the first size.
-        since: Time [s] from which on it is there.
-        glow: How much it shines by itself, 0..1.
-    """
+    """One geom that is only to be seen."""
 
     shape: mujoco.mjtGeom
     size: tuple[float, float, float]
-    position: Vector
+    position: Vector  # of its middle, or of one end [m]
     color: tuple[float, float, float, float]
-    frame: Vector = field(default_factory=lambda: np.eye(3))
-    end: Vector | None = None
-    since: float = 0.0
-    glow: float = 0.0
+    frame: Vector = field(default_factory=lambda: np.eye(3))  # its axes as columns, shape (3, 3)
+    end: Vector | None = None  # the other end of a capsule or a line [m], whose width is the first size
+    since: float = 0.0  # time [s] from which on it is there
+    glow: float = 0.0  # how much it shines by itself, 0..1
 
 
 def add_marks(scene: mujoco.MjvScene, marks: Iterable[Mark], time: float) -> None:

@@ -66,23 +66,15 @@ def _row_of(people: ActorPoses) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """What was recorded.
-
-    Attributes:
-        times: Simulation times [s], shape (n,).
-        path: Position of the rover's model frame at those times [m], shape (n, 3).
-        orientations: Its attitude as (w, x, y, z), shape (n, 4).
-        joints: Positions of the rover's joints, shape (n, number of joints).
-        people: x, y, z [m] and heading [rad] of each person, shape (n, people, 4).
-    """
+    """What was recorded."""
 
     run: Run
     number: int
-    times: NDArray[np.float64]
-    path: NDArray[np.float64]
-    orientations: NDArray[np.float64]
-    joints: NDArray[np.float64]
-    people: NDArray[np.float64]
+    times: NDArray[np.float64]  # simulation times [s], shape (n,)
+    path: NDArray[np.float64]  # position of the rover's model frame at those times [m], shape (n, 3)
+    orientations: NDArray[np.float64]  # its attitude as (w, x, y, z), shape (n, 4)
+    joints: NDArray[np.float64]  # positions of the rover's joints, shape (n, number of joints)
+    people: NDArray[np.float64]  # x, y, z [m] and heading [rad] of each person, shape (n, people, 4)
 
     @property
     def yaw(self) -> NDArray[np.float64]:

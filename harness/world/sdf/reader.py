@@ -5,6 +5,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.base.number import number
 
@@ -15,33 +16,11 @@ MOST_ELEMENTS = 4_000_000  # a million way points have three each
 
 def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
     """Returns the root of an XML file, of which no entity is expanded; UsageError if it is unusable."""
-    data = read_bytes(path, most_bytes, f"{path} ", "take something out")
+    data = read_bytes(path, most_bytes)
     try:
         return parse_xml(data)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
-
-
-def read_bytes(path: Path, most_bytes: int, who: str, mend: str) -> bytes:
-    """Returns what a file holds; UsageError if it cannot be read, is too large, or a device or pipe.
-
-    Args:
-        path: The file.
-        most_bytes: That are read.
-        who: The file, for the message, with what stands behind it.
-        mend: What to do about one that is too large.
-    """
-    try:
-        if path.exists() and not path.is_file():
-            raise UsageError(f"{who}is not a file")
-        with path.open("rb") as file:
-            data = file.read(most_bytes + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"{who}cannot be read: {reason}") from error
-    if len(data) > most_bytes:
-        raise UsageError(f"{who}is too large, above {most_bytes / 2**20:g} MiB; {mend}")
-    return data
 
 
 def parse_xml(data: bytes) -> Element:

@@ -15,11 +15,12 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
 from harness.base.number import number
 from harness.spec.world import MESH_UNITS
-from harness.world.sdf.reader import DEEPEST, parse_xml, read_bytes
+from harness.world.sdf.reader import DEEPEST, parse_xml
 
 SUFFIXES = (".dae", ".obj", ".stl")
 MOST_BYTES = 128 * 2**20
@@ -95,8 +96,12 @@ def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tu
 
 @lru_cache(maxsize=8)  # a world names a file many times
 def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tuple[Mesh, str]:
+    if path.suffix.lower() not in SUFFIXES:
+        kinds = ", ".join(SUFFIXES)
+        raise UsageError(f"mesh {path}: meshes of that kind are not read; readable are {kinds}")
+    data = read_bytes(path, MOST_BYTES)
     try:
-        data = _bytes(path)
+        _check_coded(data, path.suffix.lower())
         scale, axis = _unit_and_axis(data) if path.suffix.lower() == ".dae" else (1.0, "z")
         parts = _loaded(data, path.suffix.lower())
         mesh = joined([find_named("its part", submesh, parts)] if submesh else [*parts.values()])
@@ -110,14 +115,10 @@ def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tu
     ).hexdigest()
 
 
-def _bytes(path: Path) -> bytes:
-    if path.suffix.lower() not in SUFFIXES:
-        raise UsageError(f"meshes of that kind are not read; readable are {', '.join(SUFFIXES)}")
-    data = read_bytes(path, MOST_BYTES, "it ", SIMPLER)
+def _check_coded(data: bytes, suffix: str) -> None:
     binary_stl = len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
     counts = {".obj": data.count(b"\nf "), ".stl": (len(data) - 84) // 50 if binary_stl else 0}
-    _check_count(counts.get(path.suffix.lower(), 0))  # before anything is decoded
-    return data
+    _check_count(counts.get(suffix, 0))  # before anything is decoded
 
 
 def _check_count(triangles: int) -> None:

@@ -74,16 +74,21 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
     return content
 
 
-def _text_of(path: Path, largest: int) -> str:
+def read_bytes(path: Path, largest: int) -> bytes:
+    """Returns the at most so many bytes of a file, or raises a DocumentError."""
     try:
         with path.open("rb") as file:
             content = file.read(largest + 1)
-    except OSError as error:
-        raise DocumentError(error.strerror or str(error)) from error
+    except (OSError, ValueError) as error:  # ValueError: a NUL in its name
+        raise DocumentError(getattr(error, "strerror", None) or str(error)) from error
     if len(content) > largest:
         raise DocumentError(f"larger than {largest:,} bytes; is it the right file?")
+    return content
+
+
+def _text_of(path: Path, largest: int) -> str:
     try:
-        return content.decode("utf-8-sig")
+        return read_bytes(path, largest).decode("utf-8-sig")
     except ValueError as error:
         raise DocumentError(f"no text in UTF-8: {error}") from error
 

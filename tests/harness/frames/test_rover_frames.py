@@ -1,6 +1,7 @@
 """The frames of both rovers are the real ones'; what does not fit a model is told in one line."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
+from harness.frames.tree import check_tree
 from harness.robots import MODELS_DIR, FrameRow, RoverSpec
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -51,6 +53,8 @@ def test_frames_are_those_of_the_real_rover(rover: RoverSpec) -> None:
     frames = rover_frames(rover)
     page = (MODELS_DIR.parent / "docs" / "frames.md").read_text()
     assert all(link.name in page for link in frames.links)
+    assert frames.base == rover.odometry_child_frame
+    assert {frames.model.joint(link.joint).name for link in frames.moving} == set(rover.joints)
     edges = {(link.parent, link.name): frames.edge(link) for link in frames.links[1:]}
     assert edges.keys() == REAL[rover.name].keys()
     for names, (x, y, z, *rpy) in REAL[rover.name].items():
@@ -59,13 +63,6 @@ def test_frames_are_those_of_the_real_rover(rover: RoverSpec) -> None:
         assert (numbers[np.abs(numbers) < 1e-9] == 0.0).all(), "no roundings are left"
         turn = Rotation.from_quat(edges[names].rotation) * Rotation.from_euler("xyz", rpy).inv()
         assert turn.magnitude() == pytest.approx(0.0, abs=1e-6)
-
-
-def test_the_base_is_what_odometry_tells_of_and_wheels_and_rockers_are_what_moves() -> None:
-    leo, zero = rover_frames(LEO), rover_frames(ROVER_ZERO4WD)
-    assert (leo.base, zero.base) == ("base_footprint", "base_link")
-    assert {leo.model.joint(link.joint).name for link in leo.moving} == set(LEO.joints)
-    assert {zero.model.joint(link.joint).name for link in zero.moving} == set(ROVER_ZERO4WD.joints)
 
 
 def test_a_rover_yaml_without_frames_has_those_of_its_model() -> None:
@@ -85,7 +82,6 @@ def row(parent: str, child: str, **where: object) -> FrameRow:
 @pytest.mark.parametrize(
     ("added", "message"),
     [
-        (row("base_link", "camera_optical_frame"), "has two parents, camera_frame and base_link"),
         (row("base_link", "nose", body="nozzle"), "body 'nozzle' does not exist; available: rover"),
         (row("base_link", "nose", site="nozzle"), "site 'nozzle' does not exist; available: imu, lidar"),
         (
@@ -105,9 +101,27 @@ def test_a_frame_that_does_not_fit_is_told_in_one_line(added: FrameRow, message:
     assert "\n" not in str(told.value)
 
 
-HEAD = '<body name="head"><joint name="pan"/><joint name="tilt" axis="0 1 0"/><geom size="0.1"/></body>'
-
-
-def test_a_model_without_a_tree_of_frames_is_refused(tmp_path: Path) -> None:
+def test_a_body_that_hangs_on_two_joints_is_refused(tmp_path: Path) -> None:
+    head = (
+        '<body name="head"><joint name="pan"/><joint name="tilt" axis="0 1 0"/><geom size="0.1"/></body>'
+    )
     with pytest.raises(UsageError, match=r"'head' must hang on one hinge or slide .* of its own$"):
-        rover_frames(made_rover(tmp_path, HEAD))
+        rover_frames(made_rover(tmp_path, head))
+
+
+@pytest.mark.parametrize(
+    ("edges", "message"),
+    [
+        ("base-mast base-lidar mast-lidar", "'lidar' has two parents, base and mast; leave one out"),
+        ("base-mast head-neck neck-head", "in a loop, neck -> head -> neck; let one hang on 'base'"),
+        ("base-mast mast-base", "is the base and has no parent; leave out mast"),
+        ("base-mast pole-lidar", "which does not exist; available: base, mast, lidar"),
+    ],
+)
+def test_what_is_no_tree_is_told_and_a_parent_may_stand_below_its_child(
+    edges: str, message: str
+) -> None:
+    check_tree("base", [("mast", "lidar"), ("base", "mast")], "rover.yaml")
+    pairs = [(parent, child) for parent, _, child in (edge.partition("-") for edge in edges.split())]
+    with pytest.raises(UsageError, match=f"^rover.yaml: frame.*{re.escape(message)}$"):
+        check_tree("base", pairs, "rover.yaml")

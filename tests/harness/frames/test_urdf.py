@@ -139,10 +139,12 @@ def test_yourdfpy_finds_links_and_shapes_where_mujoco_has_them(rover: RoverSpec,
     assert lidar[:3, :3].ravel() == pytest.approx(data.site("lidar").xmat, abs=EXACT)
 
 
-def test_shapes_colours_and_meshes(tmp_path: Path) -> None:
+def test_shapes_colours_meshes_and_a_slide(tmp_path: Path) -> None:
     """A mesh lies where its file says, although MuJoCo moves and turns it."""
     import trimesh  # noqa: PLC0415 - comes with yourdfpy
 
+    half, roll = math.sqrt(0.5), math.radians(10.0)  # a pitch of 90 degrees: roll and yaw are one
+    w, x = half * math.cos(roll), half * math.sin(roll)
     (tmp_path / "meshes").mkdir()
     block = trimesh.creation.box((0.1, 0.2, 0.3)).apply_translation((1.0, 2.0, 3.0))
     block.export(tmp_path / "meshes" / "block.stl")
@@ -151,10 +153,12 @@ def test_shapes_colours_and_meshes(tmp_path: Path) -> None:
         f'<geom type="mesh" mesh="block" pos="0.5 0 0" {seen} material="red"/>'
         f'<geom type="ellipsoid" size="0.1 0.2 0.3" pos="0 0 9" {seen}/>'
         f'<geom type="sphere" size="0.4" {seen} rgba="0 0.5 1 1"/><geom type="box" size="1 1 1"/>'
+        '<body name="lift" pos="0.1 0 0.2"><joint name="lift" type="slide" axis="0 0 1" range="0 0.5" '
+        f'limited="true"/><geom type="box" size="0.1 0.2 0.3" quat="{w} {x} {w} {-x}" group="2"/></body>'
     )
     assets = '<mesh name="block" file="block.stl" scale="1 2 1"/><material name="red" rgba="1 0 0 1"/>'
-    urdf = write_urdf(rover_frames(made_rover(tmp_path, body, assets)))
-    told = parse(urdf, tmp_path)
+    frames = rover_frames(made_rover(tmp_path, body, assets))
+    told = parse(write_urdf(frames), tmp_path)
     mesh, ellipsoid, sphere = told.link_map["base_footprint"].visuals
     assert mesh.geometry.mesh.filename == (tmp_path / "meshes" / "block.stl").as_uri()
     assert ellipsoid.geometry.box.size == pytest.approx((0.2, 0.4, 0.6))
@@ -165,23 +169,10 @@ def test_shapes_colours_and_meshes(tmp_path: Path) -> None:
     corners = block.vertices * mesh.geometry.mesh.scale @ mesh.origin[:3, :3].T + mesh.origin[:3, 3]
     assert corners.min(axis=0) == pytest.approx((1.45, 3.8, 2.85), abs=EXACT)
     assert corners.max(axis=0) == pytest.approx((1.55, 4.2, 3.15), abs=EXACT)
-
-
-def test_a_slide_is_prismatic_and_a_turned_shape_keeps_its_attitude(tmp_path: Path) -> None:
-    """Also at a pitch of 90 degrees and a roll of 20, where roll and yaw are one."""
-    half, roll = math.sqrt(0.5), math.radians(10.0)
-    w, x = half * math.cos(roll), half * math.sin(roll)
-    turned = f'quat="{w} {x} {w} {-x}"'
-    body = (
-        '<body name="lift" pos="0.1 0 0.2"><joint name="lift" type="slide" axis="0 0 1" range="0 0.5" '
-        f'limited="true"/><geom type="box" size="0.1 0.2 0.3" {turned} group="2"/></body>'
-    )
-    frames = rover_frames(made_rover(tmp_path, body))
-    urdf = parse(write_urdf(frames), tmp_path)
-    joint = urdf.joint_map["lift"]
+    joint = told.joint_map["lift"]
     assert (joint.type, joint.limit.lower, joint.limit.upper) == ("prismatic", 0.0, 0.5)
-    urdf.update_cfg({"lift": 0.3})
-    assert urdf.get_transform("lift_link", urdf.base_link)[:3, 3] == pytest.approx((0.1, 0.0, 0.5))
-    (visual,) = urdf.link_map["lift_link"].visuals
+    told.update_cfg({"lift": 0.3})
+    assert told.get_transform("lift_link", told.base_link)[:3, 3] == pytest.approx((0.1, 0.0, 0.5))
+    (visual,) = told.link_map["lift_link"].visuals
     expected = frames.data.geom_xmat[-1].reshape(3, 3)
     assert visual.origin[:3, :3] == pytest.approx(expected, abs=EXACT)

@@ -3,22 +3,19 @@
 import base64
 import io
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from harness.page.figure import keys
 from harness.report.hillshade import map_layout, shade
-from harness.report.log import Event, Log
+from harness.report.log import Log
 from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned, varies
-from harness.report.terrain_map import map_figure, roughness
+from harness.report.terrain_map import map_figure
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
-from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
-from tests.harness.report.made import stretches
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
 
 @pytest.mark.parametrize(
@@ -48,28 +45,19 @@ def test_a_plane_is_as_bright_as_the_cosine_between_its_normal_and_the_sun(
         assert normal @ sun == pytest.approx(light, abs=1e-3)
 
 
-def test_north_is_up_in_the_hillshade() -> None:
+def test_the_hillshade_is_a_bounded_picture_with_north_up_around_the_vertices() -> None:
     heights = np.zeros((21, 21))
     heights[18, 5] = 1.0  # north, as y is large
-    pixels = shade(Heightfield(heights, cell=0.1)).pixels.astype(int)
-    rows, columns = np.nonzero(pixels != pixels[20, 20])
+    hillshade = shade(Heightfield(heights, cell=0.1))
+    rows, columns = np.nonzero(hillshade.pixels != hillshade.pixels[20, 20])
     assert (rows.mean(), columns.mean()) == pytest.approx((2.0, 5.0))
-
-
-def test_hillshade_is_a_png_whose_pixels_lie_around_the_vertices() -> None:
-    hillshade = shade(build_world("rocky", seed=0).ground)
-    assert (hillshade.west, hillshade.north) == pytest.approx((-20.05, 20.05))
     kind, data = hillshade.data_uri().split(",")
     assert kind == "data:image/png;base64"
     with Image.open(io.BytesIO(base64.b64decode(data))) as read:
         assert np.array_equal(np.asarray(read), hillshade.pixels)
-
-
-def test_a_large_terrain_becomes_a_picture_of_bounded_size() -> None:
-    hillshade = shade(Heightfield(heights=np.zeros((501, 2501)), cell=0.1))
-    assert hillshade.pixels.shape == (101, 501)
-    assert hillshade.size == pytest.approx((501 * 0.5, 101 * 0.5))
-    assert (hillshade.west, hillshade.north) == pytest.approx((-125.25, 25.25))
+    large = shade(Heightfield(heights=np.zeros((501, 2501)), cell=0.1))
+    assert large.pixels.shape == (101, 501)
+    assert (*large.size, large.west, large.north) == pytest.approx((250.5, 50.5, -125.25, 25.25))
 
 
 @pytest.mark.parametrize(
@@ -96,68 +84,17 @@ def test_the_map_shows_a_square_around_the_path_and_no_more_than_there_is(
         assert place == [middle[0] - 30.5, middle[1] + 5.5, 61.0, 11.0]
 
 
-NO_POINTS = np.empty((0, 2))
-
-
-def test_roughness_counts_in_both_directions_and_holds_where_no_sample_is() -> None:
-    quiet = {"lowest_acceleration": 9.81, "highest_acceleration": 9.81}
-    dip = {"lowest_acceleration": 6.81, "highest_acceleration": 10.0}
-    assert roughness(stretches(quiet, dip, {}), 9.81) == pytest.approx([0.0, 3.0, 3.0])
-
-
-def test_map_of_a_run_that_never_moved_or_diverged_shows_the_terrain() -> None:
-    world = build_world("flat", seed=0)
-    lost = Stretch(1.0, (math.nan, 0.0, 0.0), 0.0)
+def test_the_map_of_a_run_that_diverged_shows_the_terrain() -> None:
+    world, lost = build_world("flat", seed=0), Stretch(1.0, (math.nan, 0.0, 0.0), 0.0)
     figure = map_figure(
-        world, shade(world.ground), [lost], collisions=[], contacts=[], scan=NO_POINTS, gravity=9.81
+        *(world, shade(world.ground), [lost]),
+        collisions=[],
+        contacts=[],
+        scan=np.empty((0, 2)),
+        gravity=9.81,
     )
     assert figure["data"] == []
     assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
-
-
-def test_the_path_is_coloured_by_roughness_with_the_roughest_on_top() -> None:
-    levels = (12.81, 9.81, 10.81)
-    track = stretches(*({"lowest_acceleration": 9.81, "highest_acceleration": h} for h in levels))
-    world = build_world("flat", seed=0)
-    one = Event(1.0, 2.0, (7.0, 8.0, 0.0))
-    other = replace(one, position=(5.0, 6.0, 0.0))
-    figure = map_figure(
-        world,
-        shade(world.ground),
-        track,
-        collisions=[one],
-        contacts=[other],
-        scan=NO_POINTS,
-        gravity=9.81,
-    )
-    traces = {trace["name"]: trace for trace in figure["data"]}
-    path = traces["path"]
-    assert path["x"] == [2.0, 3.0, 1.0]
-    assert path["marker"]["color"] == pytest.approx([0.0, 1.0, 3.0])
-    assert path["customdata"][0] == [2.0, 0.0, 0.0]
-    assert path["marker"]["cmax"] == 5.0
-    assert (traces["start"]["x"], traces["end"]["x"]) == ([1.0], [3.0])
-    hit, counted = traces["contact with a hazard (truth)"], traces["collision (metric)"]
-    assert (hit["x"], hit["y"], counted["x"], counted["y"]) == ([5.0], [6.0], [7.0], [8.0])
-    assert counted["text"] == ["1.0 to 2.0 s"]
-
-
-_NOTHING: tuple[Thresholds, list[Stretch], list[Event]] = (DEFAULT_THRESHOLDS, [], [])
-
-
-def test_the_truth_is_drawn_beside_distance_and_velocity() -> None:
-    track = [Stretch(1.0, (0.0,) * 3, 0.5), Stretch(3.0, (0.0,) * 3, 1.5), Stretch(3.5, (0.0,) * 3, 1.6)]
-    columns = ("Distance Traveled", "Current Velocity")
-    log = Log([1.0, 2.0, 3.0], {name: [0.1, 0.2, 0.3] for name in columns})
-    distance = series_figure("Distance Traveled", log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)
-    assert [(t["name"], t["x"], t["y"]) for t in distance["data"]] == [
-        ("log", [1.0, 2.0, 3.0], [0.1, 0.2, 0.3]),
-        ("truth", [1.0, 3.0, 3.5], [0.5, 1.5, 1.6]),
-    ]
-    velocity = series_figure("Current Velocity", log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)
-    assert (velocity["data"][1]["x"], velocity["data"][1]["y"]) == ([3.0, 3.5], [0.5, 0.2])
-    assert velocity["layout"]["xaxis"]["range"] == [0.0, 3.5]
-    assert [key.dash for key in keys(velocity)] == ["", "2 2"]
 
 
 NAN, INF = math.nan, math.inf
@@ -167,7 +104,6 @@ NAN, INF = math.nan, math.inf
     ("name", "values", "track", "shown"),
     [
         ("VORT [m/s]", [NAN, NAN, NAN], [], False),
-        ("Slip", [0.5, 0.5, 0.5], [], False),
         ("Slip", [0.5, NAN, 0.5], [], False),
         ("Slip", [0.5, 0.5, 0.4], [], True),
         ("Obstacle Clearance", [INF, INF, INF], [], False),
@@ -196,7 +132,7 @@ def test_a_column_is_worth_a_plot_if_anything_changes_in_it(
 )
 def test_a_value_between_gaps_is_seen(values: list[float], mode: str) -> None:
     log = Log([float(n) for n in range(len(values))], {"Slip": values})
-    (drawn,) = series_figure("Slip", log, *_NOTHING, gravity=9.8)["data"]
+    (drawn,) = series_figure("Slip", log, DEFAULT_THRESHOLDS, [], [], gravity=9.8)["data"]
     assert drawn["mode"] == mode
 
 

@@ -1,6 +1,7 @@
 """A log read back, the events in it and in the truth, and the tables made of them."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 
 from harness.report import encounters as module
 from harness.report.encounters import Encounter, encounters
-from harness.report.log import Log, caption, collisions, contacts, describe, read_log
+from harness.report.log import Log, collisions, contacts, read_log
 from harness.report.recorder import Approach, Stretch
 from harness.report.tables import comparisons, facts, steady_text
 from tests.harness.report.made import RESULT, stretches
@@ -28,29 +29,26 @@ def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None
     assert read_log(None) == read_log(tmp_path / "absent.csv") == Log()
 
 
-def test_a_column_that_nobody_knows_has_the_unit_in_its_name() -> None:
-    assert (describe("Heat [K]").unit, describe("Heat").unit) == ("K", "")
-    assert describe("True Slip Middle Left").meaning == "Slip ratio of the middle left wheel, -1 to 1."
-    assert caption("Heat [K]") == "The data dictionary does not know this column."
-
-
-def test_logged_collisions_are_placed_where_a_scan_was_nearest() -> None:
-    track = stretches({"nearest_range": 0.4}, {"nearest_range": 0.15}, {"nearest_range": 0.3}, {})
-    log = Log([1.0, 3.0, 4.0], {"Total Collisions": [0.0, 2.0, 2.0]})
-    (event,) = collisions(log, track)
-    assert (event.start_s, event.end_s) == (1.0, 3.0)
-    assert event.position == (2.0, 0.0, 0.0)
-
-
-def test_a_collision_between_two_stretches_is_placed_in_the_one_around_it() -> None:
-    track = stretches({}, {}, {})
-    (event,) = collisions(Log([1.2, 1.4, 2.9], {"Total Collisions": [0.0, 1.0, 1.0]}), track)
-    assert (event.start_s, event.end_s, event.position) == (1.2, 1.4, (2.0, 0.0, 0.0))
-    before = stretches({"nearest_range": 0.1}, {"nearest_range": 0.2}, {"nearest_range": 0.1})
-    (event,) = collisions(Log([1.0, 2.0], {"Total Collisions": [0.0, 1.0]}), before)
-    assert event.position == (2.0, 0.0, 0.0), "a stretch that ends with the row before is not in it"
-    rising = Log([1.0, 1.6, 2.5], {"Total Collisions": [1.0, 1.0, 2.0]})
-    assert [(e.start_s, e.end_s) for e in collisions(rising, track)] == [(0.0, 1.0), (1.6, 2.5)]
+@pytest.mark.parametrize(
+    ("nearest", "times", "counts", "events"),
+    [
+        ((0.4, 0.15, 0.3, None), [1.0, 3.0, 4.0], [0.0, 2.0, 2.0], [(1.0, 3.0, 2.0)]),
+        ((None,) * 3, [1.2, 1.4, 2.9], [0.0, 1.0, 1.0], [(1.2, 1.4, 2.0)]),  # the stretch around it
+        (
+            (0.1, 0.2, 0.1),
+            [1.0, 2.0],
+            [0.0, 1.0],
+            [(1.0, 2.0, 2.0)],
+        ),  # not one that has ended
+        ((None,) * 3, [1.0, 1.6, 2.5], [1.0, 1.0, 2.0], [(0.0, 1.0, 1.0), (1.6, 2.5, 2.0)]),
+    ],
+)
+def test_logged_collisions_are_placed_where_a_scan_was_nearest(
+    nearest: Sequence[float | None], times: list[float], counts: list[float], events: object
+) -> None:
+    track = stretches(*({} if near is None else {"nearest_range": near} for near in nearest))
+    found = collisions(Log(times, {"Total Collisions": counts}), track)
+    assert [(event.start_s, event.end_s, event.position[0]) for event in found] == events
 
 
 def test_contacts_half_a_second_apart_are_one_event_and_farther_ones_two() -> None:
@@ -64,19 +62,13 @@ def test_contacts_half_a_second_apart_are_one_event_and_farther_ones_two() -> No
     assert collisions(Log(), track) == [], "there is no counter"
 
 
-def test_a_metric_below_the_truth_has_a_minus_and_no_truth_no_difference() -> None:
+def test_metrics_stand_beside_the_truth_as_far_as_there_are_any() -> None:
     short = replace(RESULT, last_row={"Distance Traveled": 7.0, "Total Collisions": 0})
     assert comparisons(short, Log(), []).rows[0][-1] == "\N{MINUS SIGN}12.5\N{NO-BREAK SPACE}%"
     stood = replace(RESULT, truth=replace(RESULT.truth, path_length=0.0, tipped_over=True))
-    rows = comparisons(stood, Log(), []).rows
-    assert rows[0][-1] == "\N{EN DASH}"
-    assert rows[-1][2] == "30°, tipped over"
-
-
-def test_without_a_log_and_people_there_is_only_the_truth() -> None:
-    rows = comparisons(replace(RESULT, last_row=None), Log(), stretches({})).rows
+    rows = comparisons(replace(stood, last_row=None), Log(), stretches({})).rows
     assert [metric for _, metric, _, _ in rows] == ["\N{EN DASH}"] * 9
-    assert rows[0][2] == "8.00 m"
+    assert (rows[0][2], rows[0][-1], rows[-1][2]) == ("0.00 m", "\N{EN DASH}", "30°, tipped over")
 
 
 def test_nested_values_become_flat_pairs_with_their_units() -> None:

@@ -2,7 +2,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec, scan_points
@@ -29,16 +28,3 @@ def test_beams_of_a_scan_end_where_the_lidar_saw_something() -> None:
     height = 0.79783  # of the lidar over the origin of the model frame
     expected = np.array([[1.0 + 0.174 - 2.0, 1.0 + height]])
     assert scan_points(placed, LEO) == pytest.approx(expected, abs=1e-3)
-
-
-def test_a_lidar_may_be_mounted_anyhow(monkeypatch: pytest.MonkeyPatch) -> None:
-    mounting, attitude = Rotation.random(2, rng=np.random.default_rng(3))
-    mount, place = np.array([0.3, -0.2, 0.5]), np.array([4.0, -7.0, 1.0])
-    told = mount, mounting.as_matrix()
-    monkeypatch.setattr("harness.sensors.lidar_spec._lidar_mount", lambda _: told)
-    ranges, angles = np.array([1.0, -np.inf, 2.5, 3.0]), np.linspace(-3.14159, 3.14159, 4)
-    x, y, z, w = attitude.as_quat().tolist()
-    placed = PlacedScan(LaserScan(0, ranges.astype(np.float32)), Pose(0, (4.0, -7.0, 1.0), (x, y, z, w)))
-    beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(4)])
-    in_rover = [mounting.apply(ranges[n] * beams[n]) + mount for n in (0, 2, 3)]
-    assert scan_points(placed, LEO) == pytest.approx((attitude.apply(in_rover) + place)[:, :2])

@@ -1,12 +1,16 @@
 """Which optional sensors a rover carries, by rover.yaml and --sensors, and which options are valid."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
+from ruamel.yaml import YAML
 
 from harness.base.errors import UsageError
+from harness.frames.rover_frames import rover_frames
 from harness.robots import FrameRow, RoverSpec
 from harness.sensors import table
 from harness.sensors.choice import chosen, kinds
@@ -71,7 +75,7 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
     assert {name: getattr(row.given, "width", None) for name, row in rows.items()} == widths
 
 
-def test_every_preset_is_valid_and_has_a_name() -> None:
+def test_every_preset_is_valid_and_what_is_asked_for_wrongly_is_refused() -> None:
     for kind, row in kinds().items():
         assert row.options is not None
         for preset, values in row.options.presets.items():
@@ -79,6 +83,22 @@ def test_every_preset_is_valid_and_has_a_name() -> None:
             assert made.given == row.options.model_validate({"name": kind, "preset": preset, **values})
     with pytest.raises(UsageError, match=r"'gnss=' names no preset; give gnss alone, or gnss=PRESET"):
         parse_choice("gnss=")
+    for asked, said in (
+        (("ear",), r"'ear' does not exist; available: left, lidar2d.*, none"),
+        *((("depth", "none"), "none stands alone"), (("depth", "depth=small"), "has 'depth' twice")),
+    ):
+        with pytest.raises(UsageError, match=said):
+            carried(asked, LEFT)
+
+
+def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "sensors.md").read_text()
+    (example,) = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    given = [row.given for row in carried(None, *YAML(typ="safe").load(example)["sensors"]).values()]
+    ids = {some.name: some.frame_id for some in given if some is not None}
+    assert ids == {"top": "top_link", "front": "front_link", "depth": "camera_frame_optical"}
+    frames = rover_frames(LEO, (frame for some in given if some for frame in some.frames(LEO)))
+    assert {*ids.values()} <= {link.name for link in frames.links}
 
 
 OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics"]
@@ -94,9 +114,7 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         ({"kind": "gnss", "rate": 33}, ["'gnss'", "33 Hz", "20 or 25"]),
         ({"kind": "gnss", "rate": "fast"}, ["rate 'fast'", "a whole number"]),
         ({"kind": "gnss", "rpy": [1, 2, math.nan]}, ["rpy", "finite"]),
-        ({"kind": "gnss", "name": "2"}, ["name '2'", "a letter first"]),
-        ({"kind": "gnss", "name": "é"}, ["name 'é'", "a letter first"]),
-        ({"kind": "gnss", "name": "e\u0661"}, ["name 'e", "a letter first"]),
+        *(({"kind": "gnss", "name": n}, [f"name '{n}'"]) for n in ("2", "é", "e\u0661")),
         ({"kind": "gnss", "rate": "2_0"}, ["rate '2_0'", "give a number"]),
         ({"kind": "gnss", "name": "clock"}, ["two sensors are named 'clock'"]),
         ({"kind": "gnss", "name": "left"}, ["two are named 'left'"]),
@@ -161,20 +179,6 @@ def test_values_at_the_edge_of_what_is_valid_are_taken(entry: Mapping[str, Any])
         expected = tuple(value) if isinstance(value, list) else value
         given = getattr(row.given, key)
         assert (given.model_dump() if isinstance(value, dict) else given) == expected
-
-
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        (("ear",), r"sensor 'ear' does not exist; available: left, lidar2d.*, none"),
-        (("depth", "none"), r"--sensors none stands alone"),
-        (("depth", "depth=small"), r"--sensors has 'depth' twice; leave one out"),
-        (("depth=fine",), r"--sensors depth=fine: preset 'fine' does not exist"),
-    ],
-)
-def test_a_wrong_word_is_refused_with_what_is_valid(asked: tuple[str, ...], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        carried(asked, LEFT)
 
 
 def test_a_mount_is_in_its_parent_or_else_from_where_the_lidar_is_unless_the_rover_has_its_frame() -> (

@@ -11,19 +11,22 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
 from harness.samples import TruthState
+from harness.truth.contact_events import ContactEvents
 from harness.truth.recorder import TruthRecorder
 from harness.truth.traversal import ContactEvent, Truth
 from harness.truth.wheels import Wheels
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.statistics import RoughnessMap
+from rover_metrics.timing import EVENT_GAP_NS
 
 Vector = NDArray[np.float64]
 
-TICK_NS, STATE_TICKS = 10_000_000, 5
+STATE_TICKS = 5
 WHEELS = ROVERS["rover_zero4wd"].wheel_joints
 KINDS = ("hazard", "rock", "scrape")
 WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.05, 0.6, 0.3), (0.75, 0.1, 0.3))
@@ -125,14 +128,10 @@ def simulation(make_simulation: Callable[..., Simulation]) -> Simulation:
     return make_simulation(obstacles=(WALL,))
 
 
-def test_before_the_first_tick_every_total_is_nothing(simulation: Simulation) -> None:
-    nothing = Truth(position=simulation.position, wheel_slip=(0.0,) * 4)
-    assert TruthRecorder(simulation).truth() == nothing
-
-
 @pytest.mark.parametrize("degrees", [0.0, 74.9, 75.1, 180.0])
 def test_a_rover_has_tipped_over_beyond_75_degrees(degrees: float, simulation: Simulation) -> None:
     recorder = TruthRecorder(simulation)
+    assert recorder.truth() == Truth(position=simulation.position, wheel_slip=(0.0,) * 4)
     for tilt in (degrees, 0.0):
         x, y, z, w = Rotation.from_euler("ZYX", [30.0, 0.0, tilt], degrees=True).as_quat()
         simulation.data.qpos[3:7] = w, x, y, z
@@ -140,12 +139,8 @@ def test_a_rover_has_tipped_over_beyond_75_degrees(degrees: float, simulation: S
     truth = recorder.truth()
     assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
     assert truth.tipped_over == (degrees > 75.0)
-
-
-def test_upside_down_is_180_degrees_even_if_rounding_says_more(simulation: Simulation) -> None:
     x, y = math.sin(math.radians(8.0)), math.cos(math.radians(8.0))
-    assert x * x + y * y > 1.0
-    recorder = TruthRecorder(simulation)
+    assert x * x + y * y > 1.0, "rounding says more than upside down"
     simulation.data.qpos[3:7] = 0.0, x, y, 0.0
     recorder.observe()
     assert recorder.truth().largest_tilt == math.pi
@@ -275,3 +270,21 @@ def test_each_state_tells_of_its_own_fifty_milliseconds(drive: Drive) -> None:
         assert state.path_length == pytest.approx(paths[index * STATE_TICKS - 1])
         squares = [roughness.mean_square(x, y) for x, y, _ in now.wheels]
         assert state.roughness == pytest.approx(math.sqrt(np.mean(squares)))
+
+
+TOUCH = Touch(1.0, 1, 7, [1.0, 2.0, 0.5], [1.0, 2.0, 0.1, 1.0, 0.0, 0.0, 0.0])
+
+
+def test_contacts_up_to_the_gap_apart_are_one_event_and_farther_ones_are_two() -> None:
+    events, gap = ContactEvents({1: "wheel_FL", 7: "hazard_0"}.__getitem__), EVENT_GAP_NS // TICK_NS
+    for tick, touches in ((10, 1), (10 + gap, 1), (10 + 2 * gap, 0)):
+        events.observe(tick * TICK_NS, {"hazard": TOUCH} if touches else {})
+    assert events.take_closed() == ()
+    assert len(events.open) == 1
+    events.observe((11 + 2 * gap) * TICK_NS, {"hazard": TOUCH})
+    (event,) = events.take_closed()
+    assert (event.start_ns, event.end_ns) == (9 * TICK_NS, (10 + gap) * TICK_NS)
+    assert events.begun == {"hazard": 2, "rock": 0, "scrape": 0}
+    assert events.take_closed() == ()
+    events.observe((12 + 3 * gap) * TICK_NS, {})
+    assert len(events.take_closed()) == 1, "although nothing is touched any more"

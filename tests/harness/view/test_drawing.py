@@ -11,8 +11,7 @@ from PIL import Image
 from harness.base.errors import UsageError
 from harness.run import main
 from harness.view import drawing
-from harness.view.drawing import Drawing, DrawingFailed
-from tests.harness.view.recorded import CONFIG
+from harness.view.drawing import Drawing
 
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
 
@@ -29,49 +28,6 @@ sys.exit(picture.main())
 """
 
 
-@pytest.mark.parametrize(
-    ("flags", "expected"),
-    [
-        (["--picture", "a.jpg"], "--picture 'a.jpg': name a file that ends in .png"),
-        (["--video", "a.avi"], "--video 'a.avi': name a file that ends in .mp4"),
-        (["--picture-lidar"], "--picture-lidar needs --picture or --video"),
-    ],
-)
-def test_impossible_picture_is_refused_before_the_run(
-    flags: list[str], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([*RUN, "--log-dir", str(tmp_path), *flags]) == 2
-    complaint = capsys.readouterr().err
-    assert expected in complaint
-    assert complaint.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("system", "asked", "tried", "mend"),
-    [
-        ("Linux", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; install libegl1"),
-        ("Darwin", "", ["cgl", "glfw"], "MUJOCO_GL=cgl or glfw does not work here; start it where a wi"),
-        ("Windows", "", ["glfw"], "MUJOCO_GL=glfw does not work here; start it where a window"),
-    ],
-)
-def test_each_system_has_its_opengl(
-    system: str, asked: str, tried: list[str], mend: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    called: list[str] = []
-
-    def fails(_: object, environment: dict[str, str]) -> None:
-        called.append(environment["MUJOCO_GL"])
-        raise DrawingFailed("no")
-
-    monkeypatch.setattr("harness.view.drawing.platform.system", lambda: system)
-    monkeypatch.setattr("harness.view.drawing._call", fails)
-    one = Drawing(Path("x.png"), None, lidar=False, backend=asked)
-    with one, pytest.raises(UsageError, match=mend):
-        one.prepare(CONFIG)
-    assert called == tried
-
-
 TWO_RUNS = """
 import sys
 from harness.run import main
@@ -80,9 +36,7 @@ print(main([*words, "--picture", picture]), main(words))
 """
 
 
-def test_missing_opengl_is_one_line_and_only_pictures_need_it(
-    tmp_path: Path,
-) -> None:
+def test_missing_opengl_is_one_line_and_only_pictures_need_it(tmp_path: Path) -> None:
     logs = tmp_path / "logs"
     environment = {k: v for k, v in os.environ.items() if k not in {"DISPLAY", "WAYLAND_DISPLAY"}}
     done = subprocess.run(

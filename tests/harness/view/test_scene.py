@@ -1,28 +1,31 @@
 """What a picture shows of a run, and from where."""
 
 import math
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
-from PIL import ImageDraw
 
 from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.physics.scene import build_scene
 from harness.view.camera import best_view, chase_view
 from harness.view.caption import captioned
-from harness.view.ground import MOST_HALVED, drawn
+from harness.view.ground import drawn
 from harness.view.marks import beam_marks, path_marks, track_marks
+from harness.view.states import States
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from tests.harness.view.recorded import CONFIG, recorded
 from tests.support.rovers import LEO
 
 
-def test_best_view_shows_the_path_and_stands_over_the_ground(tmp_path: Path) -> None:
-    states = recorded(tmp_path / "states")
+@pytest.fixture(scope="module")
+def states(tmp_path_factory: pytest.TempPathFactory) -> States:
+    return recorded(tmp_path_factory.mktemp("view") / "states")
+
+
+def test_best_view_shows_the_path_and_stands_over_the_ground(states: States) -> None:
     world = world_of(CONFIG)
     episode = Episode(CONFIG)
     model = build_scene(world, LEO, 0.0025).model
@@ -50,8 +53,7 @@ def test_the_view_is_from_the_front_unless_something_stands_there(wall: float) -
     assert (eye[1] > 1.2) == (not wall)
 
 
-def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:
-    states = recorded(tmp_path / "states")
+def test_the_path_lies_on_the_ground_and_grows_with_time_between_the_tracks(states: States) -> None:
     ground = world_of(CONFIG).ground
     marks = path_marks(states, ground)
     assert len(marks) > 5
@@ -60,25 +62,17 @@ def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:
     times = [mark.since for mark in marks]
     assert times == sorted(times)
     assert 0.0 < times[0] < times[-1] <= 2.0
-
-
-def test_tracks_are_as_far_apart_as_the_wheels(tmp_path: Path) -> None:
-    states = recorded(tmp_path / "states")
-    left, right, *_ = track_marks(states, world_of(CONFIG).ground, LEO)
+    left, right, *_ = track_marks(states, ground, LEO)
     across = LEO.track * np.array([-np.sin(states.yaw[0]), np.cos(states.yaw[0])])
     assert (left.position - right.position)[:2] == pytest.approx(across, abs=0.02)
 
 
-def test_only_beams_that_hit_are_drawn() -> None:
-    directions = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-    marks = beam_marks(np.zeros(3), directions, np.array([2.0, np.inf, -np.inf], np.float32))
-    hit, beam = marks
-    np.testing.assert_allclose(hit.position, (2.0, 0.0, 0.0))
+def test_every_hit_is_shown_and_of_many_beams_few_lines() -> None:
+    few = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+    hit, beam = beam_marks(np.zeros(3), few, np.array([2.0, np.inf, -np.inf], np.float32))
+    assert (tuple(hit.position), tuple(beam.position)) == ((2.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert beam.end is not None
-    np.testing.assert_allclose([*beam.position, *beam.end], (0.0, 0.0, 0.0, 2.0, 0.0, 0.0))
-
-
-def test_many_beams_hide_nothing_every_hit_is_shown_and_few_lines() -> None:
+    assert tuple(beam.end) == (2.0, 0.0, 0.0)
     angles = np.linspace(-np.pi, np.pi, 640, endpoint=False)
     directions = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(640)])
     ranges = np.full(640, 3.0, np.float32)
@@ -107,18 +101,21 @@ def rim(ground: Heightfield) -> np.ndarray:
     return np.array([ground.height_at(x, y) for x, y in points])
 
 
-def test_a_sharp_crest_loses_its_teeth_and_little_of_its_height() -> None:
-    raw, shown = rim(crater()), rim(drawn(crater()))
-    assert np.ptp(raw) > 0.4
-    assert np.ptp(shown) < 0.25 * np.ptp(raw)
-    assert shown.mean() == pytest.approx(raw.mean(), abs=0.3)
-
-
-def test_away_from_crests_the_ground_is_where_it_was() -> None:
+def test_a_sharp_crest_loses_its_teeth_and_all_else_is_where_it_was(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     ground, shown = crater(), drawn(crater())
+    raw, smooth = rim(ground), rim(shown)
+    assert np.ptp(raw) > 0.4
+    assert np.ptp(smooth) < 0.25 * np.ptp(raw)
+    assert smooth.mean() == pytest.approx(raw.mean(), abs=0.3)
     assert (shown.cell, *shown.half_size) == pytest.approx((CELL / 2, *ground.half_size))
     away = abs(np.hypot(X, Y) - RADIUS) > 1.0
     np.testing.assert_allclose(shown.heights[::2, ::2][away], ground.heights[away], atol=0.02)
+    monkeypatch.setattr("harness.view.ground.MOST_HALVED", ground.heights.size - 1)
+    large = drawn(ground)  # whose cells stay as they are
+    assert (large.cell, large.heights.shape) == (CELL, ground.heights.shape)
+    assert np.ptp(rim(large)) < 0.4 * np.ptp(raw)
 
 
 @pytest.mark.parametrize("name", ["rocky", "gravel", "washboard"])
@@ -127,37 +124,7 @@ def test_grain_and_gentle_ground_are_shown_as_they_are_driven(name: str) -> None
     assert drawn(ground) is ground
 
 
-def test_cells_of_a_large_map_stay_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert crater().heights.size < MOST_HALVED
-    monkeypatch.setattr("harness.view.ground.MOST_HALVED", crater().heights.size - 1)
-    shown = drawn(crater())
-    assert (shown.cell, shown.heights.shape) == (CELL, crater().heights.shape)
-    assert np.ptp(rim(shown)) < 0.4 * np.ptp(rim(crater()))
-
-
 FRAME = np.full((480, 960, 3), 200, np.uint8)
-
-
-@pytest.mark.parametrize(
-    ("time", "speed", "rate", "words"),
-    [
-        (0.04, 0.004, 1, ["0.0 s", "0.00 m/s", ""]),
-        (59.96, 1.237, 6, ["60.0 s", "1.24 m/s", "played 6\N{MULTIPLICATION SIGN} as fast"]),
-    ],
-)
-def test_caption_tells_time_speed_and_how_fast_it_plays(
-    time: float, speed: float, rate: int, words: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written: list[str] = []
-    draw = ImageDraw.ImageDraw.text
-
-    def text(self: ImageDraw.ImageDraw, place: object, text: str, **style: object) -> None:
-        written.append(text)
-        draw(self, place, text, **style)  # type: ignore[arg-type]  # as it was called
-
-    monkeypatch.setattr(ImageDraw.ImageDraw, "text", text)
-    captioned(FRAME, time, speed, rate)
-    assert written == words
 
 
 def test_caption_covers_a_corner_and_nothing_else() -> None:

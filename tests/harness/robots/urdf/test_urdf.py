@@ -305,7 +305,7 @@ MISTAKES = {
         HUSKY.urdf.replace('mass value="2.637"', 'mass value="1e30"', 1),
         "mass 1e+30 kg of body 'front_left_wheel'",
     ),
-    "endless": (HUSKY.urdf + " " * 20_000_000, "has more than 20 MB"),
+    "endless": (HUSKY.urdf + " " * 20_000_000, "larger than 20,000,000 bytes"),
     "no mesh": (
         HUSKY.urdf.replace(
             "<collision>", f"<collision>{MESH.format('a.stl')}</collision><collision>", 1
@@ -374,7 +374,7 @@ def test_xacro_that_is_trusted_becomes_the_rover_of_its_urdf(tmp_path: Path) -> 
     ("words", "told"),
     [
         (["../x", "--from", "robot.urdf"], "name '../x' is not valid"),
-        (["made", "--from", "/dev/zero"], "/dev/zero has more than 20 MB"),
+        (["made", "--from", "/dev/zero"], "/dev/zero: larger than 20,000,000 bytes"),
         (["made", "--from", "none.urdf"], "cannot read none.urdf: No such file"),
         (["made", "--from", "robot.urdf", "--left", "a", "--right", "b"], "hinge 'a' does not exist"),
         (["made", "--from", "robot.urdf", "--out", "."], "exists already, not overwriting"),

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, maximum_filter, sobel
+from scipy.ndimage import maximum_filter
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
@@ -87,16 +87,3 @@ def test_noise_has_its_deviation_and_is_another_for_each_stamp_and_camera(
         assert error.std() == pytest.approx(0.02 * 255, rel=0.02)
         assert error.mean() == pytest.approx(0.0, abs=0.15)
     assert abs(np.corrcoef(errors[0].ravel(), errors[1].ravel())[0, 1]) < 0.03
-
-
-def test_ground_sky_and_obstacles_have_corners_for_trackers(renderer: CameraRenderer) -> None:
-    """Shi and Tomasi: where the smaller eigenvalue of the gradients' covariance has a large maximum."""
-    grey = renderer.image("fisheye", state("fisheye", -0.1)).mean(axis=-1)
-    across, down = sobel(grey, 1), sobel(grey, 0)
-    a, b, c = (gaussian_filter(v, 1.5) for v in (across**2, across * down, down**2))
-    smaller = 0.5 * (a + c) - np.sqrt(0.25 * (a - c) ** 2 + b**2)
-    corners = (smaller == maximum_filter(smaller, 7)) & (smaller > 100.0)
-    upper, lower = corners[:45].sum(), corners[55:].sum()
-    assert upper > 15
-    assert lower > 15
-    assert corners[sees_ball("fisheye", -0.1, 0.0)].any()

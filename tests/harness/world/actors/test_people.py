@@ -126,7 +126,7 @@ BAD_TEXTS = [
         ("g=1,2/x", "is not valid; give"),
         ("1,2/3,4", "has no name; give"),
     ),
-    *(("9=random", "is not valid; give"), ("g=none.sdf", "none.sdf cannot be read")),
+    *(("9=random", "is not valid; give"), ("g=none.sdf", "cannot read none.sdf: ")),
     *(("g=random:speed=1=2", "speed '1=2'"), ("g=random:delay=", "delay ''")),
     ("g=1,2:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
     *(("g=1,2:route=round", "'mirror' or 'closed'"), ("g=random:push=0.5", "push '0.5'")),

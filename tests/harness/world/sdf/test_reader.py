@@ -13,12 +13,12 @@ def test_a_large_or_missing_file_is_refused_and_a_hundred_elements_in_each_other
 ) -> None:
     path = tmp_path / "a.world"
     path.write_text("<sdf>" + " " * 100 + "</sdf>")
-    with pytest.raises(UsageError, match="too large"):
+    with pytest.raises(UsageError, match="larger than 110 bytes"):
         read_xml(path, most_bytes=110)
     assert read_xml(path, most_bytes=111).tag == "sdf"
-    with pytest.raises(UsageError, match=r"cannot be read: No such file"):
+    with pytest.raises(UsageError, match=r"cannot read .*: No such file"):
         read_xml(tmp_path / "b.world")
-    with pytest.raises(UsageError, match=r"cannot be read: embedded null byte"):
+    with pytest.raises(UsageError, match="embedded null byte"):
         read_xml(tmp_path / "b\0.world")
     path.write_text("<a>" * 99 + "<b/><c/>" + "</a>" * 99)
     assert [element.tag for element in read_xml(path).iter()] == ["a"] * 99 + ["b", "c"]

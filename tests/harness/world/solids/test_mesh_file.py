@@ -134,7 +134,7 @@ def test_too_many_triangles_and_missing_files_are_refused(
             read_mesh(path)
         monkeypatch.setattr(mesh_file, "_loaded", None)  # those of the others are counted before
     monkeypatch.setattr(mesh_file, "MOST_BYTES", 100)
-    with pytest.raises(UsageError, match=r"it is too large, above .* MiB; simplify"):
+    with pytest.raises(UsageError, match="larger than 100 bytes"):
         read_mesh(tmp_path / "a.stl")
-    with pytest.raises(UsageError, match=r"cannot be read: No such file"):
+    with pytest.raises(UsageError, match=r"cannot read .*: No such file"):
         read_mesh(tmp_path / "b.stl")
