@@ -27,13 +27,12 @@ from harness.base.compiled import inlined, kernel
 STATIONS = 16  # of the rim in each half, front to bottom
 YIELD = 0.01  # [s] by whose slid path the shear is ahead: what damps a wheel that stands
 TURNING = 0.005  # [m] of path within which a new direction of motion is taken over
-ROLLING = 0.05  # share of the motion that is travel, from which on the rear half is free
 COMPACTION = 0.1  # share of a rut's depth over which it bears as much as before (reloading, Wong 1989)
 DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 
-# State of a wheel: direction of motion (rim, ahead, left), then the slid paths of the stations,
-# along and across, of the front half and of the rear half.
-STATE = 3 + 4 * STATIONS
+# State of a wheel: direction of motion (rim, ahead, left), that of travel (-1 back to 1 ahead), deepest sinkage
+# at this place, then the slid paths of the stations, along and across, of the front half and of the rear half.
+STATE = 5 + 4 * STATIONS
 SOIL_NUMBERS = 28
 
 Doubles = NDArray[np.float64]
@@ -44,7 +43,7 @@ def _half(
     soil: Doubles,
     size: tuple[float, float, float],
     depth: tuple[float, float],
-    motion: tuple[float, float, float],
+    motion: tuple[float, float, float, float],
     velocity: tuple[float, float, float],
     slid: Doubles,
     dt: float,
@@ -56,7 +55,7 @@ def _half(
         size: Radius and width of the wheel [m], grousers (0 none, 1 as those of the trials).
         depth: Of the wheel's lowest point below the ground ahead as it would be without ruts, and of the
             rut ahead [m].
-        motion: Direction of motion: of the rim, ahead, left; shorter than 1 where it has none.
+        motion: Direction of motion: of the rim, ahead, left, shorter than 1 where it has none; of travel.
         velocity: Of the rim backwards, of the hub ahead and left [m/s].
         slid: Paths along and across of the stations [m], shape (2, STATIONS); are brought up to date.
         dt: Time since the last call [s]; a steady state has a huge one.
@@ -70,7 +69,7 @@ def _half(
     dig, dig_grousers, dig_n = soil[14], soil[15], soil[16]
     r, b, grousers = size
     sinkage, rut = depth
-    eu, ex, ey = motion
+    eu, ex, ey, travel = motion
     u, vx, vy = velocity
     deep = min(sinkage - rut, DEEPEST * r)
     if deep <= 0.0:
@@ -81,9 +80,8 @@ def _half(
     top = max(abs(eu), speed, rest, 1e-9)
     slip = (abs(eu) - abs(ex)) / top if eu * ex >= 0.0 else 1.0
     driving, braking = max(slip, 0.0), max(-slip, 0.0)
-    rolling = min(max(ex, 0.0) / ROLLING, 1.0)
     first = math.acos(1.0 - deep / r)
-    lead = min(max(peak + peak_driving * driving + peak_braking * braking, 0.0), 0.95) * rolling
+    lead = min(max(peak + peak_driving * driving + peak_braking * braking, 0.0), 0.95) * max(travel, 0.0)
     top_stress = lead * first
     step = first / STATIONS
     cos_first = math.cos(first)
@@ -153,23 +151,24 @@ def wheel_force(
     weight = (math.sqrt(u * u + vx * vx + vy * vy) + abs(vz)) * dt / TURNING
     for i in range(3):
         state[i] = (state[i] + velocity[i] * dt / TURNING) / (1.0 + weight)
-    eu, ex, ey = state[0], state[1], state[2]
+    state[3] = (state[3] + vx * dt / TURNING) / (1.0 + (abs(vx) + abs(vz)) * dt / TURNING)
+    eu, ex, ey, travel = state[0], state[1], state[2], state[3]
     if max(front[0] - front[1], rear[0] - rear[1]) <= 0.0:
-        state[3:] = 0.0
+        state[5:] = 0.0
         return 0.0, 0.0, 0.0, 0.0
-    slid = state[3:].reshape(2, 2, STATIONS)
+    slid = state[5:].reshape(2, 2, STATIONS)
     ahead, left, up, brake = 0.0, 0.0, 0.0, 0.0
     rebound = soil[22]
     for half in range(2):
         sign = 1.0 - 2.0 * half
-        bears = min(1.0, 1.0 + (1.0 - rebound) * min(max(sign * ex / ROLLING, -1.0), 0.0))
+        bears = 1.0 + (1.0 - rebound) * min(sign * travel, 0.0)
         depth = front if half == 0 else rear
         if bears > 0.0:
             x, y, z, m = _half(
                 soil,
                 size,
                 depth,
-                (sign * eu, sign * ex, ey),
+                (sign * eu, sign * ex, ey, sign * travel),
                 (sign * u, sign * vx, vy),
                 slid[half],
                 dt,
@@ -187,7 +186,12 @@ def wheel_force(
     side = soil[23] * h ** soil[24] + soil[27] * h  # of the soil beside it, per length [N/m]
     if ey * vy > 0.0:  # it only resists
         left -= math.copysign(side * length * sideways ** soil[25], ey)
-    damped = min(max(1.0 - soil[26] * vz, 0.0), 2.0)
+    # What was pressed does not rise again: the wheel is off the soil when it has risen by a part of its sinkage.
+    deepest = max(h, h + (state[4] - h) / (1.0 + (abs(u) + abs(vx) + abs(vy)) * dt / TURNING))
+    state[4] = deepest
+    springs = (COMPACTION + (1.0 - COMPACTION) * rebound) * deepest
+    held = max(1.0 - (deepest - h) / max(springs, 1e-12), 0.0)
+    damped = held * min(max(1.0 - soil[26] * vz, 0.0), 2.0)
     return ahead * damped, left * damped, up * damped, brake * damped
 
 
