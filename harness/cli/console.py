@@ -16,6 +16,7 @@ from harness.drivers.policy import PREFIX
 from harness.episode import result
 from harness.robots import ROVERS
 from harness.sensors.noise import PRESETS
+from harness.soil.soils import SOILS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 from rover_metrics.sheet.render import terminal
@@ -129,10 +130,11 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 
 def print_choices(console: Console) -> None:
-    """Prints terrains, robots, drivers and noise presets with what there is to know of each."""
+    """Prints terrains, soils, robots, drivers and noise presets with what there is to know of each."""
     drivers = DRIVERS | {f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
+        ("soils", [(name, soil.summary) for name, soil in SOILS.items()]),
         ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
         ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),

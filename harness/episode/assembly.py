@@ -20,9 +20,9 @@ from harness.robots import RoverSpec, find_rover
 from harness.sensors.choice import chosen
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
+from harness.soil.soils import Soil, find_soil
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
 from harness.spec.run import Run
-from harness.soil.soils import Soil, find_soil
 from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
 from harness.world.berths import Member, berth

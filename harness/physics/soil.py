@@ -1,4 +1,4 @@
-"""Soil in a scene: a finer ground that may sink and rise, wheels that meet it by the soil's forces alone."""
+"""Soil in a scene: a finer ground that sinks and rises, wheels that meet it by the soil's forces."""
 
 from collections.abc import Sequence
 
@@ -30,8 +30,8 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> Bed | None:
     for wheel in wheels:
         if wheel.width < ground.cell:
             raise UsageError(
-                f"wheels {1e3 * wheel.width:.0f} mm wide are too narrow for soil, whose ruts have cells of "
-                f"{1e3 * ground.cell:g} mm; leave out --soil"
+                f"wheels {1e3 * wheel.width:.0f} mm wide are too narrow for soil, whose ruts have "
+                f"cells of {1e3 * ground.cell:g} mm; leave out --soil"
             )
     return Bed(world.soil, told, wheels, model, data)
 

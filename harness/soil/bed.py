@@ -163,8 +163,9 @@ def _check(
         swing = math.sqrt(stiffness * gravity / wheel.load) * timestep
         if swing > STABLE:
             raise UsageError(
-                f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by {swing:.2f} rad "
-                f"in one, more than {STABLE:g}; give --timestep {timestep * STABLE / swing / 1.2:.1g}, "
+                f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by "
+                f"{swing:.2f} rad in one, more than {STABLE:g}; give "
+                f"--timestep {timestep * STABLE / swing / 1.2:.1g}, "
                 "or a soil of a smaller k_phi"
             )
 
@@ -190,7 +191,7 @@ def _compiled(table: int) -> object:
     """What MuJoCo calls in each step; the beds' table is at that address."""
     press_bed, pointer, rows = wheel_kernel.press_bed, wheel_kernel.pointer, MOST_BEDS
 
-    @numba.cfunc("void(int64, int64)")
+    @numba.cfunc("void(int64, int64)")  # type: ignore[untyped-decorator]  # numba has no types
     def press(_: int, state: int) -> None:
         beds = numba.carray(pointer(table), (rows, 2), np.int64)
         for row in range(rows):

@@ -1,8 +1,8 @@
 """The force of soil on one wheel, compiled by numba.
 
-Contact and stresses: Wong and Reece 1967 (pressure k z^n with its peak ahead of the bottom, k = k_c / b +
-k_phi after Bekker), shear: Janosi and Hanamoto 1961 along each point's slid path in two dimensions, side
-of the wheel: after Hegedus 1960. Beyond these, soil that is ploughed away instead of pressed bears less:
+Contact and stresses: Wong and Reece 1967 (pressure k z^n with its peak ahead of the bottom,
+k = k_c / b + k_phi after Bekker), shear: Janosi and Hanamoto 1961 along each point's slid path in
+two dimensions, side of the wheel: after Hegedus 1960. Beyond these, soil that is ploughed away instead of pressed bears less:
 the pressure falls with the ratio of the rim's velocity into the soil to that along it (`flow_*`), and a
 wheel that spins carries soil away (`dig_*`). docs/soil.md has the formulas and what they are worth.
 
@@ -27,11 +27,12 @@ from harness.base.compiled import inlined, kernel
 STATIONS = 16  # of the rim in each half, front to bottom
 YIELD = 0.01  # [s] by whose slid path the shear is ahead: what damps a wheel that stands
 TURNING = 0.005  # [m] of path within which a new direction of motion is taken over
-COMPACTION = 0.1  # share of a rut's depth over which it bears as much as before (reloading, Wong 1989)
+COMPACTION = 0.1  # share of a rut's depth over which it bears again as before (Wong 1989)
 DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 
-# State of a wheel: direction of motion (rim, ahead, left), that of travel (-1 back to 1 ahead), deepest sinkage
-# at this place, then the slid paths of the stations, along and across, of the front half and of the rear half.
+# State of a wheel: direction of motion (rim, ahead, left), that of travel (-1 back to 1 ahead),
+# deepest sinkage at this place, then the slid paths of the stations, along and across, of the front
+# half and of the rear half.
 STATE = 5 + 4 * STATIONS
 SOIL_NUMBERS = 28
 
@@ -39,7 +40,7 @@ Doubles = NDArray[np.float64]
 
 
 @inlined
-def _half(
+def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slower
     soil: Doubles,
     size: tuple[float, float, float],
     depth: tuple[float, float],
@@ -51,11 +52,11 @@ def _half(
     """Forces ahead, left and up [N] and the braking moment [N m] of one half, seen in its direction.
 
     Args:
-        soil: As `harness.soil.soil.Soil.numbers`.
+        soil: As `harness.soil.soils.Soil.numbers`.
         size: Radius and width of the wheel [m], grousers (0 none, 1 as those of the trials).
         depth: Of the wheel's lowest point below the ground ahead as it would be without ruts, and of the
             rut ahead [m].
-        motion: Direction of motion: of the rim, ahead, left, shorter than 1 where it has none; of travel.
+        motion: Direction of motion: of the rim, ahead, left, shorter than 1 where it has none; travel.
         velocity: Of the rim backwards, of the hub ahead and left [m/s].
         slid: Paths along and across of the stations [m], shape (2, STATIONS); are brought up to date.
         dt: Time since the last call [s]; a steady state has a huge one.
@@ -139,7 +140,7 @@ def wheel_force(
     """Returns the force of the soil on a wheel ahead, left and up [N], and its braking moment [N m].
 
     Args:
-        soil: As `harness.soil.soil.Soil.numbers`.
+        soil: As `harness.soil.soils.Soil.numbers`.
         size: Radius and width [m], grousers (0 none, 1 as those of the trials).
         front: Depth of the lowest point and of the rut [m] against the ground ahead.
         rear: Those against the ground behind.
@@ -186,7 +187,7 @@ def wheel_force(
     side = soil[23] * h ** soil[24] + soil[27] * h  # of the soil beside it, per length [N/m]
     if ey * vy > 0.0:  # it only resists
         left -= math.copysign(side * length * sideways ** soil[25], ey)
-    # What was pressed does not rise again: the wheel is off the soil when it has risen by a part of its sinkage.
+    # What was pressed does not rise again: a wheel that has risen by a part of its sinkage is off it.
     deepest = max(h, h + (state[4] - h) / (1.0 + (abs(u) + abs(vx) + abs(vy)) * dt / TURNING))
     state[4] = deepest
     springs = (COMPACTION + (1.0 - COMPACTION) * rebound) * deepest
@@ -208,7 +209,7 @@ def _level(field: Doubles, u: float, v: float) -> float:
 
 
 @inlined
-def _press_down(
+def _press_down(  # noqa: C901 - what is moved and where it is heaped are one pass each
     grids: tuple[Doubles, Doubles, NDArray[np.float32]],
     frame: Doubles,
     hub: tuple[float, float],
@@ -269,7 +270,7 @@ def _press_down(
 
 
 @inlined
-def press(
+def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as numba takes them
     soil: Doubles,
     wheels: Doubles,
     bodies: NDArray[np.int64],
@@ -284,7 +285,7 @@ def press(
     """Presses all wheels into the ground for one step.
 
     Args:
-        soil: As `harness.soil.soil.Soil.numbers`.
+        soil: As `harness.soil.soils.Soil.numbers`.
         wheels: Radius, width [m], grousers, and whether the axis points left (1) or right (-1), of each.
         bodies: MuJoCo's body, joint and root body of each wheel.
         grids: Heights as they would be without ruts, as they are [m], and as MuJoCo has them.
@@ -366,8 +367,8 @@ def press(
             _press_down(grids, frame, (hx, hy), (ex, ey), (r, b), plane)
 
 
-@numba.extending.intrinsic
-def pointer(_: object, address: object) -> tuple[object, object]:
+@numba.extending.intrinsic  # type: ignore[untyped-decorator]  # numba has no types
+def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG001 - its type is what counts
     """Makes an address, an integer, a pointer that numba.carray takes."""
 
     def generate(_: object, builder: Any, __: object, args: Any) -> object:  # noqa: ANN401 - numba's
@@ -411,8 +412,8 @@ def steady_wheels(soil: Doubles, trials: Doubles, width: float, results: Doubles
     """Sets what wheels do that are drawn through flat soil at a constant speed under a load.
 
     Args:
-        soil: As `harness.soil.soil.Soil.numbers`.
-        trials: Radius [m], grousers, speed of the rim, of the hub ahead and left [m/s], load [N] of each,
+        soil: As `harness.soil.soils.Soil.numbers`.
+        trials: Radius [m], grousers, speeds of the rim, of the hub ahead and left [m/s], load [N],
             shape (n, 6).
         width: Of the wheels [m].
         results: Sinkage [m], forces ahead and left [N], braking moment [N m], shape (n, 4); the least

@@ -2,6 +2,7 @@
 
     python -m harness.validate --robot leo --seed 1
     python -m harness.validate --robot rover_zero4wd --realism A.csv B.csv
+    python -m harness.validate --rig --trials single_wheel.csv --plot soil.png
 
 Parses, calls, prints; the work is in harness.validate.
 """
@@ -21,9 +22,13 @@ from rich.console import Console
 from harness.base.errors import UsageError
 from harness.cli.plain import PlainConsole
 from harness.robots import ROVERS, find_rover
+from harness.soil.soils import SOILS, find_soil
+from harness.validate import single_wheel
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.sheet import Sheet
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,6 +42,13 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
     if options.realism and options.robot is None:
         raise UsageError("--realism needs --robot, the rover that the logs are of")
+    if (options.trials or options.plot) and not options.rig:
+        raise UsageError("--trials and --plot need --rig")
+    if options.plot and not options.trials:
+        raise UsageError("--plot needs --trials, the measured points")
+    if options.rig:
+        _rig(options, console)
+        return 0
     misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
         print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
@@ -62,6 +74,31 @@ def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
     return comparison.missed
 
 
+def _rig(options: argparse.Namespace, console: Console) -> None:
+    soil = find_soil(options.soil)
+    if options.trials is None:
+        rovers = list(ROVERS.values()) if options.robot is None else [find_rover(options.robot)]
+        header = ("soil", *(f"{rover.name} stalls at [deg]" for rover in rovers))
+        soils = {**SOILS, options.soil: soil}
+        _print_sheet(console, header, single_wheel.stall_table(soils, rovers))
+        return
+    trials = single_wheel.read_trials(options.trials)
+    errors = single_wheel.judge(trials, single_wheel.predict(soil, trials))
+    for e in errors:
+        sunk = f", {e.sunk} of them sunk in whole" if e.sunk else ""
+        print(
+            f"{e.wheel:9} {e.trials:14}  n {e.n:3}  RMSE of sinkage {1e3 * e.sinkage:.2f} mm, "
+            f"tractive {e.tractive:.2f} N, lateral {e.lateral:.2f} N{sunk}"
+        )
+    if options.plot:
+        single_wheel.plot(options.plot, soil, trials)
+
+
+def _print_sheet(console: Console, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    for part in terminal([Sheet(tuple(header), tuple(map(tuple, rows)))], console.width):
+        console.print(part)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.validate",
@@ -78,6 +115,19 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar=("A.csv", "B.csv"),
         help="compare a 10-minute run with two logs recorded of that rover instead",
+    )
+    parser.add_argument(
+        "--rig", action="store_true", help="draw a single wheel through soil instead; docs/soil.md"
+    )
+    parser.add_argument(
+        "--trials", type=Path, metavar="FILE.csv", help="of --rig: measured trials to compare it with"
+    )
+    parser.add_argument(
+        "--plot", type=Path, metavar="FILE.png", help="of --trials: draw curves over points"
+    )
+    soils = ", ".join(SOILS)
+    parser.add_argument(
+        "--soil", default="dry_sand", metavar="NAME|FILE", help=f"of --rig: {soils}, or a YAML file"
     )
     return parser
 

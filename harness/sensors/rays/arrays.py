@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import TERRAIN
+from harness.physics.scene import SOIL_CONTACT, SOIL_ROOM, TERRAIN
 from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from harness.sensors.rays.triangle_kernel import build_tree
 
@@ -43,7 +43,12 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
             (-thickness / relief, heights.max(), 0.0),
         ]
     )
-    return heights, *_max_pyramid(heights), frame
+    pyramid, levels = _max_pyramid(heights)
+    if model.geom_contype[geom] & SOIL_CONTACT:  # berms rise
+        room = SOIL_ROOM / relief
+        pyramid += np.float32(room)
+        frame[2, 1] += room
+    return heights, pyramid, levels, frame
 
 
 def obstacle_arrays(

@@ -20,9 +20,7 @@ def test_no_run_imports_what_no_kernel_needs_which_stays_importable() -> None:
     assert done.stdout.split() == ["True", "False", "False", "False", "True"]
 
 
-KERNEL = (
-    "from harness.base import compiled\ndouble = compiled.kernel('f8(f8)')(lambda x: 2 * x)\n"
-)
+KERNEL = "from harness.base import compiled\ndouble = compiled.kernel('f8(f8)')(lambda x: 2 * x)\n"
 TOLD = "harness: {}: neither the installation nor the user's cache can be written (NUMBA_CACHE_DIR names"
 
 

@@ -1,0 +1,203 @@
+"""A single wheel drawn through flat soil at a constant speed, beside trials that were measured so.
+
+The trials of C. Pavlov (Carnegie Mellon University, 2022, 3d-terramechanics) drag a wheel of 125 mm at
+10 mm/s while it turns at its own speed. Their rim speeds were recorded for a radius of 58 mm.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from harness.base.errors import UsageError
+from harness.robots import RoverSpec
+from harness.robots.model import read_model
+from harness.soil.soils import Soil
+from harness.soil.wheel_kernel import steady_wheels
+
+RADIUS = 0.0625  # [m], to the tips of the grousers
+RECORDED_RADIUS = 0.058  # [m], for which the rim speed was recorded
+WIDTH = 0.05  # [m]
+WHEELS = ("smooth", "grousered")
+STEEPEST_DEG = 75.0  # slip angle up to which a wheel rolls; beyond it is ploughed in
+MEASURED = ("sinkage", "tractive", "lateral")
+GIVEN = ("wheel_speed", "travel_speed", "slip_angle_deg", "load")
+GRAVITY = 9.81  # [m/s^2]
+SPEED = 0.01  # [m/s] of the carriage
+SLIPS = np.array([-1.0, -0.7, -0.5, -0.2, 0.0, 0.1, 0.23, 0.5, 0.75, 0.9])
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Root mean square errors of one wheel.
+
+    Attributes:
+        wheel: Smooth or grousered.
+        trials: Which of its trials.
+        n: How many.
+        sunk: How many of them the soil does not carry; they count with the wheel sunk to one and a half
+            radii and with no force.
+        sinkage: [m].
+        tractive: [N].
+        lateral: [N].
+    """
+
+    wheel: str
+    trials: str
+    n: int
+    sunk: int
+    sinkage: float
+    tractive: float
+    lateral: float
+
+
+def read_trials(path: Path) -> pd.DataFrame:
+    """Returns trials of single wheels, a row each, with WHEELS' name, GIVEN and MEASURED in SI units.
+
+    Raises:
+        UsageError: The file cannot be read, lacks a column or a number, or knows another wheel.
+    """
+    try:
+        table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
+    table.columns = [str(name).strip() for name in table.columns]
+    columns = ("wheel", *GIVEN, *MEASURED)
+    if missing := [name for name in columns if name not in table]:
+        raise UsageError(
+            f"{path} lacks {', '.join(missing)}; trials have the columns {', '.join(columns)}"
+        )
+    table = table[list(columns)].copy()
+    table["wheel"] = table["wheel"].astype(str).str.strip().str.lower()
+    if unknown := sorted(set(table["wheel"]) - set(WHEELS)):
+        raise UsageError(f"{path} has the wheel {unknown[0]!r}; valid are {', '.join(WHEELS)}")
+    numbers = table[[*GIVEN, *MEASURED]].apply(pd.to_numeric, errors="coerce")
+    bad = ~np.isfinite(numbers.to_numpy(float)).all(axis=1)
+    if bad.any() or table.empty:
+        row = f"line {int(np.flatnonzero(bad)[0]) + 2} of {path} lacks a number"
+        raise UsageError(row if bad.any() else f"{path} has no trials")
+    table[[*GIVEN, *MEASURED]] = numbers
+    return table
+
+
+def predict(soil: Soil, trials: pd.DataFrame, radius: float = RADIUS, width: float = WIDTH) -> Doubles:
+    """Returns sinkage [m], tractive and lateral force [N], shape (n, 3); NaN where the wheel sinks."""
+    angle = np.radians(trials["slip_angle_deg"].to_numpy(float))
+    travel = trials["travel_speed"].to_numpy(float)
+    rim = trials["wheel_speed"].to_numpy(float) * RADIUS / RECORDED_RADIUS
+    grousers = np.array(trials["wheel"] == "grousered", np.float64)
+    speeds = rim, travel * np.cos(angle), travel * np.sin(angle)
+    results = _steady(soil, radius, width, grousers, *speeds, trials["load"].to_numpy(float))
+    return results * (1.0, 1.0, -1.0)
+
+
+def judge(trials: pd.DataFrame, predicted: Doubles) -> list[Errors]:
+    """Returns the errors of each wheel, over all slip angles up to STEEPEST_DEG and straight ahead."""
+    off = np.where(np.isnan(predicted), (1.5 * RADIUS, 0.0, 0.0), predicted)
+    off = off - trials[list(MEASURED)].to_numpy(float)
+    found = []
+    for wheel in WHEELS:
+        for title, limit in ((f"up to {STEEPEST_DEG:g} deg", STEEPEST_DEG), ("straight ahead", 0.0)):
+            rows = ((trials["wheel"] == wheel) & (trials["slip_angle_deg"].abs() <= limit)).to_numpy()
+            if rows.any():
+                sunk = int(np.isnan(predicted[rows, 0]).sum())
+                rms = np.sqrt(np.mean(off[rows] ** 2, axis=0)).tolist()
+                found.append(Errors(wheel, title, int(rows.sum()), sunk, *rms))
+    return found
+
+
+def drive_at(soil: Soil, wheel: str, slips: Doubles, load: float, angle_deg: float = 0.0) -> Doubles:
+    """Returns sinkage [m], tractive and lateral force [N] of the trials' wheel, shape (n, 3).
+
+    Args:
+        soil: Through which it is drawn.
+        wheel: Smooth or grousered.
+        slips: (rim speed - travel speed) / the larger of both, of each.
+        load: [N].
+        angle_deg: Of its travel against its plane.
+    """
+    rim = np.where(slips < 0.0, SPEED * (1.0 + slips), SPEED / np.maximum(1.0 - slips, 1e-6))
+    angle, grousers = math.radians(angle_deg), np.full(len(slips), float(wheel == "grousered"))
+    speeds = (
+        rim,
+        np.full(len(slips), SPEED * math.cos(angle)),
+        np.full(len(slips), SPEED * math.sin(angle)),
+    )
+    results = _steady(soil, RADIUS, WIDTH, grousers, *speeds, np.full(len(slips), load))
+    return results * (1.0, 1.0, -1.0)
+
+
+def stall_slope_deg(soil: Soil, rover: RoverSpec) -> float:
+    """Returns the slope at which a rover no longer gains height with its best slip, 0 if on none.
+
+    Each wheel bears the same share of its weight, and the soil is flat across; a slope at which no slip
+    pulls as much as the rover's weight holds back is too steep.
+    """
+    mass = float(read_model(rover).compile().body_subtreemass[0])
+    share = mass * GRAVITY / len(rover.wheel_joints)
+    slips = np.linspace(0.02, 0.95, 32)
+    low, high = 0.0, math.radians(60.0)
+    for _ in range(24):
+        slope = 0.5 * (low + high)
+        loads = np.full(len(slips), share * math.cos(slope))
+        speeds = SPEED / (1.0 - slips), np.full(len(slips), SPEED), np.zeros(len(slips))
+        grousers = np.full(len(slips), rover.grousers)
+        pull = _steady(soil, rover.wheel_radius, rover.wheel_width, grousers, *speeds, loads)[:, 1]
+        if np.nanmax(pull, initial=0.0) > share * math.sin(slope):
+            low = slope
+        else:
+            high = slope
+    return math.degrees(low)
+
+
+def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
+    """Draws sinkage, pull and side force of both wheels over slip: curves computed, points measured."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second that only plots pay
+
+    figure = Figure(figsize=(11, 10), layout="constrained")
+    axes = figure.subplots(3, 2, sharex=True, sharey="row")
+    angles = sorted(angle for angle in set(trials["slip_angle_deg"]) if abs(angle) <= STEEPEST_DEG)
+    slips = np.linspace(-1.0, 0.93, 80)
+    labels = "sinkage [mm]", "tractive force [N]", "lateral force [N]"
+    for column, wheel in enumerate(WHEELS):
+        for number, angle in enumerate(angles):
+            rows = trials[(trials["wheel"] == wheel) & (trials["slip_angle_deg"] == angle)]
+            if rows.empty:
+                continue
+            rim, travel = rows["wheel_speed"] * RADIUS / RECORDED_RADIUS, rows["travel_speed"]
+            slip = (rim - travel) / np.maximum(rim, travel)
+            curve = drive_at(soil, wheel, slips, float(rows["load"].mean()), float(angle))
+            for row, (name, scale) in enumerate(zip(MEASURED, (1e3, 1.0, 1.0), strict=True)):
+                colour = f"C{number}"
+                axes[row, column].plot(slips, scale * curve[:, row], color=colour, label=f"{angle:g}°")
+                axes[row, column].plot(slip, scale * rows[name], ".", color=colour)
+                axes[row, 0].set_ylabel(labels[row])
+        axes[0, column].set_title(f"{wheel} wheel")
+        axes[2, column].set_xlabel("slip (rim - travel) / the larger of both")
+    for each in axes.flat:
+        each.grid(alpha=0.3)
+    axes[0, 1].legend(title="slip angle", ncols=2)
+    figure.suptitle("A wheel of 125 mm in soil: points measured, lines computed at the mean load")
+    figure.savefig(path, dpi=90)
+
+
+def stall_table(soils: Mapping[str, Soil], rovers: Sequence[RoverSpec]) -> list[tuple[str, ...]]:
+    """Returns a row for each soil: its name and the slope [deg] at which each rover stalls, as text."""
+    return [
+        (name, *(f"{stall_slope_deg(soil, rover):.1f}" for rover in rovers))
+        for name, soil in soils.items()
+    ]
+
+
+def _steady(soil: Soil, radius: float, width: float, grousers: Doubles, *given: Doubles) -> Doubles:
+    """Sinkage, forces ahead and left of wheels; `given` is rim, ahead, left [m/s] and load [N]."""
+    told = np.ascontiguousarray(np.stack([np.full(len(grousers), radius), grousers, *given], axis=1))
+    results = np.empty((len(told), 4))
+    steady_wheels(soil.numbers(width, GRAVITY), told, width, results)
+    return results[:, :3]
