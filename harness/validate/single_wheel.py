@@ -28,7 +28,6 @@ MEASURED = ("sinkage", "tractive", "lateral")
 GIVEN = ("wheel_speed", "travel_speed", "slip_angle_deg", "load")
 GRAVITY = 9.81  # [m/s^2]
 SPEED = 0.01  # [m/s] of the carriage
-SLIPS = np.array([-1.0, -0.7, -0.5, -0.2, 0.0, 0.1, 0.23, 0.5, 0.75, 0.9])
 
 Doubles = NDArray[np.float64]
 
@@ -112,27 +111,6 @@ def judge(trials: pd.DataFrame, predicted: Doubles) -> list[Errors]:
     return found
 
 
-def drive_at(soil: Soil, wheel: str, slips: Doubles, load: float, angle_deg: float = 0.0) -> Doubles:
-    """Returns sinkage [m], tractive and lateral force [N] of the trials' wheel, shape (n, 3).
-
-    Args:
-        soil: Through which it is drawn.
-        wheel: Smooth or grousered.
-        slips: (rim speed - travel speed) / the larger of both, of each.
-        load: [N].
-        angle_deg: Of its travel against its plane.
-    """
-    rim = np.where(slips < 0.0, SPEED * (1.0 + slips), SPEED / np.maximum(1.0 - slips, 1e-6))
-    angle, grousers = math.radians(angle_deg), np.full(len(slips), float(wheel == "grousered"))
-    speeds = (
-        rim,
-        np.full(len(slips), SPEED * math.cos(angle)),
-        np.full(len(slips), SPEED * math.sin(angle)),
-    )
-    results = _steady(soil, RADIUS, WIDTH, grousers, *speeds, np.full(len(slips), load))
-    return results * (1.0, 1.0, -1.0)
-
-
 def stall_slope_deg(soil: Soil, rover: RoverSpec) -> float:
     """Returns the slope at which a rover no longer gains height with its best slip, 0 if on none.
 
@@ -163,27 +141,29 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
     figure = Figure(figsize=(11, 10), layout="constrained")
     axes = figure.subplots(3, 2, sharex=True, sharey="row")
     angles = sorted(angle for angle in set(trials["slip_angle_deg"]) if abs(angle) <= STEEPEST_DEG)
-    slips = np.linspace(-1.0, 0.93, 80)
     labels = "sinkage [mm]", "tractive force [N]", "lateral force [N]"
     for column, wheel in enumerate(WHEELS):
         for number, angle in enumerate(angles):
-            rows = trials[(trials["wheel"] == wheel) & (trials["slip_angle_deg"] == angle)]
+            rows = trials[(trials["wheel"] == wheel) & (trials["slip_angle_deg"] == angle)].copy()
             if rows.empty:
                 continue
             rim, travel = rows["wheel_speed"] * RADIUS / RECORDED_RADIUS, rows["travel_speed"]
-            slip = (rim - travel) / np.maximum(rim, travel)
-            curve = drive_at(soil, wheel, slips, float(rows["load"].mean()), float(angle))
+            rows["slip"] = ((rim - travel) / np.maximum(rim, travel)).round(2)
+            means = rows.groupby("slip", as_index=False).mean(numeric_only=True).assign(wheel=wheel)
+            curve = predict(soil, means)
             for row, (name, scale) in enumerate(zip(MEASURED, (1e3, 1.0, 1.0), strict=True)):
-                colour = f"C{number}"
-                axes[row, column].plot(slips, scale * curve[:, row], color=colour, label=f"{angle:g}°")
-                axes[row, column].plot(slip, scale * rows[name], ".", color=colour)
+                colour, axis = f"C{number}", axes[row, column]
+                axis.plot(means["slip"], scale * curve[:, row], color=colour, label=f"{angle:g}°")
+                axis.plot(rows["slip"], scale * rows[name], ".", color=colour)
                 axes[row, 0].set_ylabel(labels[row])
         axes[0, column].set_title(f"{wheel} wheel")
         axes[2, column].set_xlabel("slip (rim - travel) / the larger of both")
     for each in axes.flat:
         each.grid(alpha=0.3)
     axes[0, 1].legend(title="slip angle", ncols=2)
-    figure.suptitle("A wheel of 125 mm in soil: points measured, lines computed at the mean load")
+    figure.suptitle(
+        "A wheel of 125 mm in soil: points measured, lines computed at the load of those points"
+    )
     figure.savefig(path, dpi=90)
 
 
