@@ -183,11 +183,11 @@ SOILS = {
     ),
     "firm": Soil(
         summary="ground that hardly gives way, elastic: rigid ground at a lower price",
-        source="chosen: a wheel sinks in by 1 mm under 30 N, friction 1 as MuJoCo's",
+        source="chosen: a wheel sinks in by 1 mm under 30 N, friction 1 as that of MuJoCo",
         k_phi=4.0e7,
         n=1.0,
         friction_angle_deg=45.0,
-        shear_length=0.002,
+        shear_length=0.0005,
         rebound=1.0,
         peak=0.0,
         peak_driving=0.0,

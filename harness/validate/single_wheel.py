@@ -78,9 +78,10 @@ def read_trials(path: Path) -> pd.DataFrame:
         raise UsageError(f"{path} has the wheel {unknown[0]!r}; valid are {', '.join(WHEELS)}")
     numbers = table[[*GIVEN, *MEASURED]].apply(pd.to_numeric, errors="coerce")
     bad = ~np.isfinite(numbers.to_numpy(float)).all(axis=1)
-    if bad.any() or table.empty:
-        row = f"line {int(np.flatnonzero(bad)[0]) + 2} of {path} lacks a number"
-        raise UsageError(row if bad.any() else f"{path} has no trials")
+    if table.empty:
+        raise UsageError(f"{path} has no trials")
+    if bad.any():
+        raise UsageError(f"line {int(np.flatnonzero(bad)[0]) + 2} of {path} lacks a number")
     table[[*GIVEN, *MEASURED]] = numbers
     return table
 
@@ -161,9 +162,7 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
     for each in axes.flat:
         each.grid(alpha=0.3)
     axes[0, 1].legend(title="slip angle", ncols=2)
-    figure.suptitle(
-        "A wheel of 125 mm in soil: points measured, lines computed at the load of those points"
-    )
+    figure.suptitle("A wheel of 125 mm in soil: points measured, lines computed at their loads")
     figure.savefig(path, dpi=90)
 
 

@@ -81,9 +81,9 @@ def test_an_own_soil_that_is_too_stiff_or_wrong_is_one_line(tmp_path: Path) -> N
     file = tmp_path / "concrete.yaml"
     file.write_text("k_phi: 1.0e+10\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
     with pytest.raises(UsageError, match=r"too stiff .* --timestep"):
-        driven(0.1, soil=str(file))
+        driven(1.0, soil=str(file))
     file.write_text("k_phi: -1\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
     with pytest.raises(UsageError, match="k_phi"):
-        driven(0.1, soil=str(file))
+        driven(1.0, soil=str(file))
     with pytest.raises(UsageError, match="dry_sand"):
-        driven(0.1, soil="mud")
+        driven(1.0, soil="mud")
