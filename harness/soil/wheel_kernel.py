@@ -4,7 +4,8 @@ Contact and stresses: Wong and Reece 1967 (pressure k z^n with its peak ahead of
 k = k_c / b + k_phi after Bekker), shear: Janosi and Hanamoto 1961 along each point's slid path in
 two dimensions, side of the wheel: after Hegedus 1960. Beyond these, soil that is ploughed away instead
 of pressed bears less: the pressure falls with the ratio of the rim's velocity into the soil to that
-along it (`flow_*`), and a wheel that spins carries soil away (`dig_*`). docs/soil.md has the formulas and what they are worth.
+along it (`flow_*`), and a wheel that spins carries soil away (`dig_*`). docs/soil.md tells what the
+formulas are worth.
 
 Each wheel touches the soil with two halves: ahead of its lowest point, and behind it, which is the same
 seen backwards. A wheel that rolls leaves soil that does not rise again, so its rear half bears nothing
