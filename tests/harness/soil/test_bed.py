@@ -21,7 +21,7 @@ def driven(duration: float, **fields: object) -> Episode:
         "soil": "dry_sand",
         "commands": FORTH,
     }
-    episode = Episode(Run.of(duration=duration, **(given | fields)))  # type: ignore[arg-type]  # by name
+    episode = Episode(Run.of(duration=duration, **(given | fields)))
     for _ in episode.batches():
         pass
     return episode

@@ -19,7 +19,7 @@ def drawn(soil: Soil, rim: float, load: float, angle_deg: float = 0.0) -> np.nda
     angle, results = np.radians(angle_deg), np.empty((1, 4))
     trial = np.array([[RADIUS, 0.0, rim, SPEED * np.cos(angle), SPEED * np.sin(angle), load]])
     steady_wheels(soil.numbers(WIDTH, 9.81), trial, WIDTH, results)
-    return results[0]
+    return np.asarray(results[0])
 
 
 @given(soils, loads, angles, st.floats(0.0, 0.1))

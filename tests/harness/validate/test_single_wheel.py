@@ -50,13 +50,14 @@ def test_the_sand_is_that_of_the_trials(trials: Path, tmp_path: Path) -> None:
 def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> None:
     file = tmp_path / "t.csv"
     table = pd.DataFrame({name: [0.0] for name in COLUMNS.split(",")}).assign(wheel="smooth")
-    for change, told in (
-        (lambda t: t.drop(columns="load"), "lacks load"),
-        (lambda t: t.assign(wheel="square"), "square"),
-        (lambda t: t.assign(load="heavy"), "line 2"),
-        (lambda t: t.head(0), "no trials"),
-    ):
-        change(table).to_csv(file, index=False)
+    wrong = {
+        "lacks load": table.drop(columns="load"),
+        "square": table.assign(wheel="square"),
+        "line 2": table.assign(load="heavy"),
+        "no trials": table.head(0),
+    }
+    for told, bad in wrong.items():
+        bad.to_csv(file, index=False)
         with pytest.raises(UsageError, match=told):
             read_trials(file)
     assert main(["--rig", "--trials", str(tmp_path / "none.csv")]) == 2
