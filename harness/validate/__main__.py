@@ -120,14 +120,23 @@ def _parser() -> argparse.ArgumentParser:
         "--rig", action="store_true", help="draw a single wheel through soil instead; docs/soil.md"
     )
     parser.add_argument(
-        "--trials", type=Path, metavar="FILE.csv", help="of --rig: measured trials to compare it with"
+        "--trials",
+        type=Path,
+        metavar="FILE.csv",
+        help="of --rig: measured trials to compare it with; default: the slopes at which rovers stall",
     )
     parser.add_argument(
-        "--plot", type=Path, metavar="FILE.png", help="of --trials: draw curves over points"
+        "--plot",
+        type=Path,
+        metavar="FILE.png",
+        help="of --trials: draw curves over points; default: no picture",
     )
     soils = ", ".join(SOILS)
     parser.add_argument(
-        "--soil", default="dry_sand", metavar="NAME|FILE", help=f"of --rig: {soils}, or a YAML file"
+        "--soil",
+        default="dry_sand",
+        metavar="NAME|FILE",
+        help=f"of --rig: {soils}, or a YAML file; default: dry_sand",
     )
     return parser
 

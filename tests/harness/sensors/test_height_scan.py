@@ -125,8 +125,9 @@ def test_of_another_rover_every_shape_is_seen_meshes_too() -> None:
     model = spec.compile()
     data, others = mujoco.MjData(model), np.flatnonzero(model.geom_group == 3)
     ground = Heightfield(np.zeros((41, 41)), 0.1)
-    scene = SimpleNamespace(world=SimpleNamespace(ground=ground), others=others.tolist)
-    read = scan(SimpleNamespace(model=model, data=data, scene=scene, time_ns=7), axes="world")
+    scene = SimpleNamespace(others=others.tolist)
+    simulation = SimpleNamespace(model=model, data=data, scene=scene, ground=ground, time_ns=7)
+    read = scan(simulation, axes="world")
     geoms, heights = from_above(model, data, read, (0, 3))
     assert HeightScanOptions(name="scan", size=(0.04, 0.34)).cells == (1, 3)  # one at least
     assert read.heights == pytest.approx(heights, abs=2e-6)

@@ -18,6 +18,7 @@ from harness.spec.value import made
 FULL: dict[str, Any] = {  # another value than the default for each field
     "terrain": "a.sdf",
     "difficulty": 0.25,
+    "soil": "clay",
     "terrain_size": [20.0, 30.0],
     "terrain_height": 3.0,
     "terrain_cell": 0.5,
