@@ -13,7 +13,7 @@ from rich.console import Console, Group
 
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
-from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.render import harmless_text, terminal
 from rover_metrics.sheet.sheet import Sheet
 
 PRINTED_WIDTH = 160  # columns, where the output is not a terminal
@@ -68,7 +68,7 @@ def show(sheets: Iterable[Sheet], last: str = "") -> None:
         console.width = PRINTED_WIDTH
     console.print(Group(*terminal(sheets, console.width)))
     if last:
-        console.print(last, markup=False, soft_wrap=True)
+        console.print(harmless_text(last), markup=False, soft_wrap=True)
 
 
 def tell(program: str, message: str) -> None:

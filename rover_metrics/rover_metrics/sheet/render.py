@@ -26,6 +26,12 @@ _SPECIAL = {
     "–": "--",  # noqa: RUF001  # an en dash
 }
 _SIGN = re.compile(r"(?<![\w.])([+-])(?=\d)")
+_CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]")
+
+
+def harmless_text(text: str) -> str:
+    """Returns a text with a ? for each control character but a new line: none reaches a terminal."""
+    return _CONTROL.sub("?", text)
 
 
 def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator["RenderableType"]:
@@ -33,13 +39,14 @@ def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator[
     from rich.text import Text  # noqa: PLC0415 - what makes documents and pages does without rich
 
     for sheet in sheets:
-        yield Text(f"\n{sheet.title}", style="bold")
+        yield Text(harmless_text(f"\n{sheet.title}"), style="bold")
         for finding in sheet.findings:
-            yield Text(f"  odd: {finding}", style="yellow")
+            yield Text(harmless_text(f"  odd: {finding}"), style="yellow")
         below = sheet.titles[:1] == ("Pair",)  # that table is narrower than its caption
-        yield _table(sheet if width >= wide else sheet.narrow(), caption="" if below else sheet.caption)
+        caption = harmless_text(sheet.caption)
+        yield _table(sheet if width >= wide else sheet.narrow(), caption="" if below else caption)
         if below:
-            yield Text(sheet.caption, style="dim")
+            yield Text(caption, style="dim")
 
 
 def _table(sheet: Sheet, caption: str) -> "Table":
@@ -51,11 +58,12 @@ def _table(sheet: Sheet, caption: str) -> "Table":
     table.caption = caption
     for place, title in enumerate(sheet.titles):
         if place:
-            table.add_column(Text(title), justify="right", no_wrap=True)
+            table.add_column(Text(harmless_text(title)), justify="right", no_wrap=True)
         else:
-            table.add_column(Text(title), min_width=12)
+            table.add_column(Text(harmless_text(title)), min_width=12)
     codes = sheet.codes or ("",) * len(sheet.rows)
-    for code, (name, *cells) in zip(codes, sheet.rows, strict=True):
+    for code, row in zip(codes, sheet.rows, strict=True):
+        name, *cells = map(harmless_text, row)
         named = Text.assemble((f"{code:<4}", "bold"), f" {name}") if code else Text(name)
         table.add_row(named, *map(Text, cells))
     return table

@@ -60,6 +60,15 @@ def test_one_table_has_the_same_cells_for_every_reader() -> None:
     check_snapshot("sheet.txt", "".join(f"== {name}\n{text}\n" for name, text in parts.items()))
 
 
+def test_no_control_character_of_a_file_reaches_a_terminal() -> None:
+    bad = "x\x1b]0;owned\x07\x9b2J\r\x7f"
+    odd = Sheet((bad, bad), ((bad, bad),), bad, bad, (bad,))
+    shown = printed(odd, Sheet(("Pair",), ((bad,),), caption=bad), width=400)
+    assert shown.replace("\n", "").isprintable()
+    assert "ESC" not in shown
+    assert shown.count("x?]0;owned??2J??") == 9
+
+
 def test_cells_of_a_csv_are_read_back_and_none_is_a_formula() -> None:
     records: list[dict[str, object]] = [
         {"a": "=1+1", "b": None, "c": 0.1},
