@@ -11,13 +11,7 @@ python=${PYTHON:-python3}
         exit 2
     }
 venv=build/cluster
-if [ ! "$venv/.ready" -nt tools/cluster.txt ]; then
-    rm -rf "$venv"
-    "$python" -m venv "$venv"
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-        --require-hashes --requirement tools/cluster.txt
-    touch "$venv/.ready"
-fi
+tools/pinned.sh cluster "$python" "$venv"
 echo "test-cluster: $("$venv/bin/python" --version), $("$venv/bin/python" -m pip list 2>/dev/null |
     sed -n 's/^\(ray\|distributed\|joblib\)  */\1 /p' | paste -sd ' ')"
 PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/harness/workers "$@"

@@ -29,13 +29,7 @@ unset _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH PYTHONPATH AMENT_PREFIX_PAT
 
 python=$(find_python) || fail "needs Python 3.10 to 3.13 with venv; name one: make test-jazzy PYTHON=/path/to/python3.10"
 venv=build/jazzy-$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
-if [ ! "$venv/.ready" -nt tools/jazzy.txt ]; then
-    rm -rf "$venv"
-    "$python" -m venv "$venv"
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-        --require-hashes --requirement tools/jazzy.txt
-    touch "$venv/.ready"
-fi
+tools/pinned.sh jazzy "$python" "$venv"
 echo "test-jazzy: $("$venv/bin/python" --version), rclpy $("$venv/bin/python" -m pip list 2>/dev/null |
     sed -n 's/^ros-rclpy  *//p')"
 PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/rover_metrics "$@"

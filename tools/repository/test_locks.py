@@ -64,6 +64,14 @@ def test_what_builds_the_project_is_pinned_where_setup_takes_it_from() -> None:
     assert {normal(requirement) for requirement in wanted} <= pins("tools/build.txt").keys()
 
 
+def test_every_environment_is_filled_by_a_pip_that_keeps_to_its_lock() -> None:
+    # pip 23 takes the newest coverage for coverage[toml], whatever is pinned.
+    assert "pip" in pins("tools/build.txt")
+    for script in ("setup.sh", "pinned.sh"):  # what installs before the lock itself
+        installs = re.findall(r"locked=\S+|for lock in \S+", (ROOT / "tools" / script).read_text())
+        assert installs[0] in ("locked=tools/build.txt", "for lock in build")
+
+
 def test_set_up_fetches_nothing_without_a_hash() -> None:
     lines = (ROOT / "tools/setup.sh").read_text().splitlines()
     assert sum("--requirement" in line and "--require-hashes" in line for line in lines) == 2
