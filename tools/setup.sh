@@ -105,5 +105,5 @@ for kernel in $kernels; do
     .venv/bin/python -c "import $(echo "${kernel%.py}" | tr / .)" &
 done
 wait
-.venv/bin/python -c 'import harness.run, harness.sensors.lidar'
+.venv/bin/python -c 'import harness.run, harness.sensors.lidar, rover_metrics.session'
 touch $done
