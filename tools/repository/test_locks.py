@@ -94,7 +94,7 @@ def set_up(folder: Path, *arguments: str, broken: str = "nothing") -> tuple[int,
     (folder / "python").write_text(PYTHON)
     (folder / "python").chmod(0o755)
     surroundings = os.environ | {"PYTHON": str(folder / "python"), "BROKEN": broken}
-    command = [folder / "tools/setup.sh", *arguments]
+    command = [str(folder / "tools/setup.sh"), *arguments]
     run = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=False)
     return run.returncode, run.stdout + run.stderr, (folder / "calls").read_text().splitlines()
 
