@@ -83,7 +83,7 @@ class Measures(Drivetrain):
         }
 
     def _friction(self) -> float:
-        """The friction of the wheels on ground of 1; MuJoCo takes the larger, unless one has priority."""
+        """The friction of the wheels on ground of 1; MuJoCo takes the larger unless one has priority."""
         model, wheels = self._model, [int(self._model.joint(name).bodyid[0]) for name in self._wheels]
         tyres = np.flatnonzero(np.isin(model.geom_bodyid, wheels) & (model.geom_contype > 0))
         own, wins = model.geom_friction[tyres, 0], model.geom_priority[tyres] > 0
