@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.soil import wheel_kernel
-from harness.soil.soils import Soil
+from harness.soil.soils import SOIL_CONTACT, Soil
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
@@ -64,6 +64,7 @@ class Ground:
         relief: Height of its 1 above that [m].
         solid: Heights that what is no wheel meets [m].
         solid_cell: Distance of two of those [m].
+        patches: Which soil lies at each of the solid heights, uint8 of their shape.
     """
 
     heights: Doubles
@@ -74,13 +75,14 @@ class Ground:
     relief: float
     solid: Doubles
     solid_cell: float
+    patches: NDArray[np.uint8]
 
 
 class Bed:
     """Soil under all wheels of a model.
 
     Args:
-        soil: What the ground is of.
+        soils: What the ground is of, patch by patch.
         ground: Its heights.
         wheels: In the model.
         model: MuJoCo's.
@@ -98,7 +100,7 @@ class Bed:
 
     def __init__(
         self,
-        soil: Soil,
+        soils: Sequence[Soil],
         ground: Ground,
         wheels: Sequence[SoilWheel],
         model: mujoco.MjModel,
@@ -107,8 +109,9 @@ class Bed:
         self.wheels, self._ground = tuple(wheels), ground
         gravity = -float(model.opt.gravity[2])
         widest = max(wheel.width for wheel in wheels)
-        self._numbers = soil.numbers(widest, gravity)
-        _check(soil, self._numbers, self.wheels, gravity, float(model.opt.timestep))
+        self._numbers = np.array([soil.numbers(widest, gravity) for soil in soils])
+        for soil, numbers in zip(soils, self._numbers, strict=True):
+            _check(soil, numbers, self.wheels, gravity, float(model.opt.timestep))
         self._virgin, self.surface = ground.heights.copy(), ground.heights.copy()
         self._fresh = ground.field.copy()
         frame = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
@@ -139,16 +142,17 @@ class Bed:
         self.states[:, 5] = 0.0
 
     def _told(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int64]:
-        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & wheel_kernel.SOIL_CONTACT)
+        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         arrays = (self._numbers, self._sizes, self._bodies, self._virgin, self._frame, self.surface)
         moving = (data.xpos, data.xaxis, data.cvel, data.subtree_com, data.xipos)
         self._touching = geoms, model.geom_aabb[geoms].copy()
         placed = (data.geom_xpos, data.geom_xmat, model.geom_conaffinity)
-        solid = (*self._touching, *placed, ground.solid, self._solid_frame)
+        solid = (*self._touching, *placed, ground.solid, self._solid_frame, ground.patches)
         everything = (*arrays, ground.field, self.states, self.felt, *moving, *solid)
         counts = (len(self.wheels), data.xfrc_applied.ctypes.data, *self.surface.shape)
         counts += (model.nbody, model.njnt, geoms.size, model.ngeom, *ground.solid.shape)
-        return np.array([*counts, *(a.ctypes.data for a in everything)], np.int64)
+        addresses = (array.ctypes.data for array in everything)
+        return np.array([*counts, *addresses, len(self._numbers)], np.int64)
 
 
 def _check(

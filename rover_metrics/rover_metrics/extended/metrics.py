@@ -18,14 +18,14 @@ from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_col
 from rover_metrics.timing import NANOSECONDS
 
 
-def extended_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
-    """Returns the columns after the twelve of a rover with these wheels."""
+def extended_columns(wheels: Sequence[str], *, soil: bool = False) -> tuple[Column, ...]:
+    """Returns the columns after the twelve of a rover with these wheels, on soil or on rigid ground."""
     return (
         *TravelColumns.COLUMNS,
         *ScanColumns.COLUMNS,
         *ImuColumns.COLUMNS,
         *TrafficColumns.COLUMNS,
-        *truth_columns(wheels),
+        *truth_columns(wheels, soil=soil),
     )
 
 
@@ -45,8 +45,9 @@ class ExtendedMetrics:
     """
 
     def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings) -> None:
-        self.truth = TruthColumns(settings.wheel_names)
-        self._headers = tuple(column.header for column in extended_columns(settings.wheel_names))
+        wheels, soil = settings.wheel_names, settings.soil
+        self.truth = TruthColumns(wheels, soil=soil)
+        self._headers = tuple(column.header for column in extended_columns(wheels, soil=soil))
         self.header = (*COLUMNS, *self._headers)
         self._metrics = metrics
         self._travel = TravelColumns()

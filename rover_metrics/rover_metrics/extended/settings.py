@@ -71,6 +71,12 @@ class ExtendedSettings:
         read_only=True,
     )
 
+    soil: bool = parameter(
+        False,
+        "columns of what soil does to the wheels, which /rover/truth/traversal tells of a run on soil",
+        read_only=True,
+    )
+
     def __post_init__(self) -> None:
         require_ranges(self)
         names = self.wheel_names
