@@ -23,11 +23,14 @@ from harness.sensors.table import SensorRow
 from harness.soil.soils import Soil, find_soil
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
 from harness.spec.run import Run
+from harness.spec.target import TargetSpec
 from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
 from harness.world.berths import Member, berth
 from harness.world.files import check_terrain, file_world, is_terrain_file
-from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors
+from harness.world.geodesy import Datum
+from harness.world.targets.placing import target_names
+from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 
 
 def check(run: Run) -> None:
@@ -38,13 +41,14 @@ def check(run: Run) -> None:
     if run.world.soil:
         find_soil(run.world.soil)
     people(run.world)
+    target_names(run.world.targets)
     for rover in run.rovers:
         _check_rover(rover)
     _check_plan(run)
 
 
 def check_world(run: Run) -> None:
-    """Checks starts, people and what drivers meet against the world, built only where it matters."""
+    """Checks starts, people, targets and what drivers meet against the world, built only where it matters."""
     for rover in run.rovers:
         driver = find_driver(rover.driver)
         if issubclass(driver, StagedEncounter):
@@ -54,7 +58,7 @@ def check_world(run: Run) -> None:
                 driver.hazards(world.obstacles, half_size, middle)
             except UsageError as error:
                 raise UsageError(f"driver '{rover.driver}' on {run.world.terrain}: {error}") from error
-        elif rover.start is not None or people(run.world):
+        elif rover.start is not None or people(run.world) or run.world.targets:
             world = world_of(run)
             if rover is not run.rover and rover.start is not None:
                 starting_at(world, rover.start)
@@ -65,6 +69,9 @@ def world_of(run: Run) -> World:
     world = _terrain_world(run)
     if run.world.soil:
         world = _of_soil(world, find_soil(run.world.soil))
+    targets = run.world.targets
+    if targets:
+        world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
     return _peopled(world, run.rover.start, people(run.world))
 
 
@@ -176,6 +183,12 @@ def _of_soil(world: World, soil: Soil) -> World:
 def _peopled(world: World, start: Start | None, who: tuple[Pedestrian, ...]) -> World:
     world = world if start is None else starting_at(world, start)
     return with_actors(world, who) if who else world
+
+
+@lru_cache(maxsize=2)
+def _marked(world: World, start: Start | None, targets: tuple[TargetSpec, ...], datum: Datum) -> World:
+    world = world if start is None else starting_at(world, start)
+    return with_targets(world, targets, datum)
 
 
 def _terrain_world(run: Run) -> World:

@@ -32,7 +32,7 @@ from harness.robots import find_rover
 from harness.robots.reading import model_hash
 from harness.samples import ActorPoses, Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors.base import EpisodeParts
-from harness.sensors.geodesy import Datum
+from harness.world.geodesy import Datum
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise

@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from harness.sensors.geodesy import Datum
+from harness.world.geodesy import Datum
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import Installation, Mount, SensorOptions
 from harness.sensors.rays.bundle import Surroundings

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 from harness.sensors.barometer import BarometerOptions, BarometerSensor
-from harness.sensors.geodesy import Datum
+from harness.world.geodesy import Datum
 from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import HARDWARE, WHITE, NoisePreset
