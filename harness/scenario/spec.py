@@ -96,7 +96,10 @@ class Matrix(Value):
     params: tuple[Text | None, ...] = ()
 
 
-NOT_KEYS = ("name", "faults", "commands", "goals", "resets", "seed", "duration")  # have other forms
+NOT_KEYS = (  # have other forms
+    *("name", "faults", "seed", "duration"),
+    *("commands", "goals", "resets", "aborts", "resumes", "link_losses"),
+)
 if TYPE_CHECKING:
     RunKeys = Value
 else:

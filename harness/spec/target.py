@@ -1,7 +1,7 @@
-"""Something to be found in a world, as a user writes it: [NAME=]KIND[:KEY=VALUE,...], or FILE.obj as KIND.
+"""Something to be found in a world, as a user writes it: [NAME=]KIND[:KEY=VALUE,...].
 
-Without a place it stands at a free one, which the seed draws. What the kinds look like is known to
-harness.world.targets.
+KIND may be a FILE.obj. Without a place it stands at a free one, which the seed draws. What the kinds
+look like is known to harness.world.targets.
 """
 
 import re
@@ -109,6 +109,11 @@ class TargetSpec:
     def __str__(self) -> str:
         """Returns the text that it was read from."""
         return self.text
+
+    @property
+    def files(self) -> tuple[str, str]:
+        """Its mesh and the picture on it; "" without one."""
+        return self.file, self.options.texture
 
     def in_file(self, file: str, texture: str) -> Self:
         """Returns the same target with its mesh and texture in other files."""

@@ -1,4 +1,4 @@
-"""The world of a run: a terrain or a file, what the file leaves open, who walks there, what is sought."""
+"""The world of a run: a terrain or a file, who walks there, and what is to be found there."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Images of ArUco markers, from OpenCV's published dictionaries: equal to cv2.aruco's, without its 70 MB."""
+"""Images of ArUco markers, from OpenCV's published dictionaries: cv2.aruco's own, without its 70 MB."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -15,11 +15,11 @@ CELL = 16  # [pixels] of a cell in an image
 @lru_cache(maxsize=1)
 def _codes() -> dict[str, str]:
     lines = CODES.read_text(encoding="ascii").splitlines()
-    return dict(tuple(line.split()) for line in lines if not line.startswith("#"))
+    return dict(line.split(maxsplit=1) for line in lines if not line.startswith("#"))
 
 
 def cells(dictionary: str, marker: int) -> NDArray[np.bool_]:
-    """Returns which cells of a marker are white, shape (n + 2, n + 2): the outermost are its black border.
+    """Returns which cells of a marker are white, shape (n + 2, n + 2); its border is black.
 
     Args:
         dictionary: One of harness.spec.target.DICTIONARIES.
@@ -35,13 +35,13 @@ def cells(dictionary: str, marker: int) -> NDArray[np.bool_]:
 
 
 def face_image(dictionary: str, marker: int) -> NDArray[np.uint8]:
-    """Returns a marker in a white margin of one cell, shape (p, p, 3), RGB: what URC prints on a face."""
+    """Returns a marker in a white margin of one cell, as URC prints it: RGB, shape (p, p, 3)."""
     white = np.pad(cells(dictionary, marker), 1, constant_values=True)
     grey = np.kron(white, np.full((CELL, CELL), 255)).astype(np.uint8)
     return np.repeat(grey[..., None], 3, axis=2)
 
 
 def face_edge(dictionary: str, size: float) -> float:
-    """Returns the edge of a face whose marker's black square has this edge [m]: 0.2 m of 0.15 m in 4x4."""
+    """Returns the edge of a face by that of its marker's black square [m]: 0.2 m of 0.15 m in 4x4."""
     _, n = DICTIONARIES[dictionary]
     return size * (n + 4) / (n + 2)

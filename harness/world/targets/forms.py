@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,14 @@ from harness.world.targets.aruco import face_edge, face_image
 
 Points = NDArray[np.float64]
 Place = tuple[float, float, float, float]  # x, y, z of the ground [m], yaw [rad]
+Vector3 = tuple[float, float, float]
 Bodies = tuple[Obstacle, ...]
 
 SUNK = 0.1  # [m] of everything that stands, below the ground at its middle
-POLE, BOARD = 0.025, 0.01  # [m] radius of a marker's pole, half the thickness of a board of one or two faces
+POLE, BOARD = (
+    0.025,
+    0.01,
+)  # [m] radius of a marker's pole, half the thickness of a board of one or two faces
 LIFT = 0.002  # [m] of a skin off its body, so that the body does not show through
 WHITE, WOOD = (0.85, 0.85, 0.85, 1.0), (0.45, 0.31, 0.16, 1.0)
 ORANGE, BLUE = (0.95, 0.35, 0.05, 1.0), (0.12, 0.35, 0.75, 1.0)
@@ -50,12 +55,19 @@ class Skin:
 Made = tuple[Bodies, tuple[Skin, ...]]
 
 
-def upright(shape: str, half: Sequence[float], place: Place, base: float, color: Color) -> Obstacle:
+def upright(
+    shape: Literal["box", "cylinder"], half: Sequence[float], place: Place, base: float, color: Color
+) -> Obstacle:
     """Returns a box or a cylinder that stands upright, its foot `base` metres above the ground."""
     x, y, z, yaw = place
     at = (x, y, z + base + half[-1])
-    kind = "box" if shape == "box" else "cylinder"
-    return Obstacle(ObstacleKind.HAZARD, kind, tuple(half), at, orientation(yaw), color=color)
+    return Obstacle(ObstacleKind.HAZARD, shape, tuple(half), at, orientation(yaw), color=color)
+
+
+def lying(half: tuple[float, float], at: Vector3, across: float, color: Color) -> Obstacle:
+    """Returns a cylinder that lies; its axis is at right angles to the heading `across` [rad]."""
+    turned = orientation(across, 0.5 * math.pi)
+    return Obstacle(ObstacleKind.HAZARD, "cylinder", half, at, turned, color=color)
 
 
 def pole(place: Place, radius: float, height: float, color: Color) -> Obstacle:
@@ -104,9 +116,8 @@ def post(options: TargetOptions, place: Place) -> Made:
     return (pole(place, options.radius, options.height, ORANGE),), ()
 
 
-def gate(options: TargetOptions, place: Place, left: Place, right: Place) -> Made:
+def gate(options: TargetOptions, left: Place, right: Place) -> Made:
     """Returns two posts with the markers of `id` and the next one."""
-    del place
     (one, seen), (other, also) = (
         marker_post(options, at, options.id + n) for n, at in enumerate((left, right))
     )
@@ -118,13 +129,11 @@ def mallet(_: TargetOptions, place: Place) -> Made:
     x, y, z, yaw = place
     (radius, length), (thin, handle) = HEAD, HANDLE
     along = 0.5 * handle + radius
-    lying = ObstacleKind.HAZARD, "cylinder"
-    head = Obstacle(
-        *lying, (radius, 0.5 * length), (x, y, z + radius), orientation(yaw, 0.5 * math.pi), color=ORANGE
-    )
     where = (x + along * math.cos(yaw), y + along * math.sin(yaw), z + radius)
-    turned = orientation(yaw + 0.5 * math.pi, 0.5 * math.pi)
-    return (head, Obstacle(*lying, (thin, 0.5 * handle), where, turned, color=WOOD)), ()
+    return (
+        lying((radius, 0.5 * length), (x, y, z + radius), yaw, ORANGE),
+        lying((thin, 0.5 * handle), where, yaw + 0.5 * math.pi, WOOD),
+    ), ()
 
 
 def bottle(_: TargetOptions, place: Place) -> Made:

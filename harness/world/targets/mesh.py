@@ -1,4 +1,4 @@
-"""A target from an OBJ file: convex bodies that are met, and its triangles with a picture that are seen."""
+"""A target from an OBJ file: convex bodies that are met, and triangles with a picture that are seen."""
 
 import hashlib
 import io
@@ -57,13 +57,13 @@ def _picture(path: Path) -> tuple[np.ndarray, str]:
     data = read_bytes(path, LARGEST_IMAGE)
     try:
         with Image.open(io.BytesIO(data)) as image:
-            if image.width * image.height > MOST_PIXELS:
-                raise UsageError(f"texture {path} has more than {MOST_PIXELS:,} pixels; make it smaller")
-            return np.asarray(image.convert("RGB")), hashlib.sha256(data).hexdigest()
-    except UsageError:
-        raise
+            is_large = image.width * image.height > MOST_PIXELS
+            pixels = np.zeros(0) if is_large else np.asarray(image.convert("RGB"))
     except Exception as error:  # decoders raise anything at all over a damaged file
         raise UsageError(f"texture {path} is no picture that can be read; give a PNG or JPEG") from error
+    if is_large:
+        raise UsageError(f"texture {path} has more than {MOST_PIXELS:,} pixels; make it smaller")
+    return pixels, hashlib.sha256(data).hexdigest()
 
 
 def _skins(

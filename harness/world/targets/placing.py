@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-import numpy as np
-
 from harness.base.errors import UsageError
 from harness.base.streams import TARGETS, generator
 from harness.spec.target import MESH, TargetSpec
@@ -50,7 +48,7 @@ class Target:
     files: tuple[tuple[str, str], ...] = ()
 
     def digest(self) -> bytes:
-        """Returns what tells it from other targets, for a world's hash; its bodies are hashed as such."""
+        """Returns what tells it from others beside its bodies, for the hash of a world."""
         seen = b"".join(part.tobytes() for skin in self.skins for part in (skin.vertices, skin.image))
         return f"{self.name} {self.spec.kind} {self.position} {self.yaw}".encode() + seen
 
@@ -149,9 +147,7 @@ def _posts(spec: TargetSpec, place: Where, yaw: float) -> tuple[Where, ...]:
     return (x + left[0], y + left[1]), (x - left[0], y - left[1])
 
 
-def _standing(
-    spec: TargetSpec, name: str, where: Where, ground: Heightfield, start: Where
-) -> Target:
+def _standing(spec: TargetSpec, name: str, where: Where, ground: Heightfield, start: Where) -> Target:
     yaw = _heading(spec, where, start)
     posts = _posts(spec, where, yaw)
     for x, y in posts:
@@ -165,7 +161,7 @@ def _standing(
     files: tuple[tuple[str, str], ...] = ()
     if spec.kind == "gate":
         # What is read from before it: its faces look back along the way through.
-        facing = [(*place[:3], yaw + math.pi) for place in places]
+        facing = [(*place[:3], yaw + math.pi) for place in places[1:]]
         bodies, skins = gate(spec.options, *facing)
     elif spec.kind == MESH:
         bodies, skins, files = _mesh(spec, places[0], ground)
