@@ -106,6 +106,7 @@ class Episode:
             start=world.start,
             notes=world.notes,
             files=world.files,
+            targets={target.name: target.position for target in world.targets},
         )
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
