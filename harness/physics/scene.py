@@ -33,6 +33,7 @@ UNTOUCHED = {"contype": 0, "conaffinity": 0}
 SOIL_ROOM = 0.2  # [m] that soil may sink below the lowest point and rise above the highest
 RUT_CELL = 0.025  # [m]: half the width of a small rover's wheel
 MOST_RUT_CELLS = 4_000_000  # 32 MB; of larger maps the cells are larger
+SKINS = "skins"  # of targets
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
@@ -158,6 +159,7 @@ def build_scenes(
             friction = 0.0 if is_ground else min(geom.friction[0], world.friction)
             geom.friction = [friction, *geom.friction[1:]]
     if dress is not None:
+        _add_skins(spec, world)
         dress(spec)
     model = spec.compile()
     return tuple(
@@ -298,6 +300,41 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
             rgba=UNPAINTED if obstacle.color is None else obstacle.color,
             group=OBSTACLE_GROUP,
             **(UNTOUCHED if obstacle.shape == "surface" else GROUND_CONTACT),
+        )
+
+
+def _add_skins(spec: mujoco.MjSpec, world: World) -> None:
+    """Adds what cameras see on targets; no ray and no contact meets it.
+
+    The hulls below the skin of a mesh are not drawn: they would fill its hollows.
+    """
+    covered = [body for target in world.targets if target.spec.options.texture for body in target.bodies]
+    for index, obstacle in enumerate(world.obstacles):
+        if obstacle in covered:
+            spec.geom(f"{obstacle.kind.name.lower()}_{index}").rgba[3] = 0.0
+    body = spec.worldbody.add_body(name=SKINS)
+    for number, skin in enumerate(skin for target in world.targets for skin in target.skins):
+        name, (height, width, _) = f"{SKINS}_{number}", skin.image.shape
+        texture = spec.add_texture(
+            name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
+        )
+        texture.data = skin.image.tobytes()
+        material = spec.add_material(name=name, specular=0.0, reflectance=0.0)
+        material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+        spec.add_mesh(
+            name=name,
+            uservert=skin.vertices.ravel().tolist(),
+            userface=skin.faces.ravel().tolist(),
+            usertexcoord=skin.picture.ravel().tolist(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+        body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=name,
+            material=name,
+            rgba=[1.0, 1.0, 1.0, 1.0],
+            group=OBSTACLE_GROUP,
+            **UNTOUCHED,
         )
 
 

@@ -42,7 +42,7 @@ class SoilMap(Value):
 
     soils: Annotated[tuple[str, ...], Field(min_length=1, max_length=MOST_SOILS), listed()]
     map: str = Field(
-        description="PNG of grey levels, or .npy: the soil's number, from 0, at each vertex, row by row from the north"
+        description="PNG of grey levels or .npy: the soil's number, from 0, at each vertex, north first"
     )
 
 
