@@ -75,6 +75,11 @@ class Soil(Value):
     side_friction: Share = Field(default=0.0, description="friction on the wheel's face")
     density: Length = Field(default=1500.0, description="for the force beside the wheel [kg/m^3]")
 
+    @property
+    def leaves_ruts(self) -> bool:
+        """Whether it stays where it was pressed to."""
+        return self.rebound < 1.0
+
     def numbers(self, width: float, gravity: float) -> NDArray[np.float64]:
         """Returns the soil as the kernels take it.
 

@@ -40,7 +40,7 @@ DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 # the stations, along and across, of the front half and of the rear half.
 PATHS = 6
 STATE = PATHS + 4 * STATIONS
-SOIL_NUMBERS = 27
+SOIL_NUMBERS, REBOUND = 27, 19
 
 Doubles = NDArray[np.float64]
 
@@ -186,7 +186,7 @@ def wheel_force(
         return 0.0, 0.0, 0.0, 0.0
     slid = state[PATHS:].reshape(2, 2, STATIONS)
     ahead, left, up, brake = 0.0, 0.0, 0.0, 0.0
-    rebound = soil[19]
+    rebound = soil[REBOUND]
     for half in range(2):
         sign = 1.0 - 2.0 * half
         bears = 1.0 + (1.0 - rebound) * min(sign * travel, 0.0)
@@ -399,8 +399,9 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         back_rut = max(_level(virgin, *at_back) - _level(surface, *at_back), 0.0)
         patch_row = min(max(int((hy - y0) / patch_cell + 0.5), 0), patches.shape[0] - 1)
         patch_col = min(max(int((hx - x0) / patch_cell + 0.5), 0), patches.shape[1] - 1)
+        soil = soils[patches[patch_row, patch_col]]
         ahead, side, lift, brake = wheel_force(
-            soils[patches[patch_row, patch_col]],
+            soil,
             (r, b, wheels[i, 2]),
             (sinkage, ahead_rut),
             (sinkage, back_rut),
@@ -419,7 +420,7 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         felt[i, 0], felt[i, 1], felt[i, 2], felt[i, 3] = sinkage, ahead, side, lift
         felt[i, 4], felt[i, 5], felt[i, 6] = velocity[0], velocity[1], velocity[2]
         felt[i, 7] = ahead_rut
-        if lift > 0.0:
+        if lift > 0.0 and soil[REBOUND] < 1.0:
             plane = (level, slope_x, slope_y, sinkage)
             states[i, 5] += _press_down(grids, frame, (hx, hy), (ex, ey), (r, b), plane)
             reach = r * math.sin(math.acos(1.0 - min(sinkage, r) / r))
