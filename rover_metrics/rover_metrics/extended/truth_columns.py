@@ -118,6 +118,7 @@ class TruthColumns:
 
     def __init__(self, wheels: Sequence[str] = WHEELS, *, soil: bool = False) -> None:
         self._names = traversal_names(wheels, soil=soil)
+        self._on_soil = traversal_names(wheels, soil=True)
         self._events: int | None = None  # nothing heard yet
         self._pause = CONTACT_PAUSE
         self._contact = _Mean()
@@ -148,10 +149,10 @@ class TruthColumns:
     def add_traversal(self, values: Sequence[float], names: Sequence[str] | None = None) -> bool:
         """Takes a message's values, with their names if it has any; returns whether they were usable.
 
-        Without names there may be more than expected: those of soil, if no column is of it.
+        Without names they may be those of soil too, if no column is of it.
         """
         if names is None:
-            names, values = self._names, values[: len(self._names)]
+            names = self._names if len(values) == len(self._names) else self._on_soil
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
         named = dict(zip(names, values, strict=True))
