@@ -23,7 +23,7 @@ WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "report", "summary"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
     *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
-    *("seeds", "seed", "only", "junit", "html", "csv", "json"),
+    *("seeds", "seed", "only", "junit", "html", "csv", "json", "out"),
 }
 
 

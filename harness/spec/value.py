@@ -39,6 +39,7 @@ class Option:
     Attributes:
         metavar: What stands for its value in the help; "" for a switch.
         flag: Without the dashes; the field's own name if empty.
+        also: Further names of the flag, with their dashes, from before it was called so.
         bare: The value that the flag has without one; None if it needs one.
         many: Whether several values may stand behind the flag.
         choices: Names that are valid.
@@ -46,6 +47,7 @@ class Option:
 
     metavar: str
     flag: str = ""
+    also: tuple[str, ...] = ()
     bare: str | None = None
     many: bool = False
     choices: tuple[str, ...] = ()

@@ -26,7 +26,7 @@ from harness.soil.soils import SOILS, find_soil
 from harness.validate import single_wheel
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
@@ -51,7 +51,7 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         return 0
     misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
-        print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
+        complain("harness.validate", f"missed {'; '.join(misses)}")
     return 1 if misses else 0
 
 

@@ -22,7 +22,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     Words that make no sense end the program: one line that names the valid choices, exit code 2.
     """
     parser = _parser()
-    options = parser.parse_args(arguments)
+    options: argparse.Namespace = parser.parse_args(arguments)
     if options.plots is None:
         options.plots = ["comparison" if ALL in map(str.casefold, options.metrics) else "time_series"]
     if options.fixed_interval is None:

@@ -56,9 +56,10 @@ def outcome(folder: Path) -> str:
     return "" if ended is None else str(ended["status"])
 
 
-def test_progress_is_shown_after_every_batch_and_the_log_is_marked_from_its_beginning(
-    tmp_path: Path,
+def test_progress_is_shown_as_it_comes_and_the_log_is_marked_from_its_beginning(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("harness.episode.result.SHOWN_EVERY", 0.0)
     shown: list[RunResult] = []
     marks: set[str] = set()
     result = drive(tmp_path, show=shown.append, watch=lambda _: marks.add(outcome(tmp_path)))
