@@ -1,6 +1,5 @@
 """What a run comes to: counts, rows, truth and outcome, as plain values for table and manifest."""
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -173,7 +172,7 @@ class RunAccount:
     def __post_init__(self) -> None:
         self._truth, self._total = TruthAccount(), self.begun.truth
         self._began = self._now = time.monotonic()
-        self._held_s, self._shown = 0.0, -math.inf
+        self._held_s, self._shown = 0.0, self._now
         self._first_row_s: float | None = None
 
     def take(self, batch: Batch) -> None:

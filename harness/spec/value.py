@@ -258,11 +258,13 @@ def numbers(form: str, count: int, *, rest: float | None = None) -> BeforeValida
 
 
 def listed(separator: str = "") -> BeforeValidator:
-    """Returns a validator that takes one value for a list of one, or splits text at a separator."""
+    """Returns a validator that takes one value for a list of one, and splits text at a separator."""
 
     def convert(value: object) -> object:
-        if isinstance(value, str) and separator:
-            return tuple(word.strip() for word in value.split(separator))
-        return (value,) if isinstance(value, str) else as_tuple(value)
+        words = (value,) if isinstance(value, str) else as_tuple(value)
+        if not (separator and isinstance(words, tuple)):
+            return words
+        texts = ([w] if not isinstance(w, str) else w.split(separator) for w in words)
+        return tuple(w.strip() if isinstance(w, str) else w for text in texts for w in text)
 
     return BeforeValidator(convert)

@@ -122,7 +122,17 @@ def _add_comparison(parser: argparse.ArgumentParser) -> None:
 def _add_output(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     folder = "folder for whatever is written; default: output"
-    add("-o", "--output", "--output-dir", type=Path, default=Path("output"), metavar="DIR", help=folder)
+    add(
+        "-o",
+        "--out",
+        "--output",
+        "--output-dir",
+        dest="output",
+        type=Path,
+        default=Path("output"),
+        metavar="DIR",
+        help=folder,
+    )
     add("--csv", action="store_true", help="write every number to CSV files in the output folder")
     add("--latex", action="store_true", help="write the tables for LaTeX (booktabs) there, one a file")
     add("--json", action="store_true", help="print JSON instead of tables")

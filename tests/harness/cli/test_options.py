@@ -93,7 +93,7 @@ def test_every_word_about_the_run_reaches_it() -> None:
         ("--page a.html", "files.page", Path("a.html")),
         ("--report a.html", "files.page", Path("a.html")),  # as it was called
         ("--page", "files.page", BESIDE),
-        ("--out a --picture b.png", "files", Files(out="a", page=BESIDE, picture="b.png")),
+        ("--out a --picture b.png", "files", Files(out=Path("a"), page=BESIDE, picture=Path("b.png"))),
         ("--out a", "ros.log_dir", Path("a")),
         ("--fail-on hazard,tipped_over", "files.fail_on", ("hazard", "tipped_over")),
         ("--video a.mp4", "files.video", Path("a.mp4")),
