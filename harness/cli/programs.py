@@ -101,9 +101,10 @@ def _words_so_far() -> list[str]:
 
 def _completion(shells: list[str]) -> int:
     parser = OneLineParser(prog="rover completion", description="Prints what a shell evaluates.")
-    parser.add_argument("shell", choices=SHELLS, help='e.g. eval "$(rover completion bash)"')
+    about = f'{", ".join(SHELLS)}, e.g. eval "$(rover completion bash)"'
+    parser.add_argument("kind", metavar="SHELL", choices=SHELLS, help=about)
     from argcomplete.shell_integration import shellcode  # noqa: PLC0415 - only this needs it
 
     scripts = ["rover", *(f"rover-{verb}" for verb in PROGRAMS)]
-    print(shellcode(scripts, shell=parser.parse_args(shells).shell))
+    print(shellcode(scripts, True, parser.parse_args(shells).kind))
     return 0
