@@ -13,6 +13,7 @@ from harness.samples import ContactKind, TruthState
 from harness.scenario.topic import TOPIC, check_topic
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.plugins import Table
 
 NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
@@ -69,7 +70,7 @@ def _slip_of(place: tuple[int, int], snapshot: Snapshot) -> float:
     return slip[side * half :][:half][index]
 
 
-QUANTITIES: dict[str, Quantity] = {
+SHIPPED: dict[str, Quantity] = {
     **_contacts("hazard_contact", "hazard", "Contacts with hazards", "Time in contact with a hazard"),
     **_contacts("rock_contact", "rock", "Contacts with rocks", "Time in contact with a rock"),
     **_contacts(
@@ -108,7 +109,12 @@ QUANTITIES: dict[str, Quantity] = {
         nothing="the goal was not reached",
     ),
 }
-
+QUANTITIES = Table[Quantity](
+    "expectations",
+    SHIPPED,
+    lambda value: isinstance(value, Quantity),
+    "a harness.scenario.quantities.Quantity",
+)
 
 GOAL = "truth.goal"  # how the names of those begin that need a goal
 LOG = "log."  # and the name of a column
@@ -125,4 +131,4 @@ def check_name(name: str) -> str | None:
     """Returns what to tell of a quantity that does not exist, None of one that does."""
     if name.startswith(TOPIC):
         return check_topic(name)
-    return None if name in names() else unknown("quantity", name, names())
+    return None if name in QUANTITIES or name in names() else unknown("quantity", name, names())
