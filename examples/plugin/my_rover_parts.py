@@ -1,4 +1,4 @@
-"""One of each thing that a package can add to rover-harness: docs/extend.md tells the contract of each."""
+"""One of each thing that a package can add to rover-harness; docs/extend.md explains them."""
 
 import math
 from dataclasses import dataclass
@@ -84,7 +84,13 @@ class Climb(Columns):
     """How far the rover went uphill."""
 
     COLUMNS = (
-        Column(name="Climb", unit="m", meaning="Metres uphill so far.", formula="Sum of rises.", source="pose"),
+        Column(
+            name="Climb",
+            unit="m",
+            meaning="Metres uphill so far.",
+            formula="Sum of rises.",
+            source="pose",
+        ),
     )
     _climb, _last = 0.0, math.inf
 
@@ -101,7 +107,11 @@ FROM_ORIGIN = Quantity("m", "From the world's origin.", lambda m: math.hypot(*m.
 
 def calm(truth: StepTruth, action: np.ndarray) -> dict[str, float]:
     """Nearer to the goal, and level."""
-    return {"progress": truth.progress, "tilt": -0.1 * truth.tilt, "effort": -0.01 * float(np.abs(action).sum())}
+    return {
+        "progress": truth.progress,
+        "tilt": -0.1 * truth.tilt,
+        "effort": -0.01 * float(np.abs(action).sum()),
+    }
 
 
 HEADING = Sight((-1.0,) * 2, (1.0,) * 2, lambda truth: (math.cos(truth.yaw), math.sin(truth.yaw)))

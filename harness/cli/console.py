@@ -13,7 +13,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from harness.base.errors import how_many
-from harness.drivers import DRIVERS, PolicyDriver
+from harness.drivers import DRIVERS, Driver, PolicyDriver
 from harness.drivers.policy import PREFIX
 from harness.episode import result
 from harness.episode.mishaps import mishaps
@@ -44,7 +44,7 @@ class Heartbeat:
     def tell(self, done: float, total: float, unit: str) -> None:
         """Takes how much is done, and of how much; prints if it is time."""
         now = time.monotonic()
-        if self._silent or now - self._told < PERIOD or not done:
+        if self._silent or now - self._told < PERIOD or not 0 < done < total:
             return
         self._told, left = now, (now - self._began) * (total - done) / done
         text = f"{self._title}: {done:g} of {total:g}{unit}, about {left:.0f} s left"
@@ -189,7 +189,7 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, soils, robots, drivers and noise presets with what there is to know of each."""
-    drivers = {**DRIVERS.shipped, f"{PREFIX}FILE.npz": PolicyDriver}
+    drivers: dict[str, type[Driver]] = {**DRIVERS.shipped, f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.shipped.items()]),
         ("soils", [(name, soil.summary) for name, soil in SOILS.shipped.items()]),

@@ -39,6 +39,9 @@ class Table(Mapping[str, T], Generic[T]):
         fits: Whether a value of somebody else is one of the kind.
         form: What it must be, for whoever wrote it.
 
+    Attributes:
+        name, shipped, fits, form: As given.
+
     Raises:
         PluginError: Of a look-up: the plug-in of that name cannot be used.
     """
@@ -47,7 +50,7 @@ class Table(Mapping[str, T], Generic[T]):
         self, name: str, shipped: Mapping[str, T], fits: Callable[[Any], bool], form: str
     ) -> None:
         self.name, self.shipped = name, shipped
-        self._fits, self._form = fits, form
+        self.fits, self.form = fits, form
         self._loaded: dict[str, T] = {}
 
     def __getitem__(self, name: str) -> T:
@@ -88,8 +91,8 @@ class Table(Mapping[str, T], Generic[T]):
         except Exception as error:  # whatever a stranger's module raises
             reason = printable(f"{type(error).__name__}: {error}")
             raise PluginError(f"{where} cannot be loaded: {reason}") from error
-        if not self._fits(value):
-            raise PluginError(f"{where} is not {self._form} (docs/extend.md)")
+        if not self.fits(value):
+            raise PluginError(f"{where} is not {self.form} (docs/extend.md)")
         fitting: T = value
         return fitting
 
@@ -103,14 +106,16 @@ def installed(tables: Iterable[Table[Any]]) -> Iterator[str]:
     known = {table.name: table for table in tables}
     for kind in KINDS:
         table = known.get(kind) or Table[Any](kind, {}, lambda _: True, "")
-        for name, point in sorted(_installed(kind).items()):
-            try:
-                value = table[name]
-            except PluginError as error:
-                yield str(error)
-            else:
-                about = getattr(value, "summary", None) or (value.__doc__ or "").partition("\n")[0]
-                yield f"{kind}: {name}, {about} ({_package(point)})"
+        yield from (_line(table, name, point) for name, point in sorted(_installed(kind).items()))
+
+
+def _line(table: Table[Any], name: str, point: EntryPoint) -> str:
+    try:
+        value = table[name]
+    except PluginError as error:
+        return str(error)
+    about = getattr(value, "summary", "") or getattr(value, "meaning", "")
+    return f"{table.name}: {name}, {about or str(value.__doc__).partition('.')[0]} ({_package(point)})"
 
 
 @cache
