@@ -100,7 +100,8 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
     named = page if page is None or options.files.page == BESIDE else with_name(page, result.rover)
     wrong = mishaps(result, options.files.fail_on)
     failure = result.failure or (wrong[0].text if wrong else None)
-    return replace(result, report=named, params=options.params, failure=failure)
+    columns = output.settings.extended.column_names
+    return replace(result, report=named, params=options.params, columns=columns, failure=failure)
 
 
 def _others(

@@ -55,7 +55,7 @@ def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
         UsageError: There is none of that name; the message lists the names.
     """
     if name not in available:
-        raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available)}")
+        raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available) or 'none'}")
     return available[name]
 
 

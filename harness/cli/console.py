@@ -13,16 +13,20 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from harness.base.errors import how_many
-from harness.drivers import DRIVERS, PolicyDriver
+from harness.drivers import DRIVERS, Driver, PolicyDriver
 from harness.drivers.policy import PREFIX
 from harness.episode import result
 from harness.episode.mishaps import mishaps
+from harness.faults.kinds import FAULTS
 from harness.robots import ROVERS
 from harness.sensors.noise import PRESETS
+from harness.sensors.table import OPTIONAL
 from harness.soil.soils import SOILS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 from rover_metrics.errors import called, printable
+from rover_metrics.extended.further import FURTHER
+from rover_metrics.plugins import installed
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
@@ -40,7 +44,7 @@ class Heartbeat:
     def tell(self, done: float, total: float, unit: str) -> None:
         """Takes how much is done, and of how much; prints if it is time."""
         now = time.monotonic()
-        if self._silent or now - self._told < PERIOD or not done:
+        if self._silent or now - self._told < PERIOD or not 0 < done < total:
             return
         self._told, left = now, (now - self._began) * (total - done) / done
         text = f"{self._title}: {done:g} of {total:g}{unit}, about {left:.0f} s left"
@@ -185,10 +189,10 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, soils, robots, drivers and noise presets with what there is to know of each."""
-    drivers = DRIVERS | {f"{PREFIX}FILE.npz": PolicyDriver}
+    drivers: dict[str, type[Driver]] = {**DRIVERS.shipped, f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
-        ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
-        ("soils", [(name, soil.summary) for name, soil in SOILS.items()]),
+        ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.shipped.items()]),
+        ("soils", [(name, soil.summary) for name, soil in SOILS.shipped.items()]),
         ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
         ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
@@ -198,6 +202,17 @@ def print_choices(console: Console) -> None:
         for name, summary in lines:
             table.add_row(name, summary)
         console.print(table)
+
+    _print_plugins(console)
+
+
+def _print_plugins(console: Console) -> None:
+    """Prints what installed packages add to any table, and what is wrong with those that cannot."""
+    lines = list(installed((TERRAINS, SOILS, DRIVERS, OPTIONAL, FAULTS, FURTHER)))
+    if lines:
+        console.print("plug-ins", style="italic")
+    for line in lines:
+        console.print(f" {line}", soft_wrap=True)
 
 
 def _about(terrain: type[Terrain]) -> Text:

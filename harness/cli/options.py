@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, find_named
 from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
@@ -19,6 +19,7 @@ from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import CMD_VEL, RoverSetup, namespace_of
 from harness.spec.run import PARTS, Run, from_fields
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.further import FURTHER
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
 from rover_metrics.ros.arguments import complaint, split_ros_args
@@ -81,8 +82,12 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     )
     _check_combination(given, run, ros, files)
     values = read_parameters(given.params) if given.params else {}
+    values |= {"columns": given.columns} if given.columns else {}
+    for name in filter(None, values.get("columns", "").split(",")):
+        find_named("columns", name, FURTHER)
+    extended = given.extended or bool(given.columns)
     settings = tuple(
-        _settings(run, number, values, extended=given.extended) for number in range(len(run.rovers))
+        _settings(run, number, values, extended=extended) for number in range(len(run.rovers))
     )
     return RunOptions(
         run=run,
@@ -133,7 +138,7 @@ def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, fil
         raise UsageError(
             "--params is for the hosted metrics_node; start yours with --ros-args --params-file FILE"
         )
-    if given.extended and given.no_metrics:
+    if (given.extended or given.columns) and given.no_metrics:
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )

@@ -77,6 +77,8 @@ def _add_run(run: argparse._ArgumentGroup) -> None:
     run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
     about = "log the extended columns too (docs/metrics.md), with the rover's footprint"
     run.add_argument("--extended", action="store_true", help=about)
+    about = "further columns, of plug-ins (docs/extend.md), after the extended ones; default: none"
+    run.add_argument("--columns", default="", metavar="NAME[,...]", help=about)
     about = "ROS parameter file (YAML) of metrics_node, with ROS or without: thresholds, columns"
     run.add_argument("--params", type=Path, metavar="FILE", help=about)
     text = f"{RosOptions.model_fields['log_dir'].description}; default: {DEFAULT_LOG_DIR}"

@@ -72,6 +72,7 @@ class RunResult:
         recording: The MCAP file; None without one.
         report: The page that was asked for; None if none was.
         params: The parameter file of the metrics that was given; None without.
+        columns: Plug-ins that add columns to the log.
         social_log: The log of how near people were; None without people.
     """
 
@@ -98,6 +99,7 @@ class RunResult:
     recording: Path | None = None
     report: Path | None = None
     params: Path | None = None
+    columns: tuple[str, ...] = ()
     social_log: Path | None = None
 
     @property

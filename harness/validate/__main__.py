@@ -142,7 +142,7 @@ def _parser() -> argparse.ArgumentParser:
         "--pressing",
         type=Path,
         metavar="FILE.csv",
-        help="of --rig: wheels that were pressed without turning, to be printed beside the soils",
+        help="of --rig: wheels that were pressed, not turned, to print beside the soils; default: none",
     )
     soils = ", ".join(SOILS)
     parser.add_argument(
