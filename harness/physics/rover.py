@@ -53,7 +53,8 @@ class Rover:
         self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]
         self._lift = None if bed is None else bed.lift[bed.wheels_of(scene.root)]
         if bed is not None:
-            self._state.append(bed.states[bed.wheels_of(scene.root)])
+            own = slice(self._geoms[0], self._geoms[-1] + 1)
+            self._state += [bed.states[bed.wheels_of(scene.root)], model.geom_conaffinity[own]]
         if motors.size:
             first, last = int(motors[0]), int(motors[-1])
             self._state.append(data.ctrl[first : last + 1])
