@@ -24,7 +24,6 @@ from harness.base.files import check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
-from harness.cli.plain import PlainConsole
 from harness.episode.assembly import actor_names, check_world, world_of
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
@@ -37,6 +36,7 @@ from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import BESIDE, SUFFIXES, Drawing
 from harness.world.files import is_terrain_file
 from rover_metrics.errors import complain
+from rover_metrics.sheet.console import PlainConsole
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
