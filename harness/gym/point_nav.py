@@ -19,7 +19,6 @@ from harness.gym.observation import (
     heights_around,
     point_nav_parts,
     soil_part,
-    space_of,
 )
 from harness.gym.options import Options
 from harness.robots import find_rover
@@ -65,12 +64,15 @@ class PointNavOptions(Options):
         height_scan: Whether the ground around the rover is observed too, as `heights`.
         depth: Width and height of a depth camera's image [pixels], which is observed too, as `depth`.
         soil_state: Whether sinkage, slip angle and forces of each wheel in soil are observed, as `soil`.
+        images: Whether `depth` and `heights` are images, (height, width, 1) and (ahead, left, 1), for
+            convolutions; else flat.
         reward: Weights of the reward's terms.
     """
 
     goal_radius: Length = GOAL_RADIUS
     hazard_budget: Length = 1.0
     height_scan: bool = False
+    images: bool = False
     depth: Annotated[tuple[int, ...], BeforeValidator(as_tuple)] = ()
     soil_state: bool = False
     reward: PointNavWeights = PointNavWeights()
@@ -112,14 +114,14 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         self._range_max = lidar.range_max
         self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
         if self.options.height_scan:
-            self.parts = {**self.parts, "heights": height_part()}
+            self.parts = {**self.parts, "heights": height_part(image=self.options.images)}
         if (camera := self.options.camera) is not None:
             self._camera = camera
-            self.parts = {**self.parts, "depth": depth_part(camera)}
+            self.parts = {**self.parts, "depth": depth_part(camera, image=self.options.images)}
         rover = self._rover = find_rover(self.options.robot)
         if self.options.soil_state:
             self.parts = {**self.parts, "soil": soil_part(len(rover.wheel_joints))}
-        self.observation_space = space_of(self.parts)
+        self.observation_space = self._space(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.actions = (
             f"speed; 1 is {rover.top_speed:.3g} m/s, as fast as the wheels of {rover.name} turn",

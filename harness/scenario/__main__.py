@@ -21,7 +21,6 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.cli.plain import PlainConsole
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
@@ -29,14 +28,16 @@ from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 
 OUT = Path("scenario_runs")
 FILES = {
     "junit": "write the verdicts as JUnit XML",
-    "html": "write a page: what failed, and cells side by side",
+    "page": "write a page: what failed, and cells side by side",
     "csv": "write every cell's numbers",
     "json": "write the same, and every run",
 }
+FORMERLY = {"page": ("--html",)}  # names of options from before all commands called them the same
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -116,7 +117,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_options(parser)
     for name, about in FILES.items():
-        parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=about)
+        flags = (f"--{name}", *FORMERLY.get(name, ()))
+        parser.add_argument(*flags, dest=name, type=Path, metavar="FILE", help=about)
     parser.add_argument("--table", action="store_true", help="print cells side by side")
     parser.add_argument(
         "--out",

@@ -14,6 +14,7 @@ from harness.scenario.mission import OF_TARGET, MissionState
 from harness.scenario.topic import TOPIC, check_topic
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.plugins import Table
 
 NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
@@ -92,7 +93,7 @@ _OF_WHEELS = {
     "side_force": ("N", "Force of the soil to the wheel's left."),
 }
 
-QUANTITIES: dict[str, Quantity] = {
+SHIPPED: dict[str, Quantity] = {
     **_contacts("hazard_contact", "hazard", "Contacts with hazards", "Time in contact with a hazard"),
     **_contacts("rock_contact", "rock", "Contacts with rocks", "Time in contact with a rock"),
     **_contacts(
@@ -181,7 +182,12 @@ QUANTITIES: dict[str, Quantity] = {
         "", "Gates passed between their posts so far.", lambda m: m.mission.gates
     ),
 }
-
+QUANTITIES = Table[Quantity](
+    "expectations",
+    SHIPPED,
+    lambda value: isinstance(value, Quantity),
+    "a harness.scenario.quantities.Quantity",
+)
 
 GOAL = "truth.goal"  # how the names of those begin that need a goal
 ROUTE, TARGETS = "truth.route", ("truth.target", "truth.gates")  # a route, targets
@@ -217,4 +223,4 @@ def check_name(name: str) -> str | None:
         return check_topic(name)
     if OF_TARGET.fullmatch(name):
         return None
-    return None if name in names() else unknown("quantity", name, names())
+    return None if name in QUANTITIES or name in names() else unknown("quantity", name, names())

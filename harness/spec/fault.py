@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from harness.base.errors import UsageError
-from harness.base.number import number
 from harness.spec.value import AsText, parsed
+from rover_metrics.number import number
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 LONGEST = 1e8  # [s]: stamps have 31 bits of seconds
 _SPEC = re.compile(
-    r"(?P<sensor>[^:=@+]+):(?P<kind>[^:=@+]+)(?:=(?P<value>[^@]+))?"
+    r"(?P<sensor>[^:=@+]+):(?P<kind>(?:[^=@]+\.py:)?[^:=@+]+)(?:=(?P<value>[^@]+))?"
     r"(?:@(?P<start>[^+]+)(?:\+(?P<length>.+))?)?"
 )
 
