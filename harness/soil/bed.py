@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.soil import wheel_kernel
 from harness.soil.soils import SOIL_CONTACT, Soil
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
-AT_LOAD = 0.002  # [m]: change of the sinkage by which the stiffness is measured
+TICK = TICK_NS / NANOSECONDS  # [s], a whole number of steps
 
 Doubles = NDArray[np.float64]
 
@@ -178,7 +179,7 @@ def _check(
             raise UsageError(
                 f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by "
                 f"{swing:.2f} rad in one, more than {STABLE:g}; give "
-                f"--timestep {timestep * STABLE / swing / 1.2:.1g}, "
+                f"--timestep {TICK / math.ceil(TICK * swing / (timestep * STABLE)):.3g}, "
                 "or a soil of a smaller k_phi"
             )
 

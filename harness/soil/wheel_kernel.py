@@ -103,9 +103,11 @@ def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slow
         2.0 * sweep * dt / (r * step)
     )  # of the first one, which is half a step from the rim's entry
     kept = 1.0 / (1.0 + carried)
-    beside = (flow_lateral * abs(ey) ** SIDEWAYS) ** 2 + rest
-    pushed = flow_driving * speed * driving
-    standing = rest / (1.0 + flow_pressing * flow_pressing)
+    # A wheel that spins on the spot is as one that advances a little: it digs and does not press.
+    dug = rest * driving
+    beside = (flow_lateral * abs(ey) ** SIDEWAYS) ** 2 + rest - dug
+    pushed = flow_driving * math.sqrt(speed * speed + dug) * driving
+    standing = (rest - dug) / (1.0 + flow_pressing * flow_pressing)
     ahead, left, up, brake, jx, jy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     # Cosines and sines of a station's angle and of that whose pressure it has: turned on step by step.
     c, s = math.cos(first - 0.5 * step), math.sin(first - 0.5 * step)
@@ -136,7 +138,7 @@ def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slow
             into = max(ex * at_s, 0.0)
             along = eu - ex * c
             away = pushed if along > 0.0 else flow_braking * along
-            into *= into
+            into = into * into + dug * at_s * at_s
             bearing = math.sqrt((into + standing) / (into + away * away + beside + 1e-18))
             stress *= flowing + (1.0 - flowing) * bearing
         px, py = jx + YIELD * sliding_x, jy - YIELD * vy
