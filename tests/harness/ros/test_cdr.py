@@ -11,12 +11,11 @@ from rclpy.serialization import serialize_message
 
 from harness.ros.cdr import Template, places
 from harness.ros.foreign_type import message_type
-from harness.sensors.message_types import numbers_at, read_message
+from harness.ros.frames import TF_MESSAGE
+from harness.sensors.message_types import GRID_MAP, numbers_at, read_message
 from harness.sensors.table import SENSORS
 
-KINDS = sorted(
-    {topic.message_type for row in SENSORS for topic in row.topics} - {TF_MESSAGE, GRID_MAP}
-)
+KINDS = sorted({topic.message_type for row in SENSORS for topic in row.topics} - {TF_MESSAGE, GRID_MAP})
 
 
 def lengthened(message: Any, text: str, size: int) -> Any:  # noqa: ANN401 - of rclpy
