@@ -25,11 +25,11 @@ MANY = 32  # numbers, from which on they are copied as an array
 
 
 class Place(NamedTuple):
-    """Numbers in a message, `count` of that format of struct from `start` on; None: no list of them."""
+    """Numbers in a message, `length` of that format of struct from `start` on; None: no list of them."""
 
     start: int
     letter: str
-    count: int | None = None
+    length: int | None = None
 
     @property
     def end(self) -> int:
@@ -39,7 +39,7 @@ class Place(NamedTuple):
     @property
     def format(self) -> str:
         """Returns the format of all."""
-        return self.letter if self.count is None else f"{self.count}{self.letter}"
+        return self.letter if self.length is None else f"{self.length}{self.letter}"
 
 
 def places(message: Any, kind: str) -> dict[str, Place]:  # noqa: ANN401 - of rclpy or of rosbags
@@ -82,7 +82,7 @@ class _Walk:
         for below, (name, node) in zip(names, fields, strict=True):
             self.field(node, getattr(value, name), below)
         parts = [self.found.get(below) for below in names]
-        row = [part for part in parts if part is not None and part.count is None]
+        row = [part for part in parts if part is not None and part.length is None]
         if row and len(row) == len(parts) and all(a.end == b.start for a, b in pairwise(row)):
             self.found[path] = Place(row[0].start, "".join(part.letter for part in row))
 
@@ -117,11 +117,11 @@ class Template:
 
     def __init__(self, data: bytes, spots: Sequence[Place]) -> None:
         self._buffer = bytearray(data)
-        self._lengths = [(i, spot.count) for i, spot in enumerate(spots) if spot.count is not None]
+        self._lengths = [(i, spot.length) for i, spot in enumerate(spots) if spot.length is not None]
         self._writers = [self._writer(spot) for spot in spots]
 
     def _writer(self, spot: Place) -> Callable[[Any], None]:
-        buffer, start, count = self._buffer, spot.start, spot.count
+        buffer, start, count = self._buffer, spot.start, spot.length
         if count is not None and count > MANY:
             view = np.frombuffer(buffer, f"<{spot.letter}", count, start)
             return partial(view.__setitem__, slice(None))

@@ -43,12 +43,12 @@ def test_every_number_of_a_topics_messages_is_put_where_it_is_read(
     message = lengthened(made(), text, size)
     data, found = serialize_message(message), places(message, kind)
     leaves = {
-        path: place for path, place in found.items() if len(place.letter) == 1 and place.count != 0
+        path: place for path, place in found.items() if len(place.letter) == 1 and place.length != 0
     }
     values, following = {}, count(1)
     for path, place in leaves.items():
         values[path] = [
-            next(following) % (2 if place.letter == "?" else 100) for _ in range(place.count or 1)
+            next(following) % (2 if place.letter == "?" else 100) for _ in range(place.length or 1)
         ]
     template = Template(data, list(leaves.values()))
     assert template.fits(list(values.values()))
