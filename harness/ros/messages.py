@@ -10,7 +10,7 @@ from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Pose, PoseArray
+from geometry_msgs.msg import Pose, PoseArray, PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
     CameraInfo,
@@ -77,6 +77,14 @@ def person(index: int) -> Fill:
             "orientation": lambda sample: sample.orientation[index],
         },
     )
+
+
+def goal() -> Fill:
+    """Returns a filler of goals in the world, which is the map."""
+    message = PoseStamped()
+    message.header.frame_id = "map"
+    parts = ("position", "orientation")
+    return refilled(message, {f"pose.{part}": attrgetter(part) for part in parts})
 
 
 def by_names(message: Message, sample_type: type) -> Fill:

@@ -54,7 +54,7 @@ def _template(message: Message, paths: Sequence[str]) -> Template | None:
     """The message as bytes; None where the middleware serialises in another way."""
     kind = type_name(type(message))
     data, found = serialize_message(message), places(message, kind)
-    if data[:2] != LITTLE_ENDIAN or not 0 <= len(data) - found[""].start < 8:
+    if data[:2] != LITTLE_ENDIAN or not 0 <= len(data) - found[""].start < 16:
         return None
     return Template(without_padding(data, kind, None), [found[path] for path in paths])
 

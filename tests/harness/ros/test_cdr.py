@@ -52,6 +52,6 @@ def test_every_number_of_a_topics_messages_is_put_where_it_is_read(
         ]
     template = Template(data, list(leaves.values()))
     assert template.fits(list(values.values()))
-    told = read_message(template.filled(list(values.values())), kind)
+    told = read_message(template.filled(list(values.values()))[: found[""].start], kind)
     assert {path: numbers_at(told, path) for path in leaves} == values
-    assert len(data) - 8 < found[""].start <= len(data)
+    assert len(data) - 16 < found[""].start <= len(data)
