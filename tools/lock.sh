@@ -1,8 +1,8 @@
 #!/bin/sh
 # Regenerates the locks, each for all supported Pythons at once and with the hash of every file: what
 # `make setup` installs in requirements.txt, what builds it in tools/build.txt, and the environments
-# of `make test-jazzy`, `make test-cluster`, `make audit`, `make docs` and `make dist` in
-# tools/{jazzy,cluster,audit,docs,release}.txt. Called by `make lock`.
+# of `make test-jazzy`, `make test-cluster`, `make test-clients`, `make audit`, `make docs` and `make dist` in
+# tools/{jazzy,cluster,clients,audit,docs,release}.txt. Called by `make lock`.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -18,6 +18,7 @@ lock --python-version 3.11 "$@" --extra ros --extra dev --constraint tools/build
 lock --python-version 3.10 "$@" tools/jazzy.in -o tools/jazzy.txt
 lock --python-version 3.11 "$@" --extra ray --extra dask --constraint requirements.txt \
     pyproject.toml tools/cluster.in -o tools/cluster.txt
+lock --python-version 3.11 "$@" --constraint requirements.txt tools/clients.in -o tools/clients.txt
 for name in audit docs release; do
     lock --python-version 3.11 "$@" "tools/$name.in" -o "tools/$name.txt"
 done

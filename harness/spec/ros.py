@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from harness.spec.effect import FORM, EffectText
 from harness.spec.value import Option, Value, listed
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
@@ -60,6 +61,11 @@ class RosOptions(Value):
     host_metrics: bool = True
     wait_for: Annotated[tuple[str, ...], listed(), Option("NODE")] = Field(
         default=(), description="keep lock-step with a node in another process; repeatable"
+    )
+    wait_for_topic: Annotated[tuple[EffectText, ...], listed(), Option("TOPIC[,...]")] = Field(
+        default=(),
+        description="let time go on only when this output has come for each /scan; of another input, or "
+        f"within other than 30 s: {FORM}; repeatable",
     )
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
