@@ -3,10 +3,16 @@
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+<<<<<<< HEAD
 from harness.spec.effect import FORM, EffectText
 from harness.spec.value import Option, Value, listed
+=======
+from harness.base.errors import UsageError
+from harness.spec.rover import namespace_of
+from harness.spec.value import Option, Value, checked, listed
+>>>>>>> main
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
 ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
@@ -40,6 +46,11 @@ def _rate(value: object) -> object:
     return None if value == "max" else value
 
 
+def _check_nodes(names: tuple[str, ...]) -> None:
+    if not all(namespace_of(name, "--wait-for") for name in names):
+        raise UsageError("--wait-for needs the name of a node, e.g. /metrics_node")
+
+
 class RosOptions(Value):
     """How a run goes through ROS; `log_dir` and `rate` hold for a run without it too.
 
@@ -59,6 +70,7 @@ class RosOptions(Value):
         Option("R|max"),
     ] = Field(default=None, description="times real time; default: max")
     host_metrics: bool = True
+<<<<<<< HEAD
     wait_for: Annotated[tuple[str, ...], listed(), Option("NODE")] = Field(
         default=(), description="keep lock-step with a node in another process; repeatable"
     )
@@ -67,6 +79,11 @@ class RosOptions(Value):
         description="let time go on only when this output has come for each /scan; of another input, or "
         f"within other than 30 s: {FORM}; repeatable",
     )
+=======
+    wait_for: Annotated[
+        tuple[str, ...], listed(), AfterValidator(checked(_check_nodes)), Option("NODE")
+    ] = Field(default=(), description="keep lock-step with a node in another process; repeatable")
+>>>>>>> main
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
         Field(
