@@ -5,14 +5,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-<<<<<<< HEAD
-from harness.spec.effect import FORM, EffectText
-from harness.spec.value import Option, Value, listed
-=======
 from harness.base.errors import UsageError
+from harness.spec.effect import FORM, EffectText
 from harness.spec.rover import namespace_of
 from harness.spec.value import Option, Value, checked, listed
->>>>>>> main
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
 ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
@@ -70,20 +66,14 @@ class RosOptions(Value):
         Option("R|max"),
     ] = Field(default=None, description="times real time; default: max")
     host_metrics: bool = True
-<<<<<<< HEAD
-    wait_for: Annotated[tuple[str, ...], listed(), Option("NODE")] = Field(
-        default=(), description="keep lock-step with a node in another process; repeatable"
-    )
+    wait_for: Annotated[
+        tuple[str, ...], listed(), AfterValidator(checked(_check_nodes)), Option("NODE")
+    ] = Field(default=(), description="keep lock-step with a node in another process; repeatable")
     wait_for_topic: Annotated[tuple[EffectText, ...], listed(), Option("TOPIC[,...]")] = Field(
         default=(),
         description="let time go on only when this output has come for each /scan; of another input, or "
         f"within other than 30 s: {FORM}; repeatable",
     )
-=======
-    wait_for: Annotated[
-        tuple[str, ...], listed(), AfterValidator(checked(_check_nodes)), Option("NODE")
-    ] = Field(default=(), description="keep lock-step with a node in another process; repeatable")
->>>>>>> main
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
         Field(
