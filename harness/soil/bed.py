@@ -24,7 +24,10 @@ MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
 TICK = TICK_NS / NANOSECONDS  # [s], a whole number of steps
 
+SEEN = 4.0  # [m] around a camera in which ruts are shown
+
 Doubles = NDArray[np.float64]
+Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights from 0 to 1
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,7 @@ class Bed:
     Attributes:
         surface: Heights of the ground with its ruts [m], shape (rows, columns); changes in each step.
         states: What the wheels remember, a row of each; kept and put back with the state of a rover.
+        leaves_ruts: Whether any of its soils stays where it was pressed to.
         felt: Of each wheel: sinkage [m], forces of the soil ahead, left and up [N], speed of the rim, of
             the hub ahead and left [m/s], depth of the rut ahead [m]; shape (n, 8).
 
@@ -108,6 +112,7 @@ class Bed:
         data: mujoco.MjData,
     ) -> None:
         self.wheels, self._ground = tuple(wheels), ground
+        self.leaves_ruts = any(soil.leaves_ruts for soil in soils)
         gravity = -float(model.opt.gravity[2])
         widest = max(wheel.width for wheel in wheels)
         self._numbers = np.array([soil.numbers(widest, gravity) for soil in soils])
@@ -135,6 +140,15 @@ class Bed:
         """Returns the rows of a rover's wheels, by its root body."""
         rows = np.flatnonzero(self._bodies[:, 2] == root)
         return slice(int(rows[0]), int(rows[-1]) + 1)
+
+    def around(self, x: float, y: float) -> Patch | None:
+        """Returns MuJoCo's heights within SEEN of a place; None where nothing leaves ruts."""
+        if not self.leaves_ruts:
+            return None
+        (x0, y0), cell = self._ground.corner, self._ground.cell
+        row, column = (max(int((at - SEEN) / cell), 0) for at in (y - y0, x - x0))
+        across = int(2.0 * SEEN / cell)
+        return row, column, self._ground.field[row : row + across, column : column + across].copy()
 
     def smooth(self) -> None:
         """Makes the ground as it was without ruts; what the wheels remember stays."""
