@@ -1,5 +1,6 @@
 """What a *.scenario.yaml says: values that are checked as they are read, and their JSON schema."""
 
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -15,6 +16,8 @@ from pydantic_core import PydanticCustomError
 from harness.base.errors import unknown
 from harness.scenario.bound import Bound, Point, Share, Text
 from harness.scenario.mission import OF_TARGET
+from harness.scenario.pose import FORM as POSES
+from harness.scenario.pose import POSE
 from harness.scenario.quantities import GOAL, ROUTE, TARGETS, check_name, names
 from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
@@ -27,7 +30,7 @@ SCHEMA: dict[str, Any] = {
         "anyOf": [
             {"enum": list(names())},
             {"pattern": f"^{PATTERN}$"},
-            {"pattern": f"^{OF_TARGET.pattern.replace('?P<name>', '').replace('?P<what>', '')}$"},
+            *({"pattern": f"^{re.sub(r'[?]P<.+?>', '', form.pattern)}$"} for form in (OF_TARGET, POSES)),
         ]
     }
 }
@@ -172,7 +175,7 @@ class Scenario(RunKeys):
     @property
     def needs_ros(self) -> bool:
         """Whether nodes are started or topics heard."""
-        return bool(self.launch) or any(name.startswith(TOPIC) for name in self.expect)
+        return bool(self.launch) or any(name.startswith((TOPIC, POSE)) for name in self.expect)
 
     @property
     def has_baseline(self) -> bool:

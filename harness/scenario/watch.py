@@ -26,6 +26,7 @@ from harness.scenario.baseline import (
 from harness.scenario.case import Case
 from harness.scenario.judge import Breach, judge, judge_against, value_of
 from harness.scenario.mission import MissionAccount
+from harness.scenario.poses import TruePath
 from harness.scenario.quantities import LOG, ROUTE, RUN, SAMPLED, TARGETS, quantity_of
 from harness.scenario.series import Series, TruthSeries
 from harness.scenario.verdict import Attempt, Measured
@@ -49,6 +50,7 @@ class Watch:
     Attributes:
         truth: Its quantities of the truth; an Observer of its own.
         page: What a page shows of it.
+        path: Its true poses.
 
     Raises:
         UsageError: There is no baseline of it.
@@ -61,7 +63,7 @@ class Watch:
         is_mission = any(name.startswith((ROUTE, *TARGETS)) for name in names)
         mission = _mission(case.run) if is_mission else None
         self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius), mission)
-        self.page = RunRecorder()
+        self.page, self.path = RunRecorder(), TruePath()
 
     @property
     def settings(self) -> Settings:
@@ -78,6 +80,7 @@ class Watch:
         """Takes the next batch."""
         self.truth.take(batch)
         self.page.take(batch)
+        self.path.take(batch)
 
     def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Attempt:
         """Returns what a run with these quantities of topics came to; its log is read.
