@@ -215,9 +215,15 @@ class Episode:
         self._act(tick)
         self._drive.command(self._commanded())
 
-    def drive_wheels(self) -> None:
-        """Commands the wheels for the next tick."""
-        self.simulation.command_wheels(self._drive.wheel_speeds())
+    @property
+    def looks_at_each_tick(self) -> bool:
+        """Whether a sensor must see the ruts at the end of a tick within a control period."""
+        return self.simulation.physics.bed is not None and self._sensors.sees_ground_between
+
+    def drive_wheels(self, ticks: int) -> None:
+        """Commands the wheels for the next ticks."""
+        speeds = [self._drive.wheel_speeds() for _ in range(ticks)]
+        self.simulation.command_ahead(np.array(speeds))
 
     def observe(self, index: int) -> None:
         """Takes a tick that has just been simulated into account, counted from 1."""
@@ -331,18 +337,21 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
             yielded.
     """
     physics, total = episodes[0].simulation.physics, episodes[0].run.total_ticks
+    span = 1 if any(episode.looks_at_each_tick for episode in episodes) else physics.span
     for start in range(0, total, TICKS_PER_CONTROL):
         stop = min(start + TICKS_PER_CONTROL, total)
         for episode in episodes:
             episode.begin_period(start)
         failure: RunFailed | None = None
         try:
-            for index in range(start + 1, stop + 1):
+            for first in range(start, stop, span):
+                ticks = min(span, stop - first)
                 for episode in episodes:
-                    episode.drive_wheels()
-                physics.tick()
-                for episode in episodes:
-                    episode.observe(index)
+                    episode.drive_wheels(ticks)
+                physics.run(ticks)
+                for tick in physics.shown():
+                    for episode in episodes:
+                        episode.observe(first + tick + 1)
         except RunFailed as error:
             failure = error
         is_last = failure is not None or stop == total
