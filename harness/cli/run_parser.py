@@ -26,7 +26,7 @@ from rover_metrics.extended.settings import Settings
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 IN_SENSORS = ("noise", "lidar_beams", "imu_rate", "sensors")
-IN_RUN = ("log_dir", "rate", "wait_for", "record", "overwrite")
+IN_RUN = ("log_dir", "rate", "wait_for", "record", "overwrite", "truth_map")
 
 
 class Files(Value):

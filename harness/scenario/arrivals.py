@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,13 @@ SAMPLED_NS = NANOSECONDS // 20  # between two values of a rate
 
 Integers = NDArray[np.int64]
 Read = Callable[[Any], Iterable[Any]]
+
+
+class Reader(NamedTuple):
+    """What takes out of messages of these types what is judged."""
+
+    types: Sequence[str]
+    read: Read
 
 
 @dataclass

@@ -15,6 +15,8 @@ from pydantic_core import PydanticCustomError
 
 from harness.base.errors import unknown
 from harness.scenario.bound import Bound, Point, Share, Text
+from harness.scenario.map import FORM as MAPS
+from harness.scenario.map import MAP
 from harness.scenario.mission import OF_TARGET
 from harness.scenario.pose import FORM as POSES
 from harness.scenario.pose import POSE
@@ -25,12 +27,16 @@ from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 from harness.world.targets.placing import target_names
 
+GROUP = r"[?]P<.+?>"  # the name of a group, which JSON schemas do not know
 SCHEMA: dict[str, Any] = {
     "propertyNames": {
         "anyOf": [
             {"enum": list(names())},
             {"pattern": f"^{PATTERN}$"},
-            *({"pattern": f"^{re.sub(r'[?]P<.+?>', '', form.pattern)}$"} for form in (OF_TARGET, POSES)),
+            *(
+                {"pattern": f"^{re.sub(r'[?]P<.+?>', '', form.pattern)}$"}
+                for form in (OF_TARGET, POSES, MAPS)
+            ),
         ]
     }
 }
@@ -175,7 +181,7 @@ class Scenario(RunKeys):
     @property
     def needs_ros(self) -> bool:
         """Whether nodes are started or topics heard."""
-        return bool(self.launch) or any(name.startswith((TOPIC, POSE)) for name in self.expect)
+        return bool(self.launch) or any(name.startswith((TOPIC, POSE, MAP)) for name in self.expect)
 
     @property
     def has_baseline(self) -> bool:

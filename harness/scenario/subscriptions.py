@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
@@ -14,20 +14,13 @@ from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class
-from harness.scenario.arrivals import Arrivals, Read
+from harness.scenario.arrivals import Arrivals, Reader
 from harness.scenario.topic import AGE, TopicQuantity, check_messages
 from harness.sensors.message_types import read_message
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
 from rover_metrics.ros.subscriptions import keep_last
 
 QUEUE = 1000  # messages of a topic that may wait; in lock-step nothing is lost
-
-
-class Reader(NamedTuple):
-    """What takes out of messages of these types what is judged."""
-
-    types: Sequence[str]
-    read: Read
 
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]

@@ -29,12 +29,10 @@ from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
 from harness.scenario.arrivals import topic_series
 from harness.scenario.case import Case, plan
-from harness.scenario.pose import pose_quantity
-from harness.scenario.poses import TYPES as POSE_TYPES
-from harness.scenario.poses import pose_series, rows_of
+from harness.scenario.judged import judged_series, readers
 from harness.scenario.series import Series
 from harness.scenario.steps import PauseEvent
-from harness.scenario.subscriptions import Reader, Subscriptions
+from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.topic import TopicQuantity, topic_quantity
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
@@ -129,7 +127,12 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
             inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
             hear, wanted = self._recording.hear, self._wanted()
             self._topics = Subscriptions(
-                trial.bridge, wanted, inputs, self._readers(), now=self._now, record=hear
+                trial.bridge,
+                wanted,
+                inputs,
+                readers(self.case.scenario.expect),
+                now=self._now,
+                record=hear,
             )
             self._await_nodes()
             if not trial.nodes.subjects:  # who answers after it has been published has heard it
@@ -259,11 +262,6 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
                 wanted.setdefault(quantity.topic, []).append(quantity)
         return wanted
 
-    def _readers(self) -> dict[str, Reader]:
-        """What is taken out of the messages of topics that are judged by the truth."""
-        poses = filter(None, map(pose_quantity, self.case.scenario.expect))
-        return {topic: Reader(POSE_TYPES, rows_of) for pose in poses for topic in pose.topics}
-
     def _now(self) -> tuple[int, int]:
         return self._trial.now_ns, self._trial.clock_ns
 
@@ -286,12 +284,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         topics, known = self._topics, self._topics.known
         pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.bounds]
         rows = {topic: arrivals.read_values for topic, arrivals in topics.heard.items()}
-        poses = {name: pose_quantity(name) for name in self.case.scenario.expect}
-        judged = {
-            name: pose_series(pose, rows, self._watch.path)
-            for name, pose in poses.items()
-            if pose is not None
-        }
+        judged = judged_series(self.case, rows, self._watch.path)
         return judged | {
             bound.label(name): topic_series(quantity, bound.of, topics.heard, known, self._trial.now_ns)
             for name, quantity, bound in pairs
