@@ -32,7 +32,7 @@ def judged_series(case: Case, read: Mapping[str, Any], path: poses.TruePath) -> 
         path: The true poses.
     """
     found: dict[str, Series] = {}
-    for name in case.scenario.expect:
+    for name in case.scenario.quantities:
         if (pose := pose_quantity(name)) is not None:
             found[name] = poses.pose_series(pose, read, path)
         if (grid := map_quantity(name)) is not None:

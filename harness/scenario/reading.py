@@ -23,6 +23,7 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "matrix": spec.Matrix,
     "goal": spec.Goal,
     "expect": bound.Bound,
+    "measure": bound.Measure,
     **steps.EVENTS,
     "launch": steps.Launch,
     "expected_to_fail": spec.ExpectedFailure,

@@ -124,13 +124,13 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
             self._files.mkdir()
             trial = at_end.enter_context(self._trial)
             trial.bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-            inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
+            inputs = {bound.of for _, bound in self.case.scenario.measured if bound.of is not None}
             hear, wanted = self._recording.hear, self._wanted()
             self._topics = Subscriptions(
                 trial.bridge,
                 wanted,
                 inputs,
-                readers(self.case.scenario.expect),
+                readers(self.case.scenario.quantities),
                 now=self._now,
                 record=hear,
             )
@@ -256,7 +256,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
         """What is expected of each topic."""
         wanted: dict[str, list[TopicQuantity]] = {}
-        for name in self.case.scenario.expect:
+        for name in self.case.scenario.quantities:
             quantity = topic_quantity(name)
             if quantity is not None:
                 wanted.setdefault(quantity.topic, []).append(quantity)
@@ -282,7 +282,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     def _heard(self) -> dict[str, Series]:
         """The quantities of topics over time."""
         topics, known = self._topics, self._topics.known
-        pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.bounds]
+        pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.measured]
         rows = {topic: arrivals.read_values for topic, arrivals in topics.heard.items()}
         judged = judged_series(self.case, rows, self._watch.path)
         return judged | {
