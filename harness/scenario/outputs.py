@@ -27,8 +27,8 @@ def write_outputs(verdicts: Sequence[Verdict], files: Mapping[str, Path]) -> Non
     if "junit" in files:
         write_whole(files["junit"], junit_of(verdicts), "the JUnit XML")
     several = [comparisons_of(verdict) for verdict in verdicts] if files.keys() - {"junit"} else []
-    if "html" in files:
-        write_whole(files["html"], render(several, files["html"]), "the page")
+    if "page" in files:
+        write_whole(files["page"], render(several, files["page"]), "the page")
     if "plot" in files:
         from harness.scenario.box_plot import box_plots  # noqa: PLC0415 - loads matplotlib
 
