@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 from pydantic import (
     AfterValidator,
     BeforeValidator,
+    ConfigDict,
     Field,
     create_model,
     model_validator,
@@ -154,6 +155,10 @@ class Scenario(RunKeys):
         pass_rate: How many of the runs must pass.
     """
 
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": [name]} for name in ("expect", "measure")]}
+    )
+
     about: Text
     duration: Length = 30.0
     matrix: Matrix = Matrix()
@@ -164,10 +169,10 @@ class Scenario(RunKeys):
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()
     expect: dict[Annotated[str, AfterValidator(_known)], Bounds] = Field(
-        default={}, json_schema_extra=SCHEMA
+        default={}, min_length=1, validate_default=False, json_schema_extra=SCHEMA
     )
     measure: dict[Annotated[str, AfterValidator(_known)], Measures] = Field(
-        default={}, json_schema_extra=SCHEMA
+        default={}, min_length=1, validate_default=False, json_schema_extra=SCHEMA
     )
     compare: str = ""
     same_bytes: bool = False
@@ -222,7 +227,7 @@ class Scenario(RunKeys):
         if self.seeds is not None and "seed" in self.model_fields_set:
             yield _mistake(("seed",), "give one of seed and seeds")
         if not self.measured:
-            yield _mistake((), "key 'expect' or 'measure' is missing: nothing is expected or measured")
+            yield _mistake((), "key 'expect' is missing, or 'measure'")
         lists = {name: values for name, values in self.matrix if len(values) > 1}
         if self.compare and self.compare not in lists:
             known = ", ".join(lists) or "none has several values"
