@@ -3,8 +3,11 @@
 from pathlib import Path
 
 from harness.base.errors import find_named
-from harness.drivers.base import Driver, DriverContext, Observation
+from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals
+from harness.drivers.beeline import Beeline
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
+from harness.drivers.from_file import PREFIX as IN_FILE
+from harness.drivers.from_file import driver_in
 from harness.drivers.goal import Goal
 from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
@@ -19,6 +22,7 @@ __all__ = [
     "Goal",
     "Observation",
     "PolicyDriver",
+    "TakesGoals",
     "find_driver",
     "sensed_by",
     "takes_goals",
@@ -31,6 +35,7 @@ DRIVERS: dict[str, type[Driver]] = {
     "figure8": Figure8,
     "cmd_vel": CmdVel,
     "goal": Goal,
+    "beeline": Beeline,
     "roam": Roam,
     "ram": Ram,
     "reverse_into": ReverseInto,
@@ -41,17 +46,19 @@ DRIVERS: dict[str, type[Driver]] = {
 
 
 def find_driver(name: str) -> type[Driver]:
-    """Returns the driver of that name or, of `policy:FILE`, of a file; UsageError without such a one."""
+    """Returns the driver of that name, or of `policy:FILE` or `python:FILE:CLASS`, else UsageError."""
     if name.startswith(PREFIX):
         file = Path(name.removeprefix(PREFIX))
         read_policy(file)
         return driver_of(file)
+    if name.startswith(IN_FILE):
+        return driver_in(name)
     return find_named("driver", name, DRIVERS)
 
 
 def takes_goals(name: str) -> bool:
     """Returns whether the driver of that name goes to goals that it is given; UsageError without it."""
-    return issubclass(find_driver(name), Goal | PolicyDriver)
+    return issubclass(find_driver(name), TakesGoals)
 
 
 def sensed_by(name: str) -> frozenset[type[Sample]]:

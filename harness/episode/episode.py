@@ -17,7 +17,15 @@ import numpy as np
 from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
-from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers import (
+    CmdVel,
+    Driver,
+    DriverContext,
+    Observation,
+    PolicyDriver,
+    TakesGoals,
+    find_driver,
+)
 from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
 from harness.episode.assembly import check, check_world, scenery, sensor_rows
@@ -144,8 +152,8 @@ class Episode:
             self._driver.obey(twist)
 
     def head_for(self, place: Place) -> None:
-        """Gives the driver `goal`, or a policy, its next goal; other drivers choose their own."""
-        if isinstance(self._driver, Goal | PolicyDriver):
+        """Gives a driver that takes goals its next one; other drivers choose their own."""
+        if isinstance(self._driver, TakesGoals):
             self._goals.append(place)
             self._driver.head_for(place.x, place.y, place.yaw)
 
