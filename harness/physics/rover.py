@@ -1,6 +1,7 @@
 """One rover's part of the state of a world: views into MuJoCo's, to read, to keep and to put back."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 from harness.physics.contacts import ContactWatch
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene
-from harness.soil.bed import Bed
+
+if TYPE_CHECKING:
+    from harness.soil.bed import Bed
 
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 
@@ -34,7 +37,7 @@ class Rover:
     """
 
     def __init__(
-        self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str], bed: Bed | None = None
+        self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str], bed: "Bed | None" = None
     ) -> None:
         self.scene = scene = scenes[0]
         model, self._geoms = scene.model, scene.geoms()

@@ -48,6 +48,6 @@ class Datum:
         place = np.array(geodetic2ecef(self.latitude, self.longitude, self.altitude))
         distance = math.hypot(*place)
         up = place / distance
-        field = (MAGNETIC_RADIUS / distance) ** 3 * (3.0 * (DIPOLE @ up) * up - DIPOLE)
+        field = (MAGNETIC_RADIUS / distance) ** 3 * (3.0 * sum(DIPOLE * up) * up - DIPOLE)
         east, north, upward = map(float, ecef2enuv(*field, self.latitude, self.longitude))
         return east, north, upward
