@@ -21,7 +21,7 @@ from harness.course.tracks.barn_files import read_worlds
 from harness.course.tracks.base import Track
 from harness.course.tracks.sdf import Circle, world_text
 from harness.episode.assembly import world_of
-from harness.robots import ROVERS, find_rover
+from harness.robots import find_rover
 from harness.spec.run import Run
 
 START, GOAL = (-2.25, 3.0, 1.57), (-2.25, 13.0)
@@ -49,7 +49,7 @@ class Barn(Track):
         touch_ends=True,
         penalties=False,
     )
-    robot = "jackal" if "jackal" in ROVERS else "rover_zero4wd"
+    robot = "jackal"
     takes_worlds: ClassVar[bool] = True
 
     def cases(self, seeds: int, folder: Path | None = None) -> list[Case]:
