@@ -98,19 +98,19 @@ def _physics_on_two(
     other.reset(seed=0)
     periods = np.reshape(commands, (-1, TICKS_PER_CONTROL, len(commands[0])))
 
-    def leaping(each: Any) -> Callable[[], None]:  # noqa: ANN401
+    def stepping(each: Any) -> Callable[[], None]:  # noqa: ANN401
         each.reset(options=WHERE)
-        leap = each.driven._leap  # noqa: SLF001 - it gives the interpreter free, mj_step does not
+        simulation = each.driven.simulation
 
         def run() -> None:
             for period in periods:
-                leap.take(period)
-                leap.run()
+                simulation.command_ahead(period)
+                simulation.physics.run(TICKS_PER_CONTROL, watched=False)
 
         return run
 
     def drive(threads: int) -> float:
-        drives = [leaping(each) for each in (env, other)]
+        drives = [stepping(each) for each in (env, other)]
         with ThreadPoolExecutor(threads) as pool:
             return timed(lambda: list(pool.map(call, drives)))()
 
@@ -162,8 +162,8 @@ def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: A
 def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64]]:  # noqa: ANN401
     """The wheel commands of a drive, tick by tick."""
     env.reset(options=WHERE)
-    leap = env.driven._leap  # noqa: SLF001 - to compare with what it does
-    with patch.object(leap, "take", wraps=leap.take) as spy:
+    simulation = env.driven.simulation
+    with patch.object(simulation, "command_ahead", wraps=simulation.command_ahead) as spy:
         for action in actions:
             env.step(action)
     return [speeds for call in spy.call_args_list for speeds in call.args[0]]

@@ -74,10 +74,10 @@ def _rows(run: Run, effort: Effort) -> list[tuple[str, ...]]:
 def recorded(run: Run) -> Commands:
     """Returns the wheel commands of an episode, tick by tick."""
     simulation = (episode := Episode(run)).simulation
-    with patch.object(simulation, "command_wheels", wraps=simulation.command_wheels) as spy:
+    with patch.object(simulation, "command_ahead", wraps=simulation.command_ahead) as spy:
         for _ in episode.batches():
             pass
-    return [call.args[0] for call in spy.call_args_list]
+    return [speeds for call in spy.call_args_list for speeds in call.args[0]]
 
 
 def physics(run: Run, commands: Commands) -> float:

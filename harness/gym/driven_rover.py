@@ -13,7 +13,6 @@ from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.episode.episode import sensor_noise
 from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
-from harness.physics.leap import Leap
 from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.base import EpisodeParts
@@ -52,7 +51,6 @@ class DrivenRover:
     def __init__(self, course: Course, start: Start, variation: Variation, noise_seed: int) -> None:
         scene = course.varied(start, variation)
         self.simulation = course.settled(scene, (start, replace(variation, latency=0.0)))
-        self._leap = Leap(self.simulation, TICKS_PER_CONTROL)
         self._base = base_controller(scene.rover, TICK)
         parts = EpisodeParts(simulation=self.simulation, lidar=course.lidar)
         noise = sensor_noise(course.run.rover.noise, noise_seed, course.lidar.spec)
@@ -75,16 +73,18 @@ class DrivenRover:
     def command(self, twist: Twist) -> None:
         """Makes of a command what the wheels do in the control period that `drive` lets pass."""
         self._base.command(twist)
-        self._leap.take(np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)]))
+        self.simulation.command_ahead(
+            np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)])
+        )
 
     def drive(self) -> None:
         """Lets the physics go on by one control period."""
-        self._leap.run()
+        self.simulation.physics.run(TICKS_PER_CONTROL, watched=False)
 
     def read(self) -> None:
         """Reads the sensors of the period just driven; with RunFailed the readings are from before."""
         hazards = scrapes = 0
-        for _ in self._leap.ticks():
+        for _ in self.simulation.physics.shown():
             self._ticks += 1
             counts = self.simulation.tick_sum.tolist()
             hazards += counts[self._hazard] > 0

@@ -37,7 +37,8 @@ class ContactWatch:
 
     Attributes:
         counts: How many contacts of each kind MuJoCo counts in the present step; a view.
-        strongest: The strongest contact of each kind since the last `begin`.
+        places: Where they stand among MuJoCo's sensor values.
+        strongest: The strongest contact of each kind in the tick that is shown.
     """
 
     def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData) -> None:
@@ -45,7 +46,8 @@ class ContactWatch:
         model = scene.model
         self._model, self._data = model, data
         counts = [at for name, at in scene.sensors().items() if name.startswith(COUNTED)]
-        self.counts = data.sensordata[counts[0].start : counts[-1].stop]  # one next to the other
+        self.places = np.arange(counts[0].start, counts[-1].stop)  # one next to the other
+        self.counts = data.sensordata[counts[0].start : counts[-1].stop]
         self._pose = data.qpos[scene.qpos_at : scene.qpos_at + 7]
         self._prefix, self._own = scene.prefix, set(scene.geoms())
         self._obstacles: dict[int, ContactKind] = {
@@ -59,15 +61,19 @@ class ContactWatch:
         self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
         self._body = body_geoms(scene)
         self._force = np.zeros(6)
-        self.strongest: dict[ContactKind, Touch] = {}
+        self.begin()
 
-    def begin(self) -> None:
-        """Forgets what was touched so far."""
-        if self.strongest:
-            self.strongest = {}
+    def begin(self, ticks: int = 1) -> None:
+        """Forgets what was touched so far; so many clock ticks follow, the first of them is shown."""
+        self._ticks: list[dict[ContactKind, Touch]] = [{} for _ in range(ticks)]
+        self.show(0)
+
+    def show(self, tick: int) -> None:
+        """Turns to a tick, from 0."""
+        self.strongest = self._ticks[tick]
 
     def look(self) -> None:
-        """Takes a step in which something was touched into account."""
+        """Takes a step of the present tick in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
             part, thing = (one, other) if one in self._own else (other, one)
             if part not in self._own:

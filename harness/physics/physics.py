@@ -5,7 +5,8 @@ knows ROS, drivers or sample rates.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import mujoco
 import numpy as np
@@ -17,6 +18,7 @@ from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene, soil_ground
 from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
+from harness.physics.stepping import SPAN, Span
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
 
@@ -46,7 +48,8 @@ class Physics:
         data: MuJoCo's state.
         step_count: Steps since time zero.
         steps_per_tick: Steps of one clock tick.
-        tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
+        tick_sum: MuJoCo's sensor values, each summed over the steps of the tick that is shown.
+        span: Most ticks that can be simulated in one go; 1 with people, who see where rovers are.
         crowd: The people who walk about; None without any.
         bed: The soil under the wheels; None on rigid ground.
         ground: What is driven on, with the ruts of now.
@@ -58,7 +61,6 @@ class Physics:
         self.model = scenes[0].model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self.data = mujoco.MjData(self.model)
-        self._warnings = self.data.warning.number  # a view: MuJoCo counts up in it
         self.timestep_ns = timestep_ns
         self.steps_per_tick = TICK_NS // timestep_ns
         self.step_count = 0
@@ -72,7 +74,14 @@ class Physics:
             Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked, self.bed)
             for number, scene in enumerate(scenes)
         )
+        self._span = Span(self.model, self.data, np.concatenate([rover.motors for rover in self.rovers]))
+        begin = 0
+        for rover in self.rovers:
+            end = begin + rover.motors.size
+            rover.ahead, begin = self._span.commands[:, begin:end], end
+        self._counts = np.concatenate([rover.contacts.places for rover in self.rovers])
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
+        self.span = SPAN if self.crowd is None else 1
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
             rover.restore(state)
             rover.parking.hold(True)
@@ -86,28 +95,77 @@ class Physics:
         return self.step_count * self.timestep_ns
 
     def tick(self) -> None:
-        """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
+        """Advances one clock tick under what is commanded now, as `run`, and shows its end.
 
         Raises:
             RunFailed: The state diverged, or a rover reached the edge of the map.
         """
-        model, data, total = self.model, self.data, self.tick_sum
-        watches = [(rover.contacts, rover.contacts.counts) for rover in self.rovers]
-        total.fill(0.0)
-        for contacts, _ in watches:
-            contacts.begin()
+        for rover in self.rovers:
+            rover.ahead[0], rover.parked = self.data.ctrl[rover.motors], [rover.parking.held]
+        self.run(1)
+        for _ in self.shown():
+            pass
+
+    def run(self, ticks: int, *, watched: bool = True) -> None:
+        """Simulates clock ticks for which all rovers have been commanded; `shown` is to be called next.
+
+        Args:
+            ticks: So many; at most `span`.
+            watched: Whether anybody asks which contacts there were, not only how many.
+        """
+        self._watches = [rover.contacts for rover in self.rovers] if watched else []
+        for contacts in self._watches:
+            contacts.begin(ticks)
         if self.crowd is not None:
             self.crowd.move(self.time_ns + TICK_NS)
-        for _ in range(self.steps_per_tick):
-            mujoco.mj_step(model, data)
-            total += data.sensordata
-            for contacts, counts in watches:
-                if any(counts.tolist()):
-                    contacts.look()
+        self._simulated = 0
+        parked = zip(*(rover.parked for rover in self.rovers), strict=True)
+        for holds, alike in groupby(parked):
+            for rover, held in zip(self.rovers, holds, strict=True):
+                rover.parking.hold(held)
+            if not self._advance(self._simulated + len(list(alike))):
+                break
         if self.crowd is not None:
-            self.crowd.look([contacts for contacts, _ in watches])
-        self.step_count += self.steps_per_tick
-        self.check()
+            self.crowd.look([rover.contacts for rover in self.rovers])
+
+    def shown(self) -> Iterator[int]:
+        """Shows one tick after the other of those that have just been simulated.
+
+        While a tick is shown, time, `tick_sum`, the rovers' contacts and what `stepping.RECORDED` names
+        of MuJoCo's state are those of its end; whatever else MuJoCo knows is that of the last one. All
+        are to be consumed.
+
+        Yields:
+            The index of the tick, from 0.
+
+        Raises:
+            RunFailed: The state diverged in a tick, or a rover reached the edge of the map.
+        """
+        last = self._simulated - 1
+        for tick in range(self._simulated):
+            self._span.show(tick, self.tick_sum)
+            self.step_count += self.steps_per_tick
+            for contacts in self._watches:
+                contacts.show(tick)
+            if tick == last:
+                self.check_health()
+            self.check_place()
+            yield tick
+
+    def _advance(self, end: int) -> bool:
+        """Simulates up to the end of a tick; returns whether that was possible."""
+        per_tick = self.steps_per_tick
+        step, counts = self._simulated * per_tick, self._counts if self._watches else self._counts[:0]
+        while step < end * per_tick:
+            step = self._span.advance((step, end * per_tick, per_tick), counts)
+            self._simulated = -(-step // per_tick)
+            for contacts in self._watches:
+                if any(contacts.counts.tolist()):
+                    contacts.show(self._simulated - 1)
+                    contacts.look()
+            if any(self._span.warnings.tolist()):
+                return False
+        return True
 
     def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
         """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.
@@ -147,13 +205,8 @@ class Physics:
         if self.bed is not None:
             self.bed.smooth()
 
-    def check(self) -> None:
-        """Checks the present state.
-
-        Raises:
-            RunFailed: It diverged, or a rover reached the edge of the map.
-        """
-        self.check_health()
+    def check_place(self) -> None:
+        """Checks where the rovers are; RunFailed if one of them reached the edge of the map."""
         for rover in self.rovers:
             x, y = rover.pose[:2].tolist()
             if not rover.scene.world.ground.contains(x, y, EDGE_MARGIN):
@@ -168,7 +221,7 @@ class Physics:
         Raises:
             Diverged: There are some.
         """
-        if not any(self._warnings.tolist()):  # a third of the time of numpy's any
+        if not any(self._span.warnings.tolist()):  # a third of the time of numpy's any
             return
         for warning, quantity in HEALTH_WARNINGS.items():
             if self.data.warning[warning].number:

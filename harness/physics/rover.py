@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.physics.contacts import ContactWatch
 from harness.physics.parking import ParkingHold
-from harness.physics.scene import Scene
+from harness.physics.scene import Scene, motors_of
 
 if TYPE_CHECKING:
     from harness.soil.bed import Bed
@@ -32,9 +32,15 @@ class Rover:
         scene: The rover in its world.
         pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
         twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, a view.
-        contacts: What it touched in the last tick.
+        contacts: What it touched in the tick that is shown.
         parking: Its brake.
+        motors: The actuators that are commanded, in the order of the rover's `motors`; the first
+            `driven` of them drive.
+        ahead: To them in the ticks that are simulated next, shape (SPAN, motors).
+        parked: Whether it is parked in each of these ticks.
     """
+
+    ahead: NDArray[np.float64]
 
     def __init__(
         self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str], bed: "Bed | None" = None
@@ -43,6 +49,9 @@ class Rover:
         model, self._geoms = scene.model, scene.geoms()
         self.contacts = ContactWatch(scenes, data)
         self.parking = ParkingHold(model, scene.all_own(scene.rover.drive.driven), parked)
+        self.motors = np.array(motors_of(model, scene.all_own(scene.rover.motors)))
+        self.driven = len(scene.rover.drive.driven)
+        self.parked: list[bool] = []
         joints = np.flatnonzero(model.body_rootid[model.jnt_bodyid] == scene.root)
         dofs = np.flatnonzero(model.body_rootid[model.dof_bodyid] == scene.root)
         motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))
@@ -53,13 +62,19 @@ class Rover:
         self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]
         self._lift = None if bed is None else bed.lift[bed.wheels_of(scene.root)]
         if bed is not None:
-            self._state.append(bed.states[bed.wheels_of(scene.root)])
+            own = slice(self._geoms[0], self._geoms[-1] + 1)
+            self._state += [bed.states[bed.wheels_of(scene.root)], model.geom_conaffinity[own]]
         if motors.size:
             first, last = int(motors[0]), int(motors[-1])
             self._state.append(data.ctrl[first : last + 1])
             acts = model.actuator_actadr[first : last + 1]
             if (acts := acts[acts >= 0]).size:
                 self._state.append(data.act[int(acts[0]) : int(acts[-1]) + model.actuator_actnum[last]])
+
+    def command(self, commands: NDArray[np.float64]) -> None:
+        """Takes commands to the motors for the next ticks, shape (ticks, motors)."""
+        self.ahead[: len(commands)] = commands
+        self.parked = [not any(speeds) for speeds in commands[:, : self.driven].tolist()]
 
     @property
     def velocities(self) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.physics import Physics
-from harness.physics.scene import Scene, motors_of
+from harness.physics.scene import Scene
 from harness.samples import Quaternion, Vector3
 from rover_metrics.core import rotation
 
@@ -28,10 +28,9 @@ class Simulation:
         twist: Its linear velocity [m/s] in the world and angular velocity [rad/s] in its own axes, a
             view into MuJoCo's state.
         steps_per_tick: Steps of one clock tick.
-        tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
-        contacts: What the rover touched in the last tick.
-        motors: The actuators that the controller commands, in the order of the rover's `motors`;
-            the first `driven` of them drive.
+        tick_sum: MuJoCo's sensor values, each summed over the steps of the tick that is shown.
+        contacts: What the rover touched in the tick that is shown.
+        motors: The actuators that the controller commands, in the order of the rover's `motors`.
         crowd: The people who walk about; None without any.
         ground: What is driven on, with the ruts of now.
     """
@@ -44,8 +43,7 @@ class Simulation:
         self.ground = physics.ground
         self.pose, self.twist, self.contacts = self._rover.pose, self._rover.twist, self._rover.contacts
         self.steps_per_tick, self.tick_sum = physics.steps_per_tick, physics.tick_sum
-        self.motors = np.array(motors_of(self.model, scene.all_own(scene.rover.motors)))
-        self.driven = len(scene.rover.drive.driven)
+        self.motors = self._rover.motors
         self._felt = scene.sensors()
         self._start = self._rover.state()
 
@@ -104,10 +102,18 @@ class Simulation:
             commands: In the order of the rover's `motors`; if all speeds are 0 it is parked.
         """
         self.data.ctrl[self.motors] = commands
-        self._rover.parking.hold(not any(commands[: self.driven].tolist()))
+        self._rover.parking.hold(not any(commands[: self._rover.driven].tolist()))
+
+    def command_ahead(self, commands: NDArray[np.float64]) -> None:
+        """Commands the wheels for the ticks that `physics.run` simulates next.
+
+        Args:
+            commands: Of each tick as `command_wheels` takes them, shape (ticks, motors).
+        """
+        self._rover.command(commands)
 
     def tick(self) -> None:
-        """Advances one clock tick with all rovers; `tick_sum` then holds the sums over its steps.
+        """Advances one clock tick with all rovers, under what is commanded now, and shows its end.
 
         Raises:
             RunFailed: The state diverged, or a rover reached the edge of the map.

@@ -30,7 +30,8 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
     field[:] = (ground.heights - base) / relief  # the corners had to hold the extremes
     (half_x, half_y), (x, y) = ground.half_size, ground.middle
     corner = x - half_x, y - half_y
-    told = Ground(ground.heights, corner, ground.cell, field, base, relief)
+    solid = scenes[0].world.ground
+    told = Ground(ground.heights, corner, ground.cell, field, base, relief, solid.heights, solid.cell)
     wheels = [wheel for scene in scenes for wheel in _wheels(scene, data)]
     for wheel in wheels:
         if wheel.width < ground.cell:

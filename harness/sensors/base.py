@@ -1,7 +1,7 @@
 """What a sensor is: something that looks at the simulation every so many clock ticks."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from harness.samples import Sample, Source
 
@@ -38,7 +38,13 @@ class EpisodeParts:
 
 
 class Sensor:
-    """One source of samples, with `period_ticks` clock ticks between two."""
+    """One source of samples, with `period_ticks` clock ticks between two.
+
+    Attributes:
+        sees_ground: Whether what it reads depends on the ground's present shape.
+    """
+
+    sees_ground: ClassVar[bool] = False
 
     def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
         self._simulation = simulation

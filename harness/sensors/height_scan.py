@@ -93,6 +93,8 @@ class HeightScanOptions(SensorOptions):
 class HeightScanSensor(OptionalSensor[HeightScanOptions]):
     """The height scan; the grid is level whichever way the rover leans."""
 
+    sees_ground = True
+
     def __init__(
         self,
         simulation: "Simulation",

@@ -64,6 +64,8 @@ class Lidar:
 class LidarSensor(Sensor):
     """The lidar as a sensor of the episode."""
 
+    sees_ground = True
+
     def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._lidar = lidar

@@ -12,6 +12,8 @@ from harness.sensors.rays.bundle import RayBundle
 class RangeSensor(OptionalSensor[RangeOptions]):
     """Casts the rays of its options; the rover does not see itself."""
 
+    sees_ground = True
+
     def __init__(
         self, simulation: Simulation, installation: Installation[RangeOptions], period_ticks: int
     ) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
-from harness.base.sim_time import HIGHEST_RATE
+from harness.base.sim_time import HIGHEST_RATE, TICKS_PER_CONTROL
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
 from harness.sensors.base import EpisodeParts, Sensor
@@ -23,7 +23,9 @@ class SensorSuite:
         noise: What corrupts their readings; None for nothing.
         rows: The sensors; None for those of every rover.
 
-    The last sample of each kind is in `latest`.
+    Attributes:
+        latest: The last sample of each kind.
+        sees_ground_between: Whether a sensor sees the ground's shape within a control period.
     """
 
     def __init__(
@@ -47,6 +49,8 @@ class SensorSuite:
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
         self._observe = [s.observe for s in self._sensors if type(s).observe is not Sensor.observe]
+        seeing = (s.period_ticks for s in self._sensors if s.sees_ground)
+        self.sees_ground_between = any(period % TICKS_PER_CONTROL for period in seeing)
         self._noise = noise
         self.latest: dict[type[Sample], Sample] = {}
 

@@ -95,14 +95,11 @@ def test_a_stop_ends_the_run_after_the_batch_in_hand_and_keeps_its_rows(tmp_path
 def test_a_run_that_fails_keeps_its_rows_and_says_why(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    tick = Physics.tick
-
     def until(physics: Physics) -> None:
-        tick(physics)
         if physics.time_ns == 1_520_000_000:
             raise RunFailed("the rover fell off")
 
-    monkeypatch.setattr(Physics, "tick", until)
+    monkeypatch.setattr(Physics, "check_place", until)
     result = drive(tmp_path)
     assert (result.failure, result.truth.time_ns) == ("the rover fell off", 1_520_000_000)
     assert timestamps(result) == ["1"]

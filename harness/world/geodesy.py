@@ -38,6 +38,15 @@ class Datum:
         latitude, longitude, altitude = map(float, at)
         return latitude, longitude, altitude
 
+    def local(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """Returns x and y in the world [m] of a place given in degrees, at the datum's altitude."""
+        from pymap3d import geodetic2enu  # noqa: PLC0415 - see the module
+
+        x, y, _ = geodetic2enu(
+            latitude, longitude, self.altitude, self.latitude, self.longitude, self.altitude
+        )
+        return float(x), float(y)
+
     def magnetic_field(self) -> Vector3:
         """Returns the flux density of the Earth's dipole at the datum, in the world's axes [T].
 
