@@ -22,7 +22,6 @@ from rich.console import Console
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.cli.plain import PlainConsole
 from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
 from harness.course.entry import BASELINES, LEARNED, find_entry
 from harness.course.receipt import read_receipt, receipt_of, write_receipt
@@ -30,6 +29,7 @@ from harness.course.sheets import sheet_of
 from harness.course.tracks import SEEDS, TRACKS, find_track
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 
 OUT = Path("course")

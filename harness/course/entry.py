@@ -24,7 +24,7 @@ FILE = "entry.yaml"
 MOST_BYTES = 64 * 2**20
 POLICIES = "policies"
 # The driver of each baseline; "learned" has a policy a track, in policies/, and is `goal` on the others.
-BASELINES = {"straight": "beeline", "goal": "goal"}
+BASELINES = {"straight": "beeline", "goal": "goal", "gap": "gap", "dwa": "dwa", "mppi": "mppi"}
 LEARNED = "learned"
 
 

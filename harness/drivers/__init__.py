@@ -5,10 +5,13 @@ from pathlib import Path
 from harness.base.errors import find_named
 from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals
 from harness.drivers.beeline import Beeline
+from harness.drivers.dwa import Dwa
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
 from harness.drivers.from_file import PREFIX as IN_FILE
 from harness.drivers.from_file import driver_in
+from harness.drivers.gap import Gap
 from harness.drivers.goal import Goal
+from harness.drivers.mppi import Mppi
 from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
@@ -36,6 +39,9 @@ DRIVERS: dict[str, type[Driver]] = {
     "cmd_vel": CmdVel,
     "goal": Goal,
     "beeline": Beeline,
+    "gap": Gap,
+    "dwa": Dwa,
+    "mppi": Mppi,
     "roam": Roam,
     "ram": Ram,
     "reverse_into": ReverseInto,
