@@ -20,8 +20,10 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
+from harness.base.files import check_target, write_whole
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
+from harness.course.board import board_of, page_of, read_folder
 from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
 from harness.course.entry import BASELINES, LEARNED, find_entry
 from harness.course.receipt import read_receipt, receipt_of, write_receipt
@@ -32,7 +34,7 @@ from rover_metrics.errors import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 
-OUT = Path("course")
+OUT, PAGE = Path("course"), "board.html"
 WORLDS = (
     "track barn: a folder of BARN's .world files (and path_N.npy) or of cylinders.csv (and paths.csv); "
     "default: the 50 worlds of its test, which ship"
@@ -98,6 +100,16 @@ def _verify(options: argparse.Namespace, console: Console) -> int:
     return int(bool(found))
 
 
+def _board(options: argparse.Namespace, console: Console) -> int:
+    receipts = read_folder(options.folder)
+    page = options.page or options.folder / PAGE
+    check_target("--page", page)
+    write_whole(page, page_of(receipts), "the page", UsageError)
+    console.print(*terminal((board_of(receipts),), console.width), sep="\n")
+    console.print(f"leader board: {page}", soft_wrap=True)
+    return 0
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.course",
@@ -128,6 +140,11 @@ def _parser() -> argparse.ArgumentParser:
     verify.add_argument("--entry", metavar="FOLDER", help="the entry, unless it is a baseline")
     verify.add_argument("--seed", type=int, metavar="N", help="of the choice (default: any)")
     verify.set_defaults(do=_verify)
+    board = commands.add_parser("board", help="make a page of a folder of receipts")
+    board.add_argument("folder", type=Path, metavar="FOLDER", help="where receipts are")
+    about = f"where to write it (default: FOLDER/{PAGE})"
+    board.add_argument("--page", type=Path, metavar="FILE", help=about)
+    board.set_defaults(do=_board)
     for command in (run, verify):
         command.add_argument("--worlds", type=Path, metavar="FOLDER", help=WORLDS)
         add_options(command)
