@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pandas as pd
+import scipy  # loads a part of it when that is named
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-import scipy  # loads a part of it when that is named
 
 from rover_metrics.analysis.logs.log import Floats, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
