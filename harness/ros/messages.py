@@ -158,7 +158,7 @@ def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fi
         return refilled(message, {"data": attrgetter("traversal")})
 
     rigid, on_soil = of(message, soil=False), of(Float64MultiArray(), soil=True)
-    return lambda sample: (rigid if sample.soil is None else on_soil)(sample)  # type: ignore[attr-defined]
+    return lambda sample: (rigid if sample.soil is None else on_soil)(sample)
 
 
 def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
