@@ -34,7 +34,16 @@ def run(what: Run, wait_for: tuple[str, ...] = ()) -> RunResult:
 def metrics_node(name: str = "metrics_node") -> Iterator[tuple[int, Path]]:
     """A metrics_node in a process of its own; gives its process number and its folder of logs."""
     with TemporaryDirectory(prefix="harness_bench_") as folder:
-        parameters = ("-r", f"__node:={name}", "-p", "use_sim_time:=true", "-p", f"log_dir:={folder}")
+        parameters = (
+            "-r",
+            f"__node:={name}",
+            "-p",
+            "use_sim_time:=true",
+            "-p",
+            f"log_dir:={folder}",
+            "-p",
+            "pose_queue:=10",
+        )
         command = [sys.executable, "-m", "rover_metrics.metrics_node", *QUIET, *parameters]
         with subprocess.Popen(command) as process:
             try:

@@ -33,6 +33,7 @@ NOT_OURS = {
     "pip": "the extras are looked up here",
     "my_node": "the reader's",
     "metrics_node": "tests/rover_metrics/test_metrics_program.py",
+    "node": "tests/clients/test_lock_step.py",
     **dict.fromkeys(("ros2", "colcon", "plotjuggler", "podman"), "need not be installed"),
     **dict.fromkeys(("source", ".", "export"), "of the shell"),
 }

@@ -22,7 +22,7 @@ try:
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
-    from rover_metrics.ros.subscriptions import subscribe
+    from rover_metrics.ros.subscriptions import QUEUE, subscribe
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 LOG_PERIOD = 1.0  # seconds of ROS time
 KEEPS_ORDER = "handles everything, its rows included, in the order of its arrival"
 HOLDS = "; {} messages of each topic may wait"  # where it says so
-ROOM = 8  # for them: two less than the queues hold
+SPARE = 2  # places of a queue that it does not speak of
 
 
 class MetricsNode(GuardedNode):
@@ -126,10 +126,9 @@ class MetricsNode(GuardedNode):
     def setup_subscribers(self) -> None:
         """Subscribes to the topics, relative to the node's namespace."""
         sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
-        self._simulated = bool(self.get_parameter("use_sim_time").value)
         self.topics = {
             each: subscribe(
-                self, each, partial(self.take, each), self.reception, newest_only=not self._simulated
+                self, each, partial(self.take, each), self.reception, pose_queue=self.settings.pose_queue
             )
             for each in sources
         }
@@ -246,7 +245,8 @@ class MetricsNode(GuardedNode):
     def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
         self.in_lock_step, response.success = request.data, True
-        room = HOLDS.format(ROOM) if self._simulated else ""
+        free = min(self.settings.pose_queue, QUEUE) - SPARE
+        room = HOLDS.format(free) if free > 0 else ""
         response.message = KEEPS_ORDER + room if request.data and HAS_EVENTS_EXECUTOR else ""
         return response
 

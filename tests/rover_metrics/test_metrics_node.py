@@ -30,7 +30,7 @@ from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.health.rejections import BELOW_LIMIT
 from rover_metrics.health.watches import STANDS_STILL
-from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, ROOM, MetricsNode
+from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, SPARE, MetricsNode
 from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.ros.subscriptions import QUEUE
 from rover_metrics.topics import SENSORS, TRUTH
@@ -86,9 +86,9 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) 
     assert node.rows >= 1
 
 
-@pytest.mark.parametrize("simulated", [True, False])
-def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, simulated: bool) -> None:
-    node = rig.start(use_sim_time=simulated)
+@pytest.mark.parametrize(("queue", "free"), [(1, 0), (10, QUEUE - SPARE), (100, QUEUE - SPARE)])
+def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, queue: int, free: int) -> None:
+    node = rig.start(use_sim_time=True, pose_queue=queue)
     assert not node.in_lock_step
     client = rig.simulator.create_client(SetBool, "/metrics_node/lock_step")
     rig.spin_until(client.service_is_ready)
@@ -96,11 +96,10 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, simulated: b
         future = client.call_async(SetBool.Request(data=waits))
         rig.spin_until(future.done)
         assert (future.result().success, node.in_lock_step) == (True, waits)
-        promise = KEEPS_ORDER + (HOLDS.format(ROOM) if simulated else "")
+        promise = KEEPS_ORDER + (HOLDS.format(free) if free else "")
         assert future.result().message == (promise if waits and HAS_EVENTS_EXECUTOR else "")
     depths = [each.qos_profile.depth for each in node.subscriptions if each.topic_name in node.received]
-    assert min(depths) == (QUEUE if simulated else 1)
-    assert QUEUE > ROOM + 1
+    assert min(depths) == min(queue, QUEUE)
 
 
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason="no simulator waits for a node without it")

@@ -114,6 +114,14 @@ class Settings:
     debug_interval: int = parameter(
         100, "callbacks of a topic from one debug report to the next", minimum=1, maximum=1_000_000
     )
+    pose_queue: int = parameter(
+        1,
+        "poses that may wait for the node: only the newest, as RoboTerrain has it; with 10 a simulator "
+        "in lock-step has to wait for it less often; fixed once the node runs",
+        minimum=1,
+        maximum=100,
+        read_only=True,
+    )
     log_dir: str = parameter(
         "metrics_analyzer/data/metric_logs/",
         "folder for the log of this session; fixed once the node runs",

@@ -56,7 +56,7 @@ def subscribe(
     callback: Callable[[Message], None],
     reception: Reception,
     *,
-    newest_only: bool = True,
+    pose_queue: int = 1,
 ) -> str:
     """Subscribes, opens the topic's account and returns the topic's resolved name.
 
@@ -66,14 +66,13 @@ def subscribe(
             standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Counts messages that were lost and publishers that are not heard.
-        newest_only: Whether of a topic that is best effort only the newest message waits; in simulation
-            time none has to be left out.
+        pose_queue: How many messages of a topic that is best effort, as poses are, may wait.
     """
     name = source.name.lstrip("/")
     topic: str = node.resolve_topic_name(name)
     wished = BEST_EFFORT if source.best_effort else RELIABLE
     parameter, reliability = declare_reliability(node, topic, wished)
-    qos = keep_last(1 if source.best_effort and newest_only else QUEUE, reliability)
+    qos = keep_last(pose_queue if source.best_effort else QUEUE, reliability)
     reception.listen(topic, may_be_missing=source.is_truth)
     message_type = _MESSAGES[source.message_type]
     is_raw = source.message_type in READERS
