@@ -40,6 +40,6 @@ def module_of(words: list[str]) -> tuple[str, list[str]]:
         return words[2], words[3:]
     if words[0].startswith("rover-"):
         words = ["rover", words[0].removeprefix("rover-"), *words[1:]]
-    if words[0] == "rover":
+    if words[0] == "rover" and words[1] in programs.PROGRAMS:
         return programs.PROGRAMS[words[1]].module.removesuffix(".__main__"), words[2:]
     return "", words
