@@ -6,6 +6,7 @@ Parses, calls, prints; the work is in the other modules of harness.scenario.
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,6 +24,7 @@ from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
+from harness.scenario.github import tell_github
 from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
@@ -71,6 +73,7 @@ def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
         attempts = run_all(cases, workers, options.out, show, compare=compare, resume=options.resume)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
+    tell_github(verdicts, os.environ)
     if options.update_baseline:
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
             console.print(f"written: {path}", soft_wrap=True)
