@@ -24,8 +24,8 @@ def tell_github(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> 
     """
     if environment.get("GITHUB_ACTIONS") != "true":
         return
-    for attempt in _bad(verdicts):
-        print(annotation(attempt))
+    for line in dict.fromkeys(map(annotation, _bad(verdicts))):  # what ails many runs is told once
+        print(line)
     if target := environment.get("GITHUB_STEP_SUMMARY"):
         with Path(target).open("a", encoding="utf-8") as file:
             file.write(summary(verdicts, environment))
@@ -35,21 +35,22 @@ def annotation(attempt: Attempt) -> str:
     """Returns the workflow command that marks the line of a scenario which a run did not keep."""
     path, reason = attempt.case.path, reasons_of(attempt)[0]
     place = f"file={str(path).translate(PROPERTY)},line={_line(path, reason)}"
-    title = attempt.case.name.translate(PROPERTY)
+    title = scenario_name(path).translate(PROPERTY)
     return f"::error {place},title={title}::{reason.translate(DATA)}"
 
 
 def summary(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> str:
     """Returns Markdown: a row each scenario, the first failure, where its evidence is."""
     passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
-    parts = [f"### {passed} of {how_many(len(verdicts), 'scenario')} passed", markdown(_table(verdicts))]
+    parts = [
+        f"### {passed} of {how_many(len(verdicts), 'scenario')} passed",
+        markdown(_table(verdicts)).strip(),
+    ]
     first = next(_bad(verdicts), None)
     if first is not None:
         reasons = "\n".join(f"    {line}" for line in reasons_of(first))
         parts.append(f"First failure, `{first.case.name}`:\n\n{reasons}\n\n    {first.case.command}")
-        parts.append(
-            f"[Page, log and evidence of each run that failed]({_run_of(environment)}#artifacts)"
-        )
+        parts.append(f"[Page, log and evidence of what failed]({_run_of(environment)}#artifacts)")
     return "\n\n".join(parts) + "\n"
 
 
