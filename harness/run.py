@@ -57,7 +57,9 @@ def _command(options: RunOptions, console: Console) -> int:
     run = options.run
     backend = keep_opengl_out()  # before MuJoCo is loaded
     files = options.files
-    drawing = Drawing(files.picture, files.video, lidar=files.picture_lidar, backend=backend)
+    drawing = Drawing(
+        files.picture, files.video, lidar=files.picture_lidar, backend=backend, camera=files.camera
+    )
     recorders = [RunRecorder() for _ in run.rovers] if files.page is not None else []
     logs = _social(options)
     drive = _loaded(options)

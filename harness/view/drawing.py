@@ -31,15 +31,22 @@ class Drawing(AbstractContextManager["Drawing"]):
             if the run is to go on without it where nothing can draw.
         video: Where to write an MP4 of the run; None for none.
         lidar: Show the beams.
+        camera: One of harness.view.camera.CAMERAS; "" leaves it to picture and video.
         backend: The OpenGL to be used, as MUJOCO_GL names it; "" for whichever works.
     """
 
     def __init__(
-        self, picture: Path | None, video: Path | None, *, lidar: bool, backend: str = ""
+        self,
+        picture: Path | None,
+        video: Path | None,
+        *,
+        lidar: bool,
+        backend: str = "",
+        camera: str = "",
     ) -> None:
         named = {"--picture": picture, "--video": video}
         self._targets = {flag: path for flag, path in named.items() if path is not None}
-        self._lidar, self._backend = lidar, backend
+        self._lidar, self._backend, self._camera = lidar, backend, camera
         self.lack = ""
         self._at_end = ExitStack()
         self._artist: Artist | None = None
@@ -97,6 +104,6 @@ class Drawing(AbstractContextManager["Drawing"]):
             for flag, path in self._targets.items()
         }
         words = [word for flag, path in targets.items() for word in (flag, str(path))]
-        lidar = ["--lidar"] if self._lidar else []
-        self._artist.draw([*(str(w.path) for w in self._writers), *words, *lidar], show)
+        more = ["--lidar"] * self._lidar + (["--camera", self._camera] if self._camera else [])
+        self._artist.draw([*(str(w.path) for w in self._writers), *words, *more], show)
         return list(targets.values())

@@ -102,6 +102,18 @@ def test_two_groups_are_compared(
     check_snapshot("analyze.txt", "\n".join(parts).replace(str(tmp_path), "FOLDER"))
 
 
+def test_a_folder_is_read_with_those_below_it_but_for_logs_of_people(
+    run: Run, write_log: WriteLog, row: Row, tmp_path: Path
+) -> None:
+    log = write_log("a.csv", [row(i) for i in range(20)])
+    folder = tmp_path / "logs"
+    for place in ("a.csv", "rover2/b.csv", "social/social_log_1.csv"):
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        (folder / place).write_text(log.read_text() if "social" not in place else "Time,Ann\n")
+    found = as_json(run(folder, "-m", "OC", "-p", "--json"))
+    assert {Path(one["path"]).name for one in found["logs"]} == {"a.csv", "b.csv"}
+
+
 def test_outliers_are_counted(run: Run, write_log: WriteLog, row: Row, tmp_path: Path) -> None:
     lines = [row(i) for i in range(60)]
     lines[30] = row(30, Obstacle_Clearance=50.499803)  # float32 would say 50.499802
