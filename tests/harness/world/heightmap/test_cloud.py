@@ -30,7 +30,7 @@ def write_npy(path: Path) -> None:
 
 
 def write_ply(path: Path) -> None:
-    trimesh.PointCloud(cloud()).export(path)
+    trimesh.PointCloud(cloud()).export(path)  # type: ignore[no-untyped-call]
 
 
 def write_las(path: Path) -> None:
