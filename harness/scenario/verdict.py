@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from scipy.stats import binomtest
-
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
 
@@ -131,6 +129,8 @@ def _verdict(path: Path, attempts: list[Attempt]) -> Verdict:
 
 def wilson(good: int, count: int) -> tuple[float, float]:
     """Returns the interval of a share by Wilson's method."""
+    from scipy.stats import binomtest  # noqa: PLC0415 - a second that --help saves
+
     interval = binomtest(good, count).proportion_ci(CONFIDENCE, method="wilson")
     return float(interval.low), float(interval.high)
 

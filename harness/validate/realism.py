@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from scipy.stats import wasserstein_distance
 
 from harness.spec.run import Run
 from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
@@ -85,6 +84,8 @@ def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
         recorded: The two logs.
         column: Name of the column.
     """
+    from scipy.stats import wasserstein_distance  # noqa: PLC0415 - a second that --help saves
+
     logs = [log[column] for log in (ours, *recorded)]
     near, far, between = (float(wasserstein_distance(*pair)) for pair in combinations(logs, 2))
     return Distances((near, far), between)
