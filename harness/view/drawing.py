@@ -51,6 +51,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         self._at_end = ExitStack()
         self._artist: Artist | None = None
         self._writers: list[StateWriter] = []
+        self._drawn: dict[str, Path] = {}
 
     @property
     def wanted(self) -> bool:
@@ -88,22 +89,33 @@ class Drawing(AbstractContextManager["Drawing"]):
         """What keeps the states of each rover; empty if nothing is to be drawn."""
         return self._writers
 
-    def finish(self, show: Callable[[int, int], None], beside: Path = BESIDE) -> list[Path]:
-        """Draws in a process of its own; returns the files written, or raises DrawingFailed.
+    def begin(self, beside: Path = BESIDE) -> None:
+        """Has the picture drawn while the caller does other things.
 
         Args:
-            show: Is called with the number of frames drawn and of all frames; of a picture there is one.
             beside: The log of the run.
         """
-        if self._artist is None:
-            return []
+        if self._artist is None or self._drawn:
+            return
         for writer in self._writers:
             writer.close()
-        targets = {
+        self._drawn = {
             flag: beside.with_suffix(SUFFIXES[flag]) if path == BESIDE else path
             for flag, path in self._targets.items()
         }
-        words = [word for flag, path in targets.items() for word in (flag, str(path))]
+        words = [word for flag, path in self._drawn.items() for word in (flag, str(path))]
         more = ["--lidar"] * self._lidar + (["--camera", self._camera] if self._camera else [])
-        self._artist.draw([*(str(w.path) for w in self._writers), *words, *more], show)
-        return list(targets.values())
+        self._artist.begin([*(str(w.path) for w in self._writers), *words, *more])
+
+    def finish(self, show: Callable[[int, int], None], beside: Path = BESIDE) -> list[Path]:
+        """Waits for what is drawn in a process of its own; returns the files, or raises DrawingFailed.
+
+        Args:
+            show: Is called with the number of frames drawn and of all frames; of a picture there is one.
+            beside: The log of the run, if `begin` was not told.
+        """
+        if self._artist is None:
+            return []
+        self.begin(beside)
+        self._artist.finish(show)
+        return list(self._drawn.values())
