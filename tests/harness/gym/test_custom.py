@@ -13,7 +13,7 @@ from harness.base.errors import UsageError
 from harness.gym.custom import Sight, StepTruth
 
 ID = "RoverHarness/PointNav-v0"
-FLAT = {"terrain": "flat", "random_start": False, "lidar_beams": 16}
+FLAT: dict[str, Any] = {"terrain": "flat", "random_start": False, "lidar_beams": 16}
 
 
 def calm(truth: StepTruth, action: Any) -> dict[str, float]:  # noqa: ANN401 - numpy's
@@ -22,7 +22,7 @@ def calm(truth: StepTruth, action: Any) -> dict[str, float]:  # noqa: ANN401 - n
 
 def test_what_a_user_rewards_ends_and_sees_is_of_the_truth() -> None:
     place = Sight((-50.0,) * 3, (50.0,) * 3, lambda truth: (*truth.position[:2], truth.time_s))
-    own = {"reward_fn": calm, "observe_fn": place, "terminate_fn": lambda truth: truth.time_s > 0.9}
+    own: dict[str, Any] = {"reward_fn": calm, "observe_fn": place, "terminate_fn": lambda truth: truth.time_s > 0.9}
     env = gymnasium.make(ID, **FLAT, **own)
     check_env(env.unwrapped, skip_render_check=True)
     seen, info = env.reset(seed=3)
@@ -66,6 +66,6 @@ def test_a_spec_tells_the_steps_of_an_episode() -> None:
         ({"observe_fn": calm}, "is not valid; give a harness.gym.custom.Sight"),
     ],
 )
-def test_what_is_no_function_is_told(option: dict[str, object], said: str) -> None:
+def test_what_is_no_function_is_told(option: dict[str, Any], said: str) -> None:
     with pytest.raises(UsageError, match=said):
         gymnasium.make(ID, **FLAT, **option)
