@@ -44,6 +44,7 @@ def test_depth_and_heights_can_be_images_of_the_same_numbers() -> None:
     flat, _ = gymnasium.make(ID, **options).reset(seed=1)
     env = gymnasium.make(ID, **options, images=True)
     images, _ = env.reset(seed=1)
+    assert isinstance(env.observation_space, gymnasium.spaces.Dict)
     assert env.observation_space["depth"].shape == images["depth"].shape == (6, 8, 1)
     assert images["heights"].shape == (11, 7, 1)
     for name in ("depth", "heights"):
