@@ -22,7 +22,11 @@ def calm(truth: StepTruth, action: Any) -> dict[str, float]:  # noqa: ANN401 - n
 
 def test_what_a_user_rewards_ends_and_sees_is_of_the_truth() -> None:
     place = Sight((-50.0,) * 3, (50.0,) * 3, lambda truth: (*truth.position[:2], truth.time_s))
-    own: dict[str, Any] = {"reward_fn": calm, "observe_fn": place, "terminate_fn": lambda truth: truth.time_s > 0.9}
+    own: dict[str, Any] = {
+        "reward_fn": calm,
+        "observe_fn": place,
+        "terminate_fn": lambda truth: truth.time_s > 0.9,
+    }
     env = gymnasium.make(ID, **FLAT, **own)
     check_env(env.unwrapped, skip_render_check=True)
     seen, info = env.reset(seed=3)
