@@ -34,7 +34,9 @@ NOT_OURS = {
     "rover": "tests/harness/cli/test_programs.py, without a command",
     "my_node": "the reader's",
     "metrics_node": "tests/rover_metrics/test_metrics_program.py",
-    **dict.fromkeys(("ros2", "colcon", "plotjuggler", "podman", "node", "cargo", "npm"), "need not be installed"),
+    **dict.fromkeys(
+        ("ros2", "colcon", "plotjuggler", "podman", "node", "cargo", "npm"), "need not be installed"
+    ),
     **dict.fromkeys(("source", ".", "export"), "of the shell"),
 }
 
