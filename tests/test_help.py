@@ -43,6 +43,7 @@ WITHOUT = {  # what does nothing unless it is given, or must be
         "receipt",
         "folder",
     ),
+    *("runs", "latex", "plot", "out"),
 }
 
 
