@@ -19,7 +19,7 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
-from harness.soil.wheel_kernel import SOIL_CONTACT
+from harness.soil.soils import SOIL_CONTACT
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind

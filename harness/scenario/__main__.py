@@ -10,7 +10,6 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from harness.cli.edge import begin_program, run_program
 
@@ -23,13 +22,12 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
+from harness.scenario.case import Selected, find_files, plan
+from harness.scenario.terminal import print_verdicts
+from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
-
-if TYPE_CHECKING:  # what drives is loaded once the words are understood: --help waits for none of it
-    from harness.scenario.case import Selected
-    from harness.scenario.verdict import Verdict
 
 OUT = Path("scenario_runs")
 FILES = {
@@ -51,8 +49,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace, console: Console) -> int:
-    from harness.scenario.verdict import exit_code  # noqa: PLC0415
-
     targets = {name: getattr(options, name) for name in FILES if getattr(options, name) is not None}
     for name, target in targets.items():
         check_target(f"--{name}", target)
@@ -67,12 +63,10 @@ def _run(options: argparse.Namespace, console: Console) -> int:
     return exit_code(verdicts)
 
 
-def _driven(options: argparse.Namespace, console: Console) -> "list[Verdict]":
-    from harness.scenario.case import find_files, plan  # noqa: PLC0415
+def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
+    from harness.scenario.baseline import write_baselines  # noqa: PLC0415 - not for --help
     from harness.scenario.github import tell_github  # noqa: PLC0415
     from harness.scenario.suite import run_all  # noqa: PLC0415
-    from harness.scenario.terminal import print_verdicts  # noqa: PLC0415
-    from harness.scenario.verdict import verdicts_of  # noqa: PLC0415
 
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
@@ -86,8 +80,6 @@ def _driven(options: argparse.Namespace, console: Console) -> "list[Verdict]":
     print_verdicts(console, verdicts)
     tell_github(verdicts, os.environ)
     if options.update_baseline:
-        from harness.scenario.baseline import write_baselines  # noqa: PLC0415
-
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
             console.print(f"written: {path}", soft_wrap=True)
     return verdicts
@@ -103,7 +95,7 @@ def _seeds(options: argparse.Namespace) -> Sequence[int] | None:
     return range(options.seeds)
 
 
-def _selected(pairs: Sequence[str]) -> "Selected":
+def _selected(pairs: Sequence[str]) -> Selected:
     for pair in pairs:
         if "=" not in pair:
             raise UsageError(f"--only {pair}: give NAME=VALUE of a matrix, e.g. --only robot=leo")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.soil import wheel_kernel
-from harness.soil.soils import Soil
+from harness.soil.soils import SOIL_CONTACT, Soil
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
@@ -139,7 +139,7 @@ class Bed:
         self.states[:, 5] = 0.0
 
     def _told(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int64]:
-        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & wheel_kernel.SOIL_CONTACT)
+        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         arrays = (self._numbers, self._sizes, self._bodies, self._virgin, self._frame, self.surface)
         moving = (data.xpos, data.xaxis, data.cvel, data.subtree_com, data.xipos)
         self._touching = geoms, model.geom_aabb[geoms].copy()

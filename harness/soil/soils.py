@@ -16,6 +16,7 @@ from harness.base.errors import find_named
 from harness.spec.value import Length, NotNegative, Share, Value, made
 from rover_metrics.plugins import Table
 
+SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 SUFFIXES = (".yaml", ".yml")
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
 

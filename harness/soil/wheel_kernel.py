@@ -24,6 +24,7 @@ from numba.core import cgutils
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
+from harness.soil.soils import SOIL_CONTACT
 
 STATIONS = 10  # of the rim in each half, front to bottom
 YIELD = 0.01  # [s] by whose slid path the shear is ahead: what damps a wheel that stands
@@ -32,7 +33,6 @@ COMPACTION = 0.1  # share of a rut's depth over which it bears again as before (
 SIDEWAYS = 1.25  # exponent of sideways motion in what flows: small slip angles hardly change the sinkage
 HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a time
 NEAR = 0.02  # [m] around what touches the ground at most a step later, were it as fast as 8 m/s
-SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 
 # State of a wheel: direction of motion (rim, ahead, left), that of travel (-1 back to 1 ahead),

@@ -21,6 +21,8 @@ from rich.console import Console
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.cli.console import counted
 from harness.robots import ROVERS, find_rover
+from harness.tune.episodes.plan import plan
+from harness.tune.episodes.store import Store
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
@@ -44,10 +46,7 @@ def _interruptible(options: argparse.Namespace) -> int:
 
 
 def _tune(options: argparse.Namespace, console: Console) -> int:
-    # Loaded once the words are understood: --help waits for none of it.
-    from harness.tune.episodes.plan import plan  # noqa: PLC0415
-    from harness.tune.episodes.store import Store  # noqa: PLC0415
-    from harness.tune.episodes.sweep import sweep  # noqa: PLC0415
+    from harness.tune.episodes.sweep import sweep  # noqa: PLC0415 - not for --help
     from harness.tune.output import print_studies, write_results  # noqa: PLC0415
     from harness.tune.scoring.study import study  # noqa: PLC0415
 

@@ -10,6 +10,7 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+import scipy  # loads a part of it when that is named
 from rich.console import Console
 
 from harness.spec.run import Run
@@ -84,10 +85,10 @@ def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
         recorded: The two logs.
         column: Name of the column.
     """
-    from scipy.stats import wasserstein_distance  # noqa: PLC0415 - a second that --help saves
-
     logs = [log[column] for log in (ours, *recorded)]
-    near, far, between = (float(wasserstein_distance(*pair)) for pair in combinations(logs, 2))
+    near, far, between = (
+        float(scipy.stats.wasserstein_distance(*pair)) for pair in combinations(logs, 2)
+    )
     return Distances((near, far), between)
 
 
