@@ -16,6 +16,7 @@ from harness.base.errors import find_named
 from harness.spec.value import Share, Value, made
 from rover_metrics.plugins import Table
 
+SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 SUFFIXES = (".yaml", ".yml")
 # What is beyond these is no soil: it carries nothing, or steps of physics cannot follow it.
 Modulus = Annotated[float, Field(ge=0.0, le=1e12)]
@@ -82,6 +83,11 @@ class Soil(Value):
     density: Annotated[float, Field(gt=0.0, le=1e4)] = Field(
         default=1500.0, description="for the force beside the wheel [kg/m^3]"
     )
+
+    @property
+    def leaves_ruts(self) -> bool:
+        """Whether it stays where it was pressed to."""
+        return self.rebound < 1.0
 
     def numbers(self, width: float, gravity: float) -> NDArray[np.float64]:
         """Returns the soil as the kernels take it.
