@@ -7,6 +7,7 @@ import pytest
 
 from harness import robot
 from harness.course import __main__ as course
+from harness.gym import policy
 from tests.support.programs import PARSERS
 
 
@@ -16,7 +17,11 @@ def commands_of(program: str, parser: argparse.ArgumentParser) -> dict[str, argp
     return {f"{program} {name}": own for name, own in commands.choices.items()}
 
 
-MANY = {"harness.robot": robot._parser(), "harness.course": course._parser()}
+MANY = {
+    "harness.robot": robot._parser(),
+    "harness.course": course._parser(),
+    "harness.gym.policy": policy._parser(),
+}
 COMMANDS = {
     name: lambda own=own: own
     for program, parser in MANY.items()
