@@ -82,7 +82,9 @@ def learnt(observed: NDArray[np.float32], wanted: NDArray[np.float64]) -> Policy
     """Returns the network that does most nearly what the teacher did."""
     weights, bias = fixed_layer(observed.shape[1])
     features = np.maximum(observed @ weights + bias, 0.0)
-    network = MLPRegressor((64, 64), max_iter=60, early_stopping=True, random_state=0, alpha=1e-4)
+    network = MLPRegressor(
+        hidden_layer_sizes=(64, 64), max_iter=60, early_stopping=True, random_state=0, alpha=1e-4
+    )
     network.fit(features, wanted)
     layers = zip(network.coefs_, network.intercepts_, strict=True)
     return Policy(
