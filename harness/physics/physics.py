@@ -68,7 +68,7 @@ class Physics:
         parked = set[str]()
         self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
         if self.bed is not None:
-            fine = soil_ground(self.ground)
+            fine = soil_ground(scenes[0].world)
             self.ground = Heightfield(self.bed.surface, fine.cell, fine.middle)
         self.rovers = tuple(
             Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked, self.bed)

@@ -21,9 +21,7 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
-from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.workers import add_options, workers_of
@@ -36,6 +34,9 @@ FILES = {
     "page": "write a page: what failed, and cells side by side",
     "csv": "write every cell's numbers",
     "json": "write the same, and every run",
+    "runs": "write a CSV with a row a run",
+    "latex": "write the tables for LaTeX (booktabs)",
+    "plot": "draw a box plot of each quantity: .png, .pdf or .svg",
 }
 FORMERLY = {"page": ("--html",)}  # names of options from before all commands called them the same
 
@@ -62,13 +63,17 @@ def _run(options: argparse.Namespace, console: Console) -> int:
 
 
 def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
+    from harness.scenario.baseline import write_baselines  # noqa: PLC0415 - not for --help
+    from harness.scenario.suite import run_all  # noqa: PLC0415
+
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,
         counted(console, "driving scenarios") as show,
     ):
         compare = not options.update_baseline
-        attempts = run_all(cases, workers, options.out, show, compare=compare, resume=options.resume)
+        how = {"compare": compare, "resume": options.resume, "keep": options.keep}
+        attempts = run_all(cases, workers, options.out, show, **how)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
     if options.update_baseline:
@@ -126,6 +131,9 @@ def _parser() -> argparse.ArgumentParser:
         default=OUT,
         metavar="DIR",
         help="gets log, manifest and page of each run that does not pass (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--keep", action="store_true", help="keep log and manifest of runs that pass there too"
     )
     parser.add_argument(
         "--resume",
