@@ -31,7 +31,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {**PARSERS, **COMMA
 PROGRAMS = {name: parser for name, parser in PROGRAMS.items() if name not in MANY}
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "summary"),
-    *("wait_for_topic", "runs", "latex"),
+    *("wait_for_topic", "runs", "latex", "plot"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
     *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
     *("seeds", "seed", "only", "junit", "csv", "json", "out", "entry", "track", "nonce"),
