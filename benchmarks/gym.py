@@ -105,7 +105,7 @@ def _physics_on_two(
         def run() -> None:
             for period in periods:
                 simulation.command_ahead(period)
-                simulation.physics.run(TICKS_PER_CONTROL, watched=False)
+                simulation.physics.run(watched=False)
 
         return run
 

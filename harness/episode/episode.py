@@ -290,7 +290,7 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
                 ticks = min(span, stop - first)
                 for episode in episodes:
                     episode.drive_wheels(ticks)
-                physics.run(ticks)
+                physics.run()
                 for tick in physics.shown():
                     for episode in episodes:
                         episode.observe(first + tick + 1)

@@ -79,7 +79,7 @@ class DrivenRover:
 
     def drive(self) -> None:
         """Lets the physics go on by one control period."""
-        self.simulation.physics.run(TICKS_PER_CONTROL, watched=False)
+        self.simulation.physics.run(watched=False)
 
     def read(self) -> None:
         """Reads the sensors of the period just driven; with RunFailed the readings are from before."""

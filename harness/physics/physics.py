@@ -13,12 +13,14 @@ import numpy as np
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene, soil_ground
 from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
-from harness.physics.stepping import SPAN, Span
+from harness.physics.stepping import Span
+from harness.physics.steps_kernel import SPAN
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
 
@@ -48,6 +50,7 @@ class Physics:
         data: MuJoCo's state.
         step_count: Steps since time zero.
         steps_per_tick: Steps of one clock tick.
+        contacts: What the rovers touch.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the tick that is shown.
         span: Most ticks that can be simulated in one go; 1 with people, who see where rovers are.
         crowd: The people who walk about; None without any.
@@ -65,21 +68,20 @@ class Physics:
         self.steps_per_tick = TICK_NS // timestep_ns
         self.step_count = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
-        parked = set[str]()
+        self.contacts, parked = ContactWatch(scenes, self.data), set[str]()
         self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
         if self.bed is not None:
             fine = soil_ground(self.ground)
             self.ground = Heightfield(self.bed.surface, fine.cell, fine.middle)
         self.rovers = tuple(
-            Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked, self.bed)
-            for number, scene in enumerate(scenes)
+            Rover(scene, self.data, contacts, parked, self.bed)
+            for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
         )
         self._span = Span(self.model, self.data, np.concatenate([rover.motors for rover in self.rovers]))
         begin = 0
         for rover in self.rovers:
             end = begin + rover.motors.size
             rover.ahead, begin = self._span.commands[:, begin:end], end
-        self._counts = np.concatenate([rover.contacts.places for rover in self.rovers])
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
         self.span = SPAN if self.crowd is None else 1
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
@@ -102,31 +104,30 @@ class Physics:
         """
         for rover in self.rovers:
             rover.ahead[0], rover.parked = self.data.ctrl[rover.motors], [rover.parking.held]
-        self.run(1)
+        self.run()
         for _ in self.shown():
             pass
 
-    def run(self, ticks: int, *, watched: bool = True) -> None:
-        """Simulates clock ticks for which all rovers have been commanded; `shown` is to be called next.
+    def run(self, *, watched: bool = True) -> None:
+        """Simulates the ticks for which all rovers have been commanded; `shown` is to be called next.
 
         Args:
-            ticks: So many; at most `span`.
             watched: Whether anybody asks which contacts there were, not only how many.
         """
-        self._watches = [rover.contacts for rover in self.rovers] if watched else []
-        for contacts in self._watches:
-            contacts.begin(ticks)
+        self._shown = self.contacts.rovers if watched else ()
+        self.contacts.begin(watches=watched)
         if self.crowd is not None:
             self.crowd.move(self.time_ns + TICK_NS)
-        self._simulated = 0
+        self._simulated, per_tick = 0, self.steps_per_tick
         parked = zip(*(rover.parked for rover in self.rovers), strict=True)
         for holds, alike in groupby(parked):
             for rover, held in zip(self.rovers, holds, strict=True):
                 rover.parking.hold(held)
-            if not self._advance(self._simulated + len(list(alike))):
+            begin, end = self._simulated * per_tick, (self._simulated + len(list(alike))) * per_tick
+            step = self._span.advance((begin, end, per_tick), self.contacts)
+            self._simulated = step // per_tick
+            if step < end:
                 break
-        if self.crowd is not None:
-            self.crowd.look([rover.contacts for rover in self.rovers])
 
     def shown(self) -> Iterator[int]:
         """Shows one tick after the other of those that have just been simulated.
@@ -145,27 +146,14 @@ class Physics:
         for tick in range(self._simulated):
             self._span.show(tick, self.tick_sum)
             self.step_count += self.steps_per_tick
-            for contacts in self._watches:
+            for contacts in self._shown:
                 contacts.show(tick)
+            if self.crowd is not None:
+                self.crowd.look(self._shown)
             if tick == last:
                 self.check_health()
             self.check_place()
             yield tick
-
-    def _advance(self, end: int) -> bool:
-        """Simulates up to the end of a tick; returns whether that was possible."""
-        per_tick = self.steps_per_tick
-        step, counts = self._simulated * per_tick, self._counts if self._watches else self._counts[:0]
-        while step < end * per_tick:
-            step = self._span.advance((step, end * per_tick, per_tick), counts)
-            self._simulated = -(-step // per_tick)
-            for contacts in self._watches:
-                if any(contacts.counts.tolist()):
-                    contacts.show(self._simulated - 1)
-                    contacts.look()
-            if any(self._span.warnings.tolist()):
-                return False
-        return True
 
     def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
         """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.

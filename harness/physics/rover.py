@@ -1,12 +1,10 @@
 """One rover's part of the state of a world: views into MuJoCo's, to read, to keep and to put back."""
 
-from collections.abc import Sequence
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.contacts import ContactWatch
+from harness.physics.contacts import RoverContacts
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene, motors_of
 from harness.soil.bed import Bed
@@ -20,8 +18,9 @@ class Rover:
     """What of MuJoCo's state is one rover's, its brake and what it touches.
 
     Args:
-        scenes: Of all rovers of the world, this one's first.
-        data: Their state.
+        scene: The rover in its world.
+        data: The state of all rovers there.
+        contacts: What it touches.
         parked: As ParkingHold has it.
         bed: The soil under all of them; None on rigid ground.
 
@@ -29,7 +28,7 @@ class Rover:
         scene: The rover in its world.
         pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
         twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, a view.
-        contacts: What it touched in the tick that is shown.
+        contacts: What it touches in the tick that is shown.
         parking: Its brake.
         motors: The actuators that are commanded, in the order of the rover's `motors`; the first
             `driven` of them drive.
@@ -40,11 +39,15 @@ class Rover:
     ahead: NDArray[np.float64]
 
     def __init__(
-        self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str], bed: Bed | None = None
+        self,
+        scene: Scene,
+        data: mujoco.MjData,
+        contacts: RoverContacts,
+        parked: set[str],
+        bed: Bed | None = None,
     ) -> None:
-        self.scene = scene = scenes[0]
+        self.scene, self.contacts = scene, contacts
         model, self._geoms = scene.model, scene.geoms()
-        self.contacts = ContactWatch(scenes, data)
         self.parking = ParkingHold(model, scene.all_own(scene.rover.drive.driven), parked)
         self.motors = np.array(motors_of(model, scene.all_own(scene.rover.motors)))
         self.driven = len(scene.rover.drive.driven)

@@ -29,7 +29,7 @@ class Simulation:
             view into MuJoCo's state.
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the tick that is shown.
-        contacts: What the rover touched in the tick that is shown.
+        contacts: What the rover touches in the tick that is shown.
         motors: The actuators that the controller commands, in the order of the rover's `motors`.
         crowd: The people who walk about; None without any.
         ground: What is driven on, with the ruts of now.
@@ -128,7 +128,7 @@ class Simulation:
         self.command_wheels(self.data.ctrl[self.motors])
         for place in self._felt.values():
             self.tick_sum[place] = 0.0
-        self.contacts.begin()
+        self.physics.contacts.begin()
 
     def put(self, x: float, y: float, yaw: float) -> None:
         """Puts the rover onto the ground somewhere else, where it settles; time goes on.
