@@ -1,6 +1,8 @@
 # The verbs of this project. `make run` and `make test` set everything up by themselves.
 BIN := .venv/bin
 READY := .venv/.ready
+# Says that what a run needs is there: two thirds of it, without what only tests and checks use.
+RUNS := .venv/.runs
 # Says that all tests have been collected, which compiles them: else each process would, at the same time.
 COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
@@ -8,7 +10,7 @@ JOBS ?= 3
 
 .PHONY: run test golden test-jazzy test-cluster mutants lint format bench soak docs dist smoke lock audit clean setup
 
-run: setup  ## a rover over rocky terrain, metrics logged to CSV
+run: $(RUNS)  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
 
 test: setup $(COLLECTED)  ## the whole test suite, in random order
@@ -66,6 +68,9 @@ setup: $(READY)
 
 $(READY): pyproject.toml requirements.txt tools/build.txt tools/setup.sh
 	tools/setup.sh
+
+$(RUNS): pyproject.toml tools/run.txt tools/build.txt tools/setup.sh
+	tools/setup.sh run
 
 $(COLLECTED): $(READY)
 	-$(BIN)/python -m pytest --collect-only --quiet >/dev/null

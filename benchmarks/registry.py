@@ -33,6 +33,7 @@ BENCHMARKS = {
         Benchmark("runs", "physics alone, episode with sensors, run through ROS 2: speed"),
         Benchmark("lockstep", "lock-step in one process and across two: speed, messages, losses"),
         Benchmark("obstacles", "steps per second against the number of obstacles"),
+        Benchmark("soil", "physics on soil against rigid ground, the same drive"),
         Benchmark("gym", "learning environments: steps a second alone and many at once, resets"),
         Benchmark("tuning", "episodes of a threshold sweep: speed with one process and with two"),
         Benchmark("scenarios", "runs of scenarios per minute, and against physics alone"),

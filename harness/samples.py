@@ -136,6 +136,15 @@ class JointStates:
 
 
 @plain_value
+class GoalPose:
+    """A goal for who drives over topics: the next way point of a route, in the world."""
+
+    stamp_ns: int
+    position: Vector3
+    orientation: Quaternion
+
+
+@plain_value
 class ActorPoses:
     """Middles [m] and attitudes of the people in the world, in the order of its actors."""
 

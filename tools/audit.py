@@ -16,6 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LOCKS = (
     "requirements.txt",
+    "tools/run.txt",
     "tools/build.txt",
     "tools/jazzy.txt",
     "tools/cluster.txt",

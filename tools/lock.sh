@@ -1,8 +1,8 @@
 #!/bin/sh
 # Regenerates the locks, each for all supported Pythons at once and with the hash of every file: what
-# `make setup` installs in requirements.txt, what builds it in tools/build.txt, and the environments
-# of `make test-jazzy`, `make test-cluster`, `make audit`, `make docs` and `make dist` in
-# tools/{jazzy,cluster,audit,docs,release}.txt. Called by `make lock`.
+# `make setup` installs in requirements.txt, the part that `make run` needs in tools/run.txt, what builds
+# it in tools/build.txt, and the environments of `make test-jazzy`, `make test-cluster`, `make audit`,
+# `make docs` and `make dist` in tools/{jazzy,cluster,audit,docs,release}.txt. Called by `make lock`.
 set -eu
 cd "$(dirname "$0")/.."
 

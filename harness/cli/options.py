@@ -154,7 +154,7 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
         if is_given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
     for rover in run.rovers:
-        waits = takes_goals(rover.driver) and rover.goal_area is None
+        waits = takes_goals(rover.driver) and rover.goal_area is None and run.plan.route is None
         if waits or rover.driver == CMD_VEL:
-            without = " without --goal-area" if waits else ""
+            without = " without --route or --goal-area" if waits else ""
             raise UsageError(f"--driver {rover.driver}{without} needs ROS; leave out --direct")

@@ -15,6 +15,7 @@ from harness.sensors.choice import kinds
 from harness.sensors.noise import PRESETS
 from harness.spec.fleet import FORM as ROVER_FORM
 from harness.spec.fleet import KEYS
+from harness.spec.plan import Plan
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import DEFAULT_NOISE, RoverSetup
 from harness.spec.run import Run
@@ -79,6 +80,7 @@ def run_parser() -> argparse.ArgumentParser:
     )
     episode.add_argument("--rover", action="append", default=[], metavar="SPEC", help=about)
     add_flags(episode, RoverSetup, ("robot", "start", "driver", "goal_area"), choices)
+    add_flags(episode, Plan, ("route",))
     add_flags(episode, Run)
     add_flags(parser.add_argument_group("sensors"), RoverSetup, IN_SENSORS, choices)
     add_flags(parser.add_argument_group("faults", describe_faults()), RoverSetup, ("faults",))

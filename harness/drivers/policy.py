@@ -60,7 +60,8 @@ class Policy:
         for index, (weights, bias) in enumerate(self.layers):
             if index:
                 values = ACTIVATIONS[self.activation](values)
-            values = values @ weights + bias
+            # Summed input by input: the order in which BLAS sums differs between makes of processors.
+            values = (values[:, None] * weights).sum(axis=0) + bias
         return point_nav.clipped(values, -1.0, 1.0)
 
     def command(

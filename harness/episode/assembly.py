@@ -4,6 +4,7 @@ Each station checks its own part. Light to import: a process that only publishes
 compiled kernels.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -21,13 +22,18 @@ from harness.sensors.choice import chosen
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.soil.soils import Soil, find_soil
+from harness.spec.route import Route
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
 from harness.spec.run import Run
+from harness.spec.target import TargetSpec
 from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
 from harness.world.berths import Member, berth
 from harness.world.files import check_terrain, file_world, is_terrain_file
-from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors
+from harness.world.geodesy import Datum
+from harness.world.route import RouteProgress, check_target, marks
+from harness.world.targets.placing import target_names
+from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 
 
 def check(run: Run) -> None:
@@ -38,13 +44,14 @@ def check(run: Run) -> None:
     if run.world.soil:
         find_soil(run.world.soil)
     people(run.world)
+    target_names(run.world.targets)
     for rover in run.rovers:
         _check_rover(rover)
     _check_plan(run)
 
 
 def check_world(run: Run) -> None:
-    """Checks starts, people and what drivers meet against the world, built only where it matters."""
+    """Checks starts, people, targets and what drivers meet in the world, built only where it matters."""
     for rover in run.rovers:
         driver = find_driver(rover.driver)
         if issubclass(driver, StagedEncounter):
@@ -54,7 +61,7 @@ def check_world(run: Run) -> None:
                 driver.hazards(world.obstacles, half_size, middle)
             except UsageError as error:
                 raise UsageError(f"driver '{rover.driver}' on {run.world.terrain}: {error}") from error
-        elif rover.start is not None or people(run.world):
+        elif rover.start is not None or people(run.world) or run.world.targets:
             world = world_of(run)
             if rover is not run.rover and rover.start is not None:
                 starting_at(world, rover.start)
@@ -65,6 +72,9 @@ def world_of(run: Run) -> World:
     world = _terrain_world(run)
     if run.world.soil:
         world = _of_soil(world, find_soil(run.world.soil))
+    targets = run.world.targets
+    if targets:
+        world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
     return _peopled(world, run.rover.start, people(run.world))
 
 
@@ -73,6 +83,21 @@ def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
     return pedestrians(
         (*of_terrain(world.terrain, world.resource_path), *world.actors), world.resource_path
     )
+
+
+def follows_route(driver: str) -> bool:
+    """Returns whether a driver goes to the way points of a route, or who commands it is told them."""
+    return takes_goals(driver) or driver == CMD_VEL
+
+
+def route_progress(run: Run, world: World | None = None) -> RouteProgress:
+    """Returns the route of a run that nobody has begun; UsageError if it has a place of no target."""
+    route, world = run.plan.route, world_of(run) if world is None else world
+    if route is None:
+        return RouteProgress(())
+    limit = math.inf if route.limit is None else route.limit
+    places = marks(route, world.targets, Datum(*run.world.datum))
+    return RouteProgress(places, any_order=route.order == "any", limit=limit)
 
 
 def actor_names(world: WorldSpec) -> tuple[str, ...]:
@@ -178,6 +203,12 @@ def _peopled(world: World, start: Start | None, who: tuple[Pedestrian, ...]) -> 
     return with_actors(world, who) if who else world
 
 
+@lru_cache(maxsize=2)
+def _marked(world: World, start: Start | None, targets: tuple[TargetSpec, ...], datum: Datum) -> World:
+    world = world if start is None else starting_at(world, start)
+    return with_targets(world, targets, datum)
+
+
 def _terrain_world(run: Run) -> World:
     if not is_terrain_file(run.world.terrain):
         return _named_world(run.world.terrain, run.seed, run.world.difficulty)
@@ -205,5 +236,20 @@ def _check_plan(run: Run) -> None:
             f"driver '{run.rover.driver}' takes no commands or goals; "
             f"this needs driver '{CMD_VEL if commands else 'goal'}'"
         )
+    if run.plan.route is not None:
+        _check_route(run, run.plan.route)
     if run.plan.goals and any(rover.goal_area is not None for rover in run.rovers):
         raise UsageError("a goal area gives goals by itself: leave out the goals")
+
+
+def _check_route(run: Run, route: Route) -> None:
+    for point in route.points:
+        if point.target:
+            check_target(point.target, target_names(run.world.targets))
+    if not any(follows_route(rover.driver) for rover in run.rovers):
+        raise UsageError(
+            f"driver '{run.rover.driver}' follows no route; give 'goal', a policy, or '{CMD_VEL}' with "
+            "a node that takes /goal_pose"
+        )
+    if run.plan.goals or any(rover.goal_area is not None for rover in run.rovers):
+        raise UsageError("a route gives goals by itself: leave out goals and goal areas")

@@ -1,6 +1,7 @@
 """What an episode yields, batch by batch, and what it was made of: values, no physics."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from harness.samples import Place, Tick, plain_value
 from harness.truth.traversal import ContactEvent, Truth
@@ -17,6 +18,7 @@ class EpisodeInfo:
         start: Where the rover started: x, y [m], yaw [rad] of its model frame in the world.
         notes: What a file holds, and what was done to it to make this map of it.
         files: Those that it was read from, each with its SHA-256.
+        targets: Where on the ground each stands, by name: x, y, z in the world [m].
     """
 
     model_hash: str
@@ -26,6 +28,7 @@ class EpisodeInfo:
     start: Start
     notes: tuple[str, ...] = ()
     files: tuple[tuple[str, str], ...] = ()
+    targets: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
 @plain_value

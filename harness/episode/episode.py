@@ -5,6 +5,7 @@ in batches of one control period, either in this process or through harness.epis
 share a world have an episode each, and are driven together; one alone is a fleet of one.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
@@ -17,10 +18,27 @@ import numpy as np
 from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
-from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers import (
+    CmdVel,
+    Driver,
+    DriverContext,
+    Goal,
+    Observation,
+    PolicyDriver,
+    find_driver,
+    takes_goals,
+)
 from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
-from harness.episode.assembly import check, check_world, scenery, sensor_rows
+from harness.drivers.route_course import RouteCourse
+from harness.episode.assembly import (
+    check,
+    check_world,
+    follows_route,
+    route_progress,
+    scenery,
+    sensor_rows,
+)
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
@@ -30,9 +48,8 @@ from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.robots.reading import model_hash
-from harness.samples import ActorPoses, Imu, LaserScan, Place, Sample, Tick, Twist
+from harness.samples import ActorPoses, GoalPose, Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors.base import EpisodeParts
-from harness.sensors.geodesy import Datum
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
@@ -45,6 +62,7 @@ from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
 from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
+from harness.world.geodesy import Datum
 from harness.world.world import World, terrain_hash
 
 Given = TypeVar("Given", bound=SensorOptions)
@@ -88,6 +106,7 @@ class Episode:
             start=world.start,
             notes=world.notes,
             files=world.files,
+            targets={target.name: target.position for target in world.targets},
         )
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
@@ -111,9 +130,19 @@ class Episode:
         self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
         self._ticks: list[Tick] = []  # since the last batch
         self._goals: list[Place] = []  # given since then
+        self._told: list[GoalPose] = []  # to who drives over topics, with the next tick
         self._bearings = lidar_spec.bearings(rover.lidar_yaw)
-        self._course = goal_course(run, number, world)
+        self._takes_goals = takes_goals(self.setup.driver)
+        self._course = course_of(run, number, world)
+        self._is_linked, self._is_aborted = True, False
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in run.plan.resets]
+        for start, length in run.plan.link_losses:
+            planned += [
+                (start, partial(self._link, up=False)),
+                (start + length, partial(self._link, up=True)),
+            ]
+        planned += [(t, self._abort) for t in run.plan.aborts]
+        planned += [(t, self._resume) for t in run.plan.resumes]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in run.plan.commands]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in run.plan.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
@@ -137,10 +166,11 @@ class Episode:
             middle=middle,
         )
         self._driver: Driver = find_driver(self.setup.driver)(context)
+        self._give_again()
 
     def command(self, twist: Twist) -> None:
-        """Hands a command to the cmd_vel driver; other drivers make their own."""
-        if isinstance(self._driver, CmdVel):
+        """Hands a command to the cmd_vel driver, unless the link is lost; others make their own."""
+        if isinstance(self._driver, CmdVel) and self._is_linked:
             self._driver.obey(twist)
 
     def head_for(self, place: Place) -> None:
@@ -195,12 +225,18 @@ class Episode:
         speeds = [self._drive.wheel_speeds() for _ in range(ticks)]
         self.simulation.command_ahead(np.array(speeds))
 
+    def needs(self, index: int) -> bool:
+        """Returns whether anybody looks at the state at the end of a tick, counted from 1."""
+        return self._people is not None or self._sensors.needs(index)
+
     def observe(self, index: int) -> None:
         """Takes a tick that has just been simulated into account, counted from 1."""
-        self._recorder.observe()
+        self._recorder.observe(self.simulation.now)
         samples = self._sensors.tick(index)
         if self._people is not None and self._people.due(index):
             samples += (self._people.read(),)
+        if self._told:
+            samples += (replace(self._told.pop(), stamp_ns=self.simulation.time_ns),)
         self._ticks.append(Tick(self.simulation.time_ns, samples))
 
     def end_period(self, *, is_last: bool) -> Batch:
@@ -227,6 +263,8 @@ class Episode:
     def _commanded(self) -> Twist:
         """What the driver wants; commands from elsewhere and of policies are taken as they are."""
         twist = self._driver.command(self._observe())
+        if self._is_aborted:
+            return Twist()
         if isinstance(self._driver, CmdVel | PolicyDriver):
             return twist
         return drivable(twist, self.simulation.scene.rover)
@@ -241,7 +279,31 @@ class Episode:
             time_s = simulation.time_ns / NANOSECONDS
             goal = self._course.next(time_s, (x, y), simulation.orientation)
             if goal is not None:
-                self.head_for(goal)
+                self._give(goal)
+
+    def _give(self, goal: Place) -> None:
+        """Gives the driver its next goal, or tells it over a topic to who commands the rover."""
+        if self._takes_goals:
+            self.head_for(goal)
+            return
+        height, half = self.simulation.scene.world.ground.height_at(goal.x, goal.y), 0.5 * goal.yaw
+        turned = (0.0, 0.0, math.sin(half), math.cos(half))
+        self._told = [GoalPose(0, (goal.x, goal.y, height), turned)]
+
+    def _link(self, *, up: bool) -> None:
+        self._is_linked = up
+
+    def _abort(self) -> None:
+        self._is_aborted = True
+
+    def _resume(self) -> None:
+        self._is_aborted = False
+        self._give_again()
+
+    def _give_again(self) -> None:
+        """A new driver, or one that was held, is given the way point that is in hand."""
+        if isinstance(self._course, RouteCourse):
+            self._course.again()
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position
@@ -291,7 +353,10 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
                 for episode in episodes:
                     episode.drive_wheels(ticks)
                 physics.run()
-                for tick in physics.shown():
+                needs = [
+                    any(episode.needs(first + tick + 1) for episode in episodes) for tick in range(ticks)
+                ]
+                for tick in physics.shown(needs.__getitem__):
                     for episode in episodes:
                         episode.observe(first + tick + 1)
         except RunFailed as error:
@@ -317,13 +382,15 @@ def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:
     return made
 
 
-def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
-    """Returns what gives the goals of a rover, from a generator of its own; None without an area.
+def course_of(run: Run, number: int, world: World) -> RouteCourse | GoalCourse | None:
+    """Returns what gives the goals of a rover: its route, or an area; None without either.
 
     Raises:
         UsageError: There is no free place in the area.
     """
     rover = run.rovers[number]
+    if run.plan.route is not None and follows_route(rover.driver):
+        return RouteCourse(route_progress(run, world))
     if rover.goal_area is None:
         return None
     reach = find_rover(rover.robot).reach

@@ -19,6 +19,7 @@ from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
+OF_MISSIONS = ("targets", "route", "aborts", "resumes", "link_losses")  # there with a mission alone
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
 
@@ -29,7 +30,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "arguments": _arguments(result),
             "mode": result.mode,
             "versions": _versions(),
-            "world": None if result.info is None else asdict(result.info),
+            "world": None if result.info is None else _stated(asdict(result.info)),
             "outcome": _outcome(result),
             "simulated_s": result.simulated_s,
             "wall_s": result.wall_s,
@@ -71,7 +72,13 @@ def _arguments(result: RunResult) -> dict[str, Any]:
     arguments = run.fields(number)
     if is_terrain_file(run.world.terrain):
         del arguments["difficulty"]
-    return arguments | {"number": number, "world_robot": run.rover.robot if result.rover.name else ""}
+    world_robot = run.rover.robot if result.rover.name else ""
+    return _stated(arguments) | {"number": number, "world_robot": world_robot}
+
+
+def _stated(values: dict[str, Any]) -> dict[str, Any]:
+    """Values without those of a mission where there is none."""
+    return {name: value for name, value in values.items() if value or name not in OF_MISSIONS}
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:

@@ -59,7 +59,7 @@ if TYPE_CHECKING:
         lidar_beams: int = 0
 else:
     RunOptions = create_model(
-        "RunOptions", __base__=Value, **keys_of("robot", "lidar_beams", *FILE_FIELDS)
+        "RunOptions", __base__=Value, **keys_of("robot", "lidar_beams", "targets", "datum", *FILE_FIELDS)
     )
 
 

@@ -86,11 +86,9 @@ class ContactWatch:
             rover.show(0)
 
     @property
-    def is_lost(self) -> bool:
-        """Whether something is touched now, and it is not known where the contacts are."""
-        if self.contacts[1].size:
-            return False
-        return any(self._data.sensordata[begin:end].any() for begin, end in self.watched[0].tolist())
+    def any(self) -> bool:
+        """Whether anything was touched since `begin`."""
+        return bool(self._all[-1][..., 0].any())
 
     def look(self, tick: int = 0) -> None:
         """Takes a step of a tick in which something was touched into account."""

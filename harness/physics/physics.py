@@ -5,7 +5,7 @@ knows ROS, drivers or sample rates.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 
 import mujoco
@@ -78,6 +78,8 @@ class Physics:
             for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
         )
         self._span = Span(self.model, self.data, np.concatenate([rover.motors for rover in self.rovers]))
+        bounds = self.ground.bounds(EDGE_MARGIN)
+        self._span.fence = np.array([[rover.scene.qpos_at, *bounds] for rover in self.rovers])
         begin = 0
         for rover in self.rovers:
             end = begin + rover.motors.size
@@ -114,7 +116,6 @@ class Physics:
         Args:
             watched: Whether anybody asks which contacts there were, not only how many.
         """
-        self._shown = self.contacts.rovers if watched else ()
         self.contacts.begin(watches=watched)
         if self.crowd is not None:
             self.crowd.move(self.time_ns + TICK_NS)
@@ -129,12 +130,15 @@ class Physics:
             if step < end:
                 break
 
-    def shown(self) -> Iterator[int]:
+    def shown(self, needed: Callable[[int], bool] = lambda _: True) -> Iterator[int]:
         """Shows one tick after the other of those that have just been simulated.
 
-        While a tick is shown, time, `tick_sum`, the rovers' contacts and what `stepping.RECORDED` names
-        of MuJoCo's state are those of its end; whatever else MuJoCo knows is that of the last one. All
-        are to be consumed.
+        While a tick is shown, time, the rovers' contacts and `now`, and if it is needed also `tick_sum`
+        and what `stepping.RECORDED` names of MuJoCo's state are those of its end; whatever else MuJoCo
+        knows is that of the last one, which is always needed. All are to be consumed.
+
+        Args:
+            needed: Whether anybody looks at a tick's state.
 
         Yields:
             The index of the tick, from 0.
@@ -142,17 +146,21 @@ class Physics:
         Raises:
             RunFailed: The state diverged in a tick, or a rover reached the edge of the map.
         """
-        last = self._simulated - 1
+        last, touched = self._simulated - 1, self.contacts.any
+        paths = [self._span.path(rover.scene.qpos_at) for rover in self.rovers]
         for tick in range(self._simulated):
-            self._span.show(tick, self.tick_sum)
+            if tick == last or needed(tick):
+                self._span.show(tick, self.tick_sum)
             self.step_count += self.steps_per_tick
-            for contacts in self._shown:
-                contacts.show(tick)
+            for rover, path in zip(self.rovers, paths, strict=True):
+                rover.now = path[tick]
+                if touched:
+                    rover.contacts.show(tick)
             if self.crowd is not None:
-                self.crowd.look(self._shown)
+                self.crowd.look([rover.contacts for rover in self.rovers])
             if tick == last:
                 self.check_health()
-            self.check_place()
+                self.check_place()
             yield tick
 
     def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:

@@ -1,5 +1,7 @@
 """One rover's part of the state of a world: views into MuJoCo's, to read, to keep and to put back."""
 
+from typing import TYPE_CHECKING
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +9,9 @@ from numpy.typing import NDArray
 from harness.physics.contacts import RoverContacts
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene, motors_of
-from harness.soil.bed import Bed
+
+if TYPE_CHECKING:
+    from harness.soil.bed import Bed
 
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 
@@ -29,6 +33,7 @@ class Rover:
         pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
         twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, a view.
         contacts: What it touches in the tick that is shown.
+        now: Its pose in the tick that is shown, as `pose`.
         parking: Its brake.
         motors: The actuators that are commanded, in the order of the rover's `motors`; the first
             `driven` of them drive.
@@ -44,7 +49,7 @@ class Rover:
         data: mujoco.MjData,
         contacts: RoverContacts,
         parked: set[str],
-        bed: Bed | None = None,
+        bed: "Bed | None" = None,
     ) -> None:
         self.scene, self.contacts = scene, contacts
         model, self._geoms = scene.model, scene.geoms()
@@ -57,12 +62,14 @@ class Rover:
         motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))
         at, moving = scene.qpos_at, slice(int(dofs[0]), int(dofs[-1]) + 1)
         self.pose, self.twist = data.qpos[at : at + 7], data.qvel[moving][:6]
+        self.now: list[float] = self.pose.tolist()
         after = model.jnt_qposadr[joints[-1] + 1] if joints[-1] + 1 < model.njnt else model.nq
         # All that its next step depends on, warm start included: it goes on bit for bit.
         self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]
         self._lift = None if bed is None else bed.lift[bed.wheels_of(scene.root)]
         if bed is not None:
-            self._state.append(bed.states[bed.wheels_of(scene.root)])
+            own = slice(self._geoms[0], self._geoms[-1] + 1)
+            self._state += [bed.states[bed.wheels_of(scene.root)], model.geom_conaffinity[own]]
         if motors.size:
             first, last = int(motors[0]), int(motors[-1])
             self._state.append(data.ctrl[first : last + 1])

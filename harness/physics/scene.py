@@ -8,7 +8,7 @@ lidar's ray mask and the pictures rely on them.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -18,6 +18,7 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
+from harness.soil.wheel_kernel import SOIL_CONTACT
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -27,14 +28,16 @@ TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, SEEN_GROUP
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's own: harness.view gives them their kind's colour
 FIRST_OF_FLEET = 4  # the contact bit of the second rover; the next one has twice that
+UNSEEN_GROUP = 5
 UNTOUCHED = {"contype": 0, "conaffinity": 0}
-SOIL_CONTACT = 1 << 30  # of soil, which what is no wheel has too
 SOIL_ROOM = 0.2  # [m] that soil may sink below the lowest point and rise above the highest
 RUT_CELL = 0.025  # [m]: half the width of a small rover's wheel
 MOST_RUT_CELLS = 4_000_000  # 32 MB; of larger maps the cells are larger
+SKINS = "skins"  # of targets
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
+UNDERGROUND = "ground below soil"  # what is no wheel meets it: as the ground was without ruts
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
 SHAPES = {
@@ -156,6 +159,7 @@ def build_scenes(
             friction = 0.0 if is_ground else min(geom.friction[0], world.friction)
             geom.friction = [friction, *geom.friction[1:]]
     if dress is not None:
+        _add_skins(spec, world)
         dress(spec)
     model = spec.compile()
     return tuple(
@@ -240,27 +244,36 @@ def _keep_constraints_soft(spec: mujoco.MjSpec, timestep: float) -> None:
 
 
 def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
-    heights = world.ground.heights if world.soil is None else soil_ground(world.ground).heights
-    contact = GROUND_CONTACT
-    if world.soil is not None:
-        heights, contact = heights.copy(), {"contype": SOIL_CONTACT, "conaffinity": 0}
-        heights[0, 0], heights[-1, -1] = heights.min() - SOIL_ROOM, heights.max() + SOIL_ROOM
-    lowest = float(heights.min())
+    if world.soil is None:
+        _add_heights(spec, TERRAIN, world.ground, TERRAIN_GROUP, GROUND_CONTACT)
+        return
+    fine = soil_ground(world.ground)
+    heights = fine.heights.copy()
+    heights[0, 0], heights[-1, -1] = heights.min() - SOIL_ROOM, heights.max() + SOIL_ROOM
+    _add_heights(spec, TERRAIN, replace(fine, heights=heights), TERRAIN_GROUP, UNTOUCHED)
+    contact = {"contype": SOIL_CONTACT, "conaffinity": 0}
+    _add_heights(spec, UNDERGROUND, world.ground, UNSEEN_GROUP, contact)
+
+
+def _add_heights(
+    spec: mujoco.MjSpec, name: str, ground: Heightfield, group: int, contact: Mapping[str, int]
+) -> None:
+    lowest = float(ground.heights.min())
     # The compiler normalises to 0..1 and wants a positive range, even for a flat map.
-    relief = max(float(np.ptp(heights)), 1e-3)
+    relief = max(float(np.ptp(ground.heights)), 1e-3)
     spec.add_hfield(
-        name="terrain",
-        size=[*world.ground.half_size, relief, BASE_THICKNESS],
-        nrow=heights.shape[0],
-        ncol=heights.shape[1],
-        userdata=((heights - lowest) / relief).ravel().tolist(),
+        name=name,
+        size=[*ground.half_size, relief, BASE_THICKNESS],
+        nrow=ground.heights.shape[0],
+        ncol=ground.heights.shape[1],
+        userdata=((ground.heights - lowest) / relief).ravel().tolist(),
     )
     spec.worldbody.add_geom(
-        name=TERRAIN,
+        name=name,
         type=mujoco.mjtGeom.mjGEOM_HFIELD,
-        hfieldname="terrain",
-        pos=[*world.ground.middle, lowest],
-        group=TERRAIN_GROUP,
+        hfieldname=name,
+        pos=[*ground.middle, lowest],
+        group=group,
         **contact,
     )
 
@@ -290,6 +303,41 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         )
 
 
+def _add_skins(spec: mujoco.MjSpec, world: World) -> None:
+    """Adds what cameras see on targets; no ray and no contact meets it.
+
+    The hulls below the skin of a mesh are not drawn: they would fill its hollows.
+    """
+    covered = [body for target in world.targets if target.spec.options.texture for body in target.bodies]
+    for index, obstacle in enumerate(world.obstacles):
+        if obstacle in covered:
+            spec.geom(f"{obstacle.kind.name.lower()}_{index}").rgba[3] = 0.0
+    body = spec.worldbody.add_body(name=SKINS)
+    for number, skin in enumerate(skin for target in world.targets for skin in target.skins):
+        name, (height, width, _) = f"{SKINS}_{number}", skin.image.shape
+        texture = spec.add_texture(
+            name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
+        )
+        texture.data = skin.image.tobytes()
+        material = spec.add_material(name=name, specular=0.0, reflectance=0.0)
+        material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+        spec.add_mesh(
+            name=name,
+            uservert=skin.vertices.ravel().tolist(),
+            userface=skin.faces.ravel().tolist(),
+            usertexcoord=skin.picture.ravel().tolist(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+        body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=name,
+            material=name,
+            rgba=[1.0, 1.0, 1.0, 1.0],
+            group=OBSTACLE_GROUP,
+            **UNTOUCHED,
+        )
+
+
 def _add_actors(spec: mujoco.MjSpec, world: World) -> None:
     for actor in world.people:
         options = actor.spec.options
@@ -314,7 +362,8 @@ def _add_truth_sensors(
     counts |= {f"{HAZARD_CONTACT}_{name}": (whole, (kind, name)) for kind, name in moving}
     wheels = {prefix + name for name in rover.wheel_joints}
     has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
-    ground = (BODY, "world") if has_decks else (mujoco.mjtObj.mjOBJ_GEOM, TERRAIN)
+    touched = UNDERGROUND if spec.geom(UNDERGROUND) else TERRAIN
+    ground = (BODY, "world") if has_decks else (mujoco.mjtObj.mjOBJ_GEOM, touched)
     for part in (spec.body(root), *spec.body(root).find_all(BODY)):
         if _scrapes(part, wheels):
             counts[f"{SCRAPE_CONTACT}_{part.name.removeprefix(prefix)}"] = (BODY, part.name), ground

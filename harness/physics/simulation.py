@@ -58,6 +58,11 @@ class Simulation:
         return self.physics.step_count
 
     @property
+    def now(self) -> list[float]:
+        """What `pose` is at the end of the tick that is shown, whether its state is shown or not."""
+        return self._rover.now
+
+    @property
     def position(self) -> Vector3:
         """Origin of the model frame in the world [m]."""
         x, y, z = self.pose[:3].tolist()

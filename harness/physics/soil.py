@@ -1,15 +1,18 @@
 """Soil in a scene: a finer ground that sinks and rises, wheels that meet it by the soil's forces."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import mujoco
 
 from harness.base.errors import UsageError
 from harness.physics.scene import TERRAIN, Scene, soil_ground
-from harness.soil.bed import Bed, Ground, SoilWheel
+
+if TYPE_CHECKING:
+    from harness.soil.bed import Bed, SoilWheel
 
 
-def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> Bed | None:
+def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
     """Returns the soil under all rovers of a model; None on rigid ground.
 
     Raises:
@@ -18,6 +21,8 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> Bed | None:
     world, model = scenes[0].world, scenes[0].model
     if world.soil is None:
         return None
+    from harness.soil.bed import Bed, Ground  # noqa: PLC0415 - with kernels that only soil needs
+
     geom, ground = model.geom(TERRAIN).id, soil_ground(world.ground)
     start, (rows, columns) = int(model.hfield_adr[model.geom_dataid[geom]]), ground.heights.shape
     field = model.hfield_data[start:][: rows * columns].reshape(rows, columns)
@@ -25,7 +30,8 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> Bed | None:
     field[:] = (ground.heights - base) / relief  # the corners had to hold the extremes
     (half_x, half_y), (x, y) = ground.half_size, ground.middle
     corner = x - half_x, y - half_y
-    told = Ground(ground.heights, corner, ground.cell, field, base, relief)
+    solid = scenes[0].world.ground
+    told = Ground(ground.heights, corner, ground.cell, field, base, relief, solid.heights, solid.cell)
     wheels = [wheel for scene in scenes for wheel in _wheels(scene, data)]
     for wheel in wheels:
         if wheel.width < ground.cell:
@@ -36,12 +42,14 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> Bed | None:
     return Bed(world.soil, told, wheels, model, data)
 
 
-def _wheels(scene: Scene, data: mujoco.MjData) -> list[SoilWheel]:
+def _wheels(scene: Scene, data: mujoco.MjData) -> list["SoilWheel"]:
     model, rover = scene.model, scene.rover
     mujoco.mj_kinematics(model, data)
     mass = model.body_subtreemass[scene.root]
     load = float(mass) * -float(model.opt.gravity[2]) / len(rover.wheel_joints)
     left = data.xmat[scene.root].reshape(3, 3)[:, 1]
+    from harness.soil.bed import SoilWheel  # noqa: PLC0415 - see `soil_bed`
+
     made = []
     for name in scene.all_own(rover.wheel_joints):
         joint = model.joint(name)

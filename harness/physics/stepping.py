@@ -23,7 +23,11 @@ class Span:
     Attributes:
         commands: To the motors in each tick, shape (SPAN, motors).
         warnings: MuJoCo's counters of them.
+        fence: Where each rover's pose stands in qpos, and x from, x to, y from, y to between which it
+            may be [m], shape (rovers, 5).
     """
+
+    fence: Doubles
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, motors: Integers) -> None:
         self.commands = np.zeros((SPAN, motors.size))
@@ -35,7 +39,7 @@ class Span:
         self._record = tuple(np.zeros((SPAN, part.size)) for part in self._state)
 
     def advance(self, steps: tuple[int, int, int], watch: ContactWatch) -> int:
-        """Steps to the end, or until a tick that ends with warnings.
+        """Steps to the end, or until a tick after which there are warnings or a rover left its fence.
 
         Args:
             steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
@@ -47,12 +51,17 @@ class Span:
         step, end, per_tick = steps
         told, control, recorded = self._told, self._control, (self._state, self._record)
         while True:
-            rest = self.warnings, self._felt, recorded, watch.contacts, watch.watched
+            rest = (self.warnings, self.fence), self._felt, recorded, watch.contacts, watch.watched
             step = advance(told, (step, end, per_tick), control, *rest)
-            if watch.is_lost:
-                watch.look((step - 1) // per_tick)
-            if step == end or any(self.warnings.tolist()):
+            if step >= 0:
                 return step
+            step = -step
+            watch.look((step - 1) // per_tick)
+
+    def path(self, at: int) -> list[list[float]]:
+        """Returns what a rover's pose, which stands there in qpos, was at the end of each tick."""
+        path: list[list[float]] = self._record[0][:, at : at + 7].tolist()
+        return path
 
     def show(self, tick: int, sums: Doubles) -> None:
         """Sets what RECORDED names to what it was at the end of a tick, and the sums of its sensors."""

@@ -136,9 +136,20 @@ def look(
     return _look_at_all(told, state, contacts, watched, tick)
 
 
+@inlined
+def _is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
+    warnings, fence = health
+    for rover in range(fence.shape[0]):
+        at = int(fence[rover, 0])
+        x, y = qpos[at], qpos[at + 1]
+        if not (fence[rover, 1] < x < fence[rover, 2] and fence[rover, 3] < y < fence[rover, 4]):
+            return True
+    return bool(np.any(warnings))
+
+
 @kernel(
     "int64(UniTuple(int64, 4), UniTuple(int64, 3), Tuple((float64[::1], int64[::1], float64[:,::1])),"
-    "int32[:], Tuple((float64[::1], float64[:,::1])),"
+    "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
     "Tuple((UniTuple(float64[::1], 3), UniTuple(float64[:,::1], 3))),"
     "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
     "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])))"
@@ -147,26 +158,26 @@ def advance(
     told: tuple[int, int, int, int],
     steps: tuple[int, int, int],
     control: tuple[Doubles, Integers, Doubles],
-    warnings: NDArray[np.int32],
+    health: tuple[NDArray[np.int32], Doubles],
     felt: tuple[Doubles, Doubles],
     recorded: tuple[tuple[Doubles, ...], tuple[Doubles, ...]],
     contacts: Contacts,
     watched: Watched,
 ) -> int:
-    """Steps to the end, or until a tick that ends with warnings, or a touch before contacts are known.
+    """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
 
     Args:
         told: Addresses of mj_step, of mj_contactForce, of the model and of its data.
         steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
         control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
-        warnings: The data's counters of warnings.
+        health: The data's counters of warnings; the rovers' `Span.fence`.
         felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
         recorded: What of the data is recorded, qpos first; where it comes, each (ticks, ...).
         contacts: As `look` has it.
         watched: As there.
 
     Returns:
-        Where it ended, counted as in `steps`.
+        Where it ended, counted as in `steps`; negative after such a touch.
     """
     begin, end, per_tick = steps
     (sensors, sums), (state, record) = felt, recorded
@@ -182,6 +193,8 @@ def advance(
         if is_last:
             for part in range(len(state)):
                 record[part][tick] = state[part]
-        if (touches and not contacts[1].size) or (is_last and np.any(warnings)):
+        if is_last and _is_wrong(health, state[0]):
             return step + 1
+        if touches and not contacts[1].size:
+            return -(step + 1)
     return end

@@ -155,6 +155,9 @@ def _text(value: object) -> str:
         return DASH
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, Mapping):  # of a list: what is said of it
+        said = (f"{name} {_text(part)}" for name, part in value.items() if part not in (None, ""))
+        return "; ".join(said)
     if isinstance(value, list | tuple):
         return ", ".join(map(_text, value)) or DASH
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.robots.drivetrain import Drivetrain
+from harness.robots.mjcf import EXACTLY_BACKWARD
 from harness.robots.model import COLLIDING_GROUP, extent
 from harness.robots.spec import RoverSpec
 
 MODEST = 0.5  # of the top speed: what the scripted drivers command, at most CRUISE
 CRUISE, TURNING = 1.0, 1.0  # [m/s], [rad/s]
-EXACTLY_BACKWARD = 1e-6  # [rad]
 LOWEST = 0.01  # [m]: less clearance is none
 
 
@@ -39,6 +39,7 @@ class Measures(Drivetrain):
             "steered_wheels": self.steered_wheels,
             "wheel_radius": self._radius,
             "wheel_width": self._width,
+            "wheel_friction": self._friction(),
             "wheel_speed_limit": self.wheel_speed_limit,
             "gravity": -float(self._model.opt.gravity[2]),
             "lidar_x": float(self._lidar.xpos[0]),
@@ -80,6 +81,13 @@ class Measures(Drivetrain):
             "clearance": self._clearance(rest_height),
             "step_limit": self._radius / 2,
         }
+
+    def _friction(self) -> float:
+        """The friction of the wheels on ground of 1; MuJoCo takes the larger unless one has priority."""
+        model, wheels = self._model, [int(self._model.joint(name).bodyid[0]) for name in self._wheels]
+        tyres = np.flatnonzero(np.isin(model.geom_bodyid, wheels) & (model.geom_contype > 0))
+        own, wins = model.geom_friction[tyres, 0], model.geom_priority[tyres] > 0
+        return float(np.where(wins, own, np.maximum(own, 1.0)).max(initial=0.0)) or 1.0
 
     def _wheelbase(self, places: NDArray[np.float64]) -> float:
         ahead = places[:, 0]

@@ -8,6 +8,8 @@ from xml.etree import ElementTree as ET
 
 from harness.robots.sections import Drive
 
+EXACTLY_BACKWARD = 1e-6  # [rad]
+
 
 def stated_by_mjcf(root: ET.Element) -> dict[str, object]:
     """Returns what a model's file states of a rover, by the field's name.
@@ -28,17 +30,20 @@ def stated_by_mjcf(root: ET.Element) -> dict[str, object]:
     drives = root.findall("actuator/*")
     wheel = root.find(".//geom[@name='wheel_FL']")
     driven = tuple(drive.attrib["joint"] for drive in drives)
-    lidar = numbers(root.find(".//site[@name='lidar']"), "pos")
+    site = root.find(".//site[@name='lidar']")
+    lidar = numbers(site, "pos")
+    turned = [float(word) for word in site.get("euler", "0 0 0").split()] if site is not None else []
     joints = (joint.attrib["name"] for joint in root.findall("worldbody//joint"))
     return {
         "drive": Drive(left=driven[: len(driven) // 2], right=driven[len(driven) // 2 :], driven=driven),
         "passive_joints": tuple(name for name in joints if name not in driven),
         "wheel_radius": numbers(wheel, "size")[0],
         "wheel_width": 2 * numbers(wheel, "size")[1],
+        "wheel_friction": numbers(wheel, "friction")[0],
         "wheel_speed_limit": numbers(drives[0], "ctrlrange")[1],
         "lidar_x": lidar[0],
         "lidar_y": lidar[1],
-        "lidar_yaw": math.pi,  # models/README.md: exactly backward
+        "lidar_yaw": math.pi if math.pi - abs(turned[2]) < EXACTLY_BACKWARD else turned[2],
         "steered_wheels": (),
         "gravity": -numbers(root.find("option"), "gravity")[2],
     }

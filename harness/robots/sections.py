@@ -113,6 +113,10 @@ class Expected(Value):
         "ground speed at a command of 1.0 m/s, the highest of RoboTerrain's agents [m/s]"
     )
     yaw_ratio: Span = _open("achieved over commanded yaw rate, in place")
+    turning_shake: Span = _open(
+        "sd of the vertical acceleration turning in place at 1 rad/s, IMU at 100 Hz [m/s^2]; "
+        "default: at most 0.3"
+    )
     kerb_one_side: Span = _open("height climbed with the wheels of one side [m]")
     rocker_stop: Span = _open("largest angle of a rocker, of a rover that has some [rad]")
     ramp_source: str = Field(

@@ -97,6 +97,7 @@ class ModelFacts(Value):
     steered_wheels: tuple[str, ...] = ()  # joints of the wheels that the steering turns
     wheel_radius: Positive  # of the largest wheel [m]
     wheel_width: Positive  # of the widest wheel [m]
+    wheel_friction: Positive  # on ground of friction 1
     wheel_speed_limit: Positive  # largest speed of the slowest motor [rad/s]
     gravity: Positive  # downwards [m/s^2]
     lidar_x: Number  # of the lidar ahead in the model frame [m]

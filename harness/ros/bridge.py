@@ -28,6 +28,8 @@ from harness.sensors.table import SensorRow, Topic
 from rover_metrics.ros.guarded_node import GuardedNode
 
 PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
+# Latched for who comes late; a subscriber of Nav2's, which is volatile, hears it too.
+GOAL = Topic("goal_pose", "geometry_msgs/msg/PoseStamped", depth=1, latched=True)
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
 # In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
 COMMAND_FRAMES = ("base_link", "base_footprint", ODOM)
@@ -63,6 +65,7 @@ class Bridge(GuardedNode):
         rows: The sensors; None for those of every rover.
         draw: Gives the images of cameras; without it there are none.
         actors: Names of the people, as NAME_actor.
+        goals: Whether it tells who commands the rover the way points of a route.
         namespace: Of its topics, where there are several rovers.
         clock: /clock, if another bridge tells the time; None if this one does.
 
@@ -82,6 +85,7 @@ class Bridge(GuardedNode):
         rows: Iterable[SensorRow] | None = None,
         draw: Draw | None = None,
         actors: Sequence[str] = (),
+        goals: bool = False,
         namespace: str = "",
         clock: Channel | None = None,
     ) -> None:
@@ -101,6 +105,8 @@ class Bridge(GuardedNode):
                 open_channel(self, Topic(f"{name}/pose", PERSON), messages.person(index))
                 for index, name in enumerate(actors)
             ]
+        if goals:
+            self.channels_of[samples.GoalPose] = [open_channel(self, GOAL, messages.goal())]
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self._tells_time = clock is None
         time = messages.by_names(Clock(), samples.Tick)

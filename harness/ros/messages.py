@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
+from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
     CameraInfo,
@@ -80,6 +80,14 @@ def person(index: int) -> Fill:
             "orientation": lambda sample: sample.orientation[index],
         },
     )
+
+
+def goal() -> Fill:
+    """Returns a filler of goals in the world, which is the map."""
+    message = PoseStamped()
+    message.header.frame_id = "map"
+    parts = ("position", "orientation")
+    return _refilled(message, {f"pose.{part}": attrgetter(part) for part in parts})
 
 
 def by_names(message: Message, sample_type: type) -> Fill:

@@ -2,8 +2,8 @@
 
 /map is the world's truth for this rover (harness.world.occupancy), latched; it is made when somebody
 listens or records. /initialpose puts the rover there, as Nav2's loopback simulator does, and
-/goal_pose is for the driver `goal`. Map, odom and world are one frame here: the rover starts at their
-origin.
+/goal_pose is for the driver `goal`; the bridge publishes it where a route is driven over /cmd_vel. Map,
+odom and world are one frame here: the rover starts at their origin.
 """
 
 import math
@@ -15,6 +15,7 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
 
+from harness import samples
 from harness.base.sim_time import NANOSECONDS
 from harness.drivers import takes_goals
 from harness.episode.assembly import world_of
@@ -51,7 +52,8 @@ class Navigation:
         self._bridge, self._run, self._rover, self._source = bridge, run, run.rovers[number], source
         self.map = open_channel(bridge, MAP, self._message)
         bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)
-        bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
+        if samples.GoalPose not in bridge.channels_of:  # else it publishes that itself
+            bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
 
     @cached_property
     def occupancy(self) -> OccupancyMap:

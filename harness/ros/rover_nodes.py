@@ -24,6 +24,7 @@ from harness.samples import Twist
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
 from rover_metrics.ros.arguments import refusal
 
@@ -79,6 +80,7 @@ class RoverNodes:
                 rows=sensor_rows(setup),
                 draw=at_end.enter_context(painter(run, number)).image,
                 actors=actor_names(run.world),
+                goals=run.plan.route is not None and setup.driver == CMD_VEL,
                 namespace=setup.name,
                 clock=clock,
             )

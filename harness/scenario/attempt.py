@@ -9,7 +9,7 @@ from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs
 from harness.scenario.case import Case
-from harness.scenario.quantities import QUANTITIES
+from harness.scenario.quantities import quantity_of
 from harness.scenario.series import SAMPLES
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
@@ -56,7 +56,7 @@ def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
 
 def _is_of_truth(case: Case) -> bool:
     """Whether the truth alone can say that a run passes: that takes neither a log nor every sensor."""
-    only_truth = all(name in QUANTITIES for name in case.scenario.expect)
+    only_truth = all(quantity_of(name) is not None for name in case.scenario.expect)
     return only_truth and not case.scenario.has_baseline and case.expected_failure is None
 
 

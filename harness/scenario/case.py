@@ -14,7 +14,14 @@ from harness.episode.assembly import check
 from harness.robots import ROVERS
 from harness.scenario.reading import SUFFIX, read_scenario
 from harness.scenario.spec import MOST_RUNS, ExpectedFailure, Scenario
-from harness.scenario.steps import CommandEvent, FaultEvent, ResetEvent
+from harness.scenario.steps import (
+    AbortEvent,
+    CommandEvent,
+    FaultEvent,
+    LinkLossEvent,
+    ResetEvent,
+    ResumeEvent,
+)
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 from rover_metrics.errors import ParameterError
@@ -140,6 +147,10 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
         actor.in_file(str(_beside(path, actor.file))) if actor.file else actor
         for actor in values.get("actors", ())
     )
+    values["targets"] = tuple(
+        target.in_file(*(str(_beside(path, file)) if file else "" for file in target.files))
+        for target in values.get("targets", ())
+    )
     events, goal = scenario.events, scenario.goal
     is_sent = goal is not None and takes_goals(values.get("driver", RoverSetup().driver))
     return Run.of(
@@ -149,6 +160,9 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
         commands=tuple((e.at, *e.command) for e in events if isinstance(e, CommandEvent)),
         goals=((0.0, *goal.at, goal.yaw),) if goal is not None and is_sent else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
+        aborts=tuple(event.at for event in events if isinstance(event, AbortEvent)),
+        resumes=tuple(event.at for event in events if isinstance(event, ResumeEvent)),
+        link_losses=tuple((e.at, e.link_loss) for e in events if isinstance(e, LinkLossEvent)),
     )
 
 

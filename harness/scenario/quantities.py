@@ -10,6 +10,7 @@ from typing import NamedTuple
 from harness.base.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, TruthState
+from harness.scenario.mission import OF_TARGET, MissionState
 from harness.scenario.topic import TOPIC, check_topic
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
@@ -26,6 +27,7 @@ class Snapshot(NamedTuple):
         tilt: Largest angle between the rover's and the world's vertical in this period [rad].
         goal_distance: From the model frame to the goal, in the plane [m]; NaN without a goal.
         goal_s: When the rover was first as near to its goal as it must be [s]; NaN before.
+        mission: How its mission stands.
     """
 
     truth: Truth
@@ -33,6 +35,7 @@ class Snapshot(NamedTuple):
     tilt: float
     goal_distance: float
     goal_s: float
+    mission: MissionState = MissionState()
 
 
 @dataclass(frozen=True)
@@ -107,10 +110,26 @@ QUANTITIES: dict[str, Quantity] = {
         lambda m: m.goal_s,
         nothing="the goal was not reached",
     ),
+    "truth.route_points": Quantity("", "Way points reached so far.", lambda m: m.mission.points),
+    "truth.route_s": Quantity(
+        "s",
+        "When the last way point was reached, if none was missed; no value before.",
+        lambda m: m.mission.done_s,
+        nothing="the route was not finished",
+    ),
+    "truth.targets_reached": Quantity(
+        "",
+        "Targets stopped at within reach, and gates passed, so far.",
+        lambda m: m.mission.reached,
+    ),
+    "truth.gates_passed": Quantity(
+        "", "Gates passed between their posts so far.", lambda m: m.mission.gates
+    ),
 }
 
 
 GOAL = "truth.goal"  # how the names of those begin that need a goal
+ROUTE, TARGETS = "truth.route", ("truth.target", "truth.gates")  # a route, targets
 LOG = "log."  # and the name of a column
 RUN = {"run.lost_messages": "Messages given up.", "run.rows": "Rows of the log."}
 
@@ -121,8 +140,26 @@ def names() -> tuple[str, ...]:
     return (*QUANTITIES, *RUN, *columns)
 
 
+def quantity_of(name: str) -> Quantity | None:
+    """Returns the quantity of the truth of that name, of a target too; None if it is none."""
+    found = OF_TARGET.fullmatch(name)
+    if found is None:
+        return QUANTITIES.get(name)
+    target = found["name"]
+    if found["what"] == "distance":
+        return Quantity("m", "To the target, in the plane.", lambda m: m.mission.distances[target])
+    return Quantity(
+        "m",
+        "From the target to the nearest stop of a second so far.",
+        lambda m: m.mission.stops[target],
+        nothing="the rover has not stopped",
+    )
+
+
 def check_name(name: str) -> str | None:
     """Returns what to tell of a quantity that does not exist, None of one that does."""
     if name.startswith(TOPIC):
         return check_topic(name)
+    if OF_TARGET.fullmatch(name):
+        return None
     return None if name in names() else unknown("quantity", name, names())

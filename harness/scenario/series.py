@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import Pose, Sample, TruthState, Vector3
-from harness.scenario.quantities import NO_VALUE, QUANTITIES, Snapshot
+from harness.scenario.mission import MissionAccount, MissionState
+from harness.scenario.quantities import NO_VALUE, Snapshot, quantity_of
 from rover_metrics.core import rotation
 
 SAMPLES: set[type[Sample]] = {Pose, TruthState}  # that quantities of the truth are made of
@@ -39,13 +40,20 @@ class TruthSeries:
     """An observer of a run that keeps the quantities of the truth that are asked for.
 
     Args:
-        names: Of QUANTITIES.
+        names: Of quantities of the truth.
         goal: x and y of the goal [m] and how near is near enough [m]; None without one.
+        mission: Follows the rover through targets and route; None without either.
     """
 
-    def __init__(self, names: Iterable[str], goal: tuple[float, float, float] | None = None) -> None:
-        self._quantities = {name: QUANTITIES[name] for name in names}
-        self._goal = goal
+    def __init__(
+        self,
+        names: Iterable[str],
+        goal: tuple[float, float, float] | None = None,
+        mission: MissionAccount | None = None,
+    ) -> None:
+        known = {name: quantity_of(name) for name in names}
+        self._quantities = {name: one for name, one in known.items() if one is not None}
+        self._goal, self._mission = goal, mission
         self._times: list[float] = []
         self._values: list[tuple[float, ...]] = []
         self._state, self._goal_s, self._tilt = STILL, math.nan, 0.0
@@ -64,7 +72,10 @@ class TruthSeries:
         distance = self._distance(batch.truth.position)
         if self._goal is not None and math.isnan(self._goal_s) and distance <= self._goal[2]:
             self._goal_s = time_s
-        snapshot = Snapshot(batch.truth, self._state, self._tilt, distance, self._goal_s)
+        mission = MissionState()
+        if self._mission is not None:
+            mission = self._mission.take(time_s, batch.truth.position[:2], batch.truth.resets)
+        snapshot = Snapshot(batch.truth, self._state, self._tilt, distance, self._goal_s, mission)
         self._times.append(time_s)
         self._values.append(tuple(q.value(snapshot) for q in self._quantities.values()))
 

@@ -12,15 +12,24 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from harness.base.errors import unknown
 from harness.scenario.bound import Bound, Point, Share, Text
-from harness.scenario.quantities import GOAL, check_name, names
+from harness.scenario.mission import OF_TARGET
+from harness.scenario.quantities import GOAL, ROUTE, TARGETS, check_name, names
 from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
 from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
+from harness.world.targets.placing import target_names
 
 SCHEMA: dict[str, Any] = {
-    "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
+    "propertyNames": {
+        "anyOf": [
+            {"enum": list(names())},
+            {"pattern": f"^{PATTERN}$"},
+            {"pattern": f"^{OF_TARGET.pattern.replace('?P<name>', '').replace('?P<what>', '')}$"},
+        ]
+    }
 }
 MOST_RUNS = 100_000  # of one command
 PAUSE = "without nodes nobody would notice a pause; it needs 'launch:' or an expectation of a topic"
@@ -96,7 +105,10 @@ class Matrix(Value):
     params: tuple[Text | None, ...] = ()
 
 
-NOT_KEYS = ("name", "faults", "commands", "goals", "resets", "seed", "duration")  # have other forms
+NOT_KEYS = (  # have other forms
+    *("name", "faults", "seed", "duration"),
+    *("commands", "goals", "resets", "aborts", "resumes", "link_losses"),
+)
 if TYPE_CHECKING:
     RunKeys = Value
 else:
@@ -184,13 +196,25 @@ class Scenario(RunKeys):
                 yield _mistake(("expect", name), f"a window to {bound.window[1]:g} s ends {late}")
             if name.startswith(GOAL) and self.goal is None:
                 yield _mistake(("expect", name), "it needs a goal, e.g. goal: {at: [5, 0]}")
-            if problem := _problem_of_topic(name, bound):
+            if problem := self._problem_of_mission(name) or _problem_of_topic(name, bound):
                 yield _mistake(("expect", name), problem)
         for index, event in enumerate(self.events):
             if event.at >= self.duration:
                 yield _mistake(("events", index), f"an event at {event.at:g} s is {late}")
             if problem := self._problem_of_event(event):
                 yield _mistake(("events", index), problem)
+
+    def _problem_of_mission(self, name: str) -> str | None:
+        given = self.run_values()
+        if name.startswith(ROUTE) and given.get("route") is None:
+            return "it needs a route, e.g. route: 5,0/8,2"
+        targets = given.get("targets", ())
+        if name.startswith(TARGETS) and not targets:
+            return "it needs targets, e.g. targets: [aruco]"
+        found, known = OF_TARGET.fullmatch(name), target_names(targets)
+        if found is not None and found["name"] not in known:
+            return unknown("target", found["name"], known)
+        return None
 
     def _problem_of_event(self, event: Event) -> str | None:
         drivers = set(self.matrix.driver or (self.run_values().get("driver"),))

@@ -49,11 +49,35 @@ class PauseEvent(Value):
     pause: Length
 
 
+class AbortEvent(Value):
+    """The rover stands still from then on, whatever its driver wants."""
+
+    at: Seconds
+    abort: Literal[True]
+
+
+class ResumeEvent(Value):
+    """The rover drives on; the way point of its route that is in hand is given again."""
+
+    at: Seconds
+    resume: Literal[True]
+
+
+class LinkLossEvent(Value):
+    """No command reaches the rover for so many seconds: the last one holds, or its time-out ends it."""
+
+    at: Seconds
+    link_loss: Length
+
+
 EVENTS: dict[str, type[Value]] = {
     "fault": FaultEvent,
     "command": CommandEvent,
     "reset": ResetEvent,
     "pause": PauseEvent,
+    "abort": AbortEvent,
+    "resume": ResumeEvent,
+    "link_loss": LinkLossEvent,
 }
 
 
@@ -67,7 +91,10 @@ Event = Annotated[
     Annotated[FaultEvent, Tag("fault")]
     | Annotated[CommandEvent, Tag("command")]
     | Annotated[ResetEvent, Tag("reset")]
-    | Annotated[PauseEvent, Tag("pause")],
+    | Annotated[PauseEvent, Tag("pause")]
+    | Annotated[AbortEvent, Tag("abort")]
+    | Annotated[ResumeEvent, Tag("resume")]
+    | Annotated[LinkLossEvent, Tag("link_loss")],
     Discriminator(_kind),
 ]
 

@@ -7,7 +7,7 @@ from shutil import rmtree
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.assembly import gravity
+from harness.episode.assembly import gravity, route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import RunResult
@@ -25,9 +25,11 @@ from harness.scenario.baseline import (
 )
 from harness.scenario.case import Case
 from harness.scenario.judge import Breach, judge, judge_against, value_of
-from harness.scenario.quantities import LOG, QUANTITIES, RUN, SAMPLED
+from harness.scenario.mission import MissionAccount
+from harness.scenario.quantities import LOG, ROUTE, RUN, SAMPLED, TARGETS, quantity_of
 from harness.scenario.series import Series, TruthSeries
 from harness.scenario.verdict import Attempt, Measured
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.settings import Settings
@@ -55,8 +57,10 @@ class Watch:
     def __init__(self, case: Case, *, compare: bool = True) -> None:
         self._case, goal = case, case.scenario.goal
         self._baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
-        names = [name for name in case.scenario.expect if name in QUANTITIES]
-        self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
+        names = [name for name in case.scenario.expect if quantity_of(name) is not None]
+        is_mission = any(name.startswith((ROUTE, *TARGETS)) for name in names)
+        mission = _mission(case.run) if is_mission else None
+        self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius), mission)
         self.page = RunRecorder()
 
     @property
@@ -141,6 +145,11 @@ class Watch:
                 yield difference
 
 
+def _mission(run: Run) -> MissionAccount:
+    world = world_of(run)
+    return MissionAccount(world.targets, route_progress(run, world))
+
+
 def contact_of(name: str, breach: Breach, events: Sequence[ContactEvent]) -> str:
     """Returns e.g. ": front left wheel against hazard_3"; nothing if there is nothing to tell.
 
@@ -149,7 +158,8 @@ def contact_of(name: str, breach: Breach, events: Sequence[ContactEvent]) -> str
         breach: What is wrong with it, and since when.
         events: All contacts of the run; those of one kind do not overlap.
     """
-    kind = QUANTITIES[name].contact if name in QUANTITIES else None
+    quantity = quantity_of(name)
+    kind = None if quantity is None else quantity.contact
     if kind is None or breach.time_s is None:
         return ""
     since = breach.time_s - SAMPLED

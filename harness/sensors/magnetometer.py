@@ -71,7 +71,8 @@ class MagnetometerSensor(ChipSensor[MagnetometerOptions]):
     def read(self) -> MagneticField:
         """Returns the field in the sensor's axes."""
         stamp_ns = self._simulation.time_ns
-        x, y, z = (self._field @ self.pose()[1:]).tolist()
+        # Summed row by row: what BLAS sums a product of a vector in differs between makes of processors.
+        x, y, z = (self._field[:, None] * self.pose()[1:]).sum(axis=0).tolist()
         read = self._triad.corrupt((x, y, z), stamp_ns)
         covariance = (self._errors.variance * np.eye(3)).ravel().tolist()
         return MagneticField(stamp_ns, self.name, read, tuple(covariance))

@@ -18,9 +18,9 @@ from harness.base.sim_time import period_ticks
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.base import Sensor
-from harness.sensors.geodesy import Datum
 from harness.sensors.noise import NoisePreset
 from harness.spec.value import Value, checked
+from harness.world.geodesy import Datum
 
 if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     import mujoco

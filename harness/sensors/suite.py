@@ -54,6 +54,10 @@ class SensorSuite:
         self._noise = noise
         self.latest: dict[type[Sample], Sample] = {}
 
+    def needs(self, index: int) -> bool:
+        """Returns whether a sensor looks at the state at the end of a tick, counted from 1."""
+        return bool(self._observe or self._due[index % HIGHEST_RATE])
+
     def tick(self, index: int) -> tuple[Sample, ...]:
         """Returns the samples of the tick that has just been simulated, counted from 1."""
         for observe in self._observe:

@@ -62,6 +62,8 @@ class Ground:
         field: MuJoCo's, a view of the same shape, of 0 to 1.
         base: Height of its 0 [m].
         relief: Height of its 1 above that [m].
+        solid: Heights that what is no wheel meets [m].
+        solid_cell: Distance of two of those [m].
     """
 
     heights: Doubles
@@ -70,6 +72,8 @@ class Ground:
     field: NDArray[np.float32]
     base: float
     relief: float
+    solid: Doubles
+    solid_cell: float
 
 
 class Bed:
@@ -107,8 +111,9 @@ class Bed:
         _check(soil, self._numbers, self.wheels, gravity, float(model.opt.timestep))
         self._virgin, self.surface = ground.heights.copy(), ground.heights.copy()
         self._fresh = ground.field.copy()
-        frame = (*ground.corner, ground.cell, ground.base, ground.relief, 0.0, model.opt.timestep)
+        frame = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
         self._frame = np.array(frame)
+        self._solid_frame = np.array((*ground.corner, ground.solid_cell))
         self.states = np.zeros((len(wheels), wheel_kernel.STATE))
         self.felt = np.zeros((len(wheels), 8))
         sizes = [(w.radius, w.width, w.grousers, 1.0 if w.to_left else -1.0) for w in wheels]
@@ -131,15 +136,19 @@ class Bed:
         """Makes the ground as it was without ruts; what the wheels remember stays."""
         self._virgin[:] = self.surface[:] = self._ground.heights
         self._ground.field[:] = self._fresh
-        self._frame[5] = 0.0
+        self.states[:, 5] = 0.0
 
     def _told(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int64]:
+        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & wheel_kernel.SOIL_CONTACT)
         arrays = (self._numbers, self._sizes, self._bodies, self._virgin, self._frame, self.surface)
         moving = (data.xpos, data.xaxis, data.cvel, data.subtree_com, data.xipos)
-        rest = (self._ground.field, self.states, self.felt, *moving)
+        self._touching = geoms, model.geom_aabb[geoms].copy()
+        placed = (data.geom_xpos, data.geom_xmat, model.geom_conaffinity)
+        solid = (*self._touching, *placed, ground.solid, self._solid_frame)
+        everything = (*arrays, ground.field, self.states, self.felt, *moving, *solid)
         counts = (len(self.wheels), data.xfrc_applied.ctypes.data, *self.surface.shape)
-        counts += (model.nbody, model.njnt)
-        return np.array([*counts, *(a.ctypes.data for a in (*arrays, *rest))], np.int64)
+        counts += (model.nbody, model.njnt, geoms.size, model.ngeom, *ground.solid.shape)
+        return np.array([*counts, *(a.ctypes.data for a in everything)], np.int64)
 
 
 def _check(

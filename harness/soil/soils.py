@@ -51,14 +51,13 @@ class Soil(Value):
     flowing: Share = Field(
         default=1.0, description="share of the pressure that is left where soil flows away"
     )
-    flow_exponent: Length = Field(default=1.0, description="of the rim's angle of attack")
     flow_lateral: NotNegative = Field(default=1.0, description="weight of sideways motion in it")
     flow_driving: NotNegative = Field(default=1.0, description="weight of driving slip in it")
-    flow_grousers: Factor = Field(default=0.0, description="what grousers add to that, as a factor")
+    flow_braking: NotNegative = Field(default=1.0, description="weight of braking slip in it")
     flow_pressing: NotNegative = Field(default=0.0, description="weight of sinking straight down in it")
-    dig: NotNegative = Field(default=0.0, description="the pressure falls by exp(-dig) at a slip of 1")
-    dig_grousers: NotNegative = Field(default=0.0, description="what grousers add to `dig`")
-    dig_exponent: Length = Field(default=1.0, description="of the slip in what grousers add")
+    dig_grousers: NotNegative = Field(
+        default=0.0, description="the pressure under grousers falls by exp(-it) as they spin on the spot"
+    )
     grouser_friction: Factor = Field(default=0.0, description="what grousers add to friction")
     grouser_shear: Factor = Field(default=0.0, description="what grousers add to the shear length")
     stay_braking: NotNegative = Field(
@@ -71,6 +70,8 @@ class Soil(Value):
     )
     side_exponent: Length = Field(default=2.0, description="of the sinkage in it")
     side_flow: Length = Field(default=1.0, description="exponent of the sideways share of the motion")
+    side_slip: NotNegative = Field(default=1.0, description="weight of the rim's slip in that share")
+    side_friction: Share = Field(default=0.0, description="friction on the wheel's face")
     density: Length = Field(default=1500.0, description="for the force beside the wheel [kg/m^3]")
 
     def numbers(self, width: float, gravity: float) -> NDArray[np.float64]:
@@ -100,24 +101,23 @@ class Soil(Value):
                 self.peak_driving,
                 self.peak_braking,
                 self.flowing,
-                self.flow_exponent,
                 self.flow_lateral,
                 self.flow_driving,
+                self.flow_braking,
                 self.flow_pressing,
-                self.dig,
                 self.dig_grousers,
-                self.dig_exponent,
                 self.grouser_friction,
                 self.grouser_shear,
                 self.stay_braking,
                 self.stay_lateral,
-                self.flow_grousers,
                 self.rebound,
                 side,
                 self.side_exponent,
                 self.side_flow,
-                self.damping,
+                self.side_slip**2,
+                self.side_friction,
                 cohesive * self.cohesion,
+                self.damping,
             ]
         )
 
@@ -127,29 +127,27 @@ SOILS = {
     "dry_sand": Soil(
         summary="dry sand, fitted to 234 trials of single wheels",
         source="C. Pavlov, Carnegie Mellon University 2022: 3d-terramechanics; fit in docs/soil.md",
-        k_phi=2.21e8,
-        n=1.9,
-        friction_angle_deg=26.68,
-        shear_length=0.0035,
-        peak=0.6393,
-        peak_driving=-0.4638,
-        peak_braking=0.236,
-        flowing=0.0264,
-        flow_exponent=0.9994,
-        flow_lateral=3.7951,
-        flow_driving=2.1861,
-        flow_grousers=1.5556,
-        flow_pressing=5.0,
-        dig=1.1119,
-        dig_grousers=0.8699,
-        dig_exponent=12.0259,
-        grouser_friction=0.5646,
-        grouser_shear=0.9968,
-        stay_braking=6.5088,
-        stay_lateral=3.5938,
-        side_modulus=1.4468e5,
-        side_exponent=1.9317,
-        side_flow=0.5014,
+        k_phi=7.526e7,
+        n=1.6,
+        friction_angle_deg=33.24,
+        shear_length=0.00677,
+        peak=0.585,
+        peak_driving=0.0,
+        peak_braking=0.25,
+        flowing=0.0302,
+        flow_lateral=7.326,
+        flow_driving=6.132,
+        flow_braking=5.419,
+        flow_pressing=7.8,
+        dig_grousers=1.419,
+        grouser_friction=0.9585,
+        grouser_shear=1.445,
+        stay_braking=6.609,
+        stay_lateral=6.596,
+        side_modulus=2.179e5,
+        side_flow=0.3,
+        side_slip=3.1623,
+        side_friction=0.3379,
     ),
     "lll_sand": Soil(
         summary="dry sand of tables, rather firm",

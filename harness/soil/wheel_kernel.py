@@ -2,10 +2,10 @@
 
 Contact and stresses: Wong and Reece 1967 (pressure k z^n with its peak ahead of the bottom,
 k = k_c / b + k_phi after Bekker), shear: Janosi and Hanamoto 1961 along each point's slid path in
-two dimensions, side of the wheel: after Hegedus 1960. Beyond these, soil that is ploughed away instead
-of pressed bears less: the pressure falls with the ratio of the rim's velocity into the soil to that
-along it (`flow_*`), and a wheel that spins carries soil away (`dig_*`). docs/soil.md tells what the
-formulas are worth.
+two dimensions, side of the wheel: after Hegedus 1960, with friction on its face. Beyond these, soil that
+is ploughed away instead of pressed bears less: the pressure falls with the ratio of the rim's velocity
+into the soil to that along it (`flow_*`), and grousers that spin carry soil away. docs/soil.md tells
+what the formulas are worth.
 
 Each wheel touches the soil with two halves: ahead of its lowest point, and behind it, which is the same
 seen backwards. A wheel that rolls leaves soil that does not rise again, so its rear half bears nothing
@@ -25,17 +25,22 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
 
-STATIONS = 16  # of the rim in each half, front to bottom
+STATIONS = 10  # of the rim in each half, front to bottom
 YIELD = 0.01  # [s] by whose slid path the shear is ahead: what damps a wheel that stands
 TURNING = 0.005  # [m] of path within which a new direction of motion is taken over
 COMPACTION = 0.1  # share of a rut's depth over which it bears again as before (Wong 1989)
+SIDEWAYS = 1.25  # exponent of sideways motion in what flows: small slip angles hardly change the sinkage
+HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a time
+NEAR = 0.02  # [m] around what touches the ground at most a step later, were it as fast as 8 m/s
+SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 
 # State of a wheel: direction of motion (rim, ahead, left), that of travel (-1 back to 1 ahead),
-# deepest sinkage at this place, then the slid paths of the stations, along and across, of the front
-# half and of the rear half.
-STATE = 5 + 4 * STATIONS
-SOIL_NUMBERS = 28
+# deepest sinkage at this place, what it has displaced that has no place yet; then the slid paths of
+# the stations, along and across, of the front half and of the rear half.
+PATHS = 6
+STATE = PATHS + 4 * STATIONS
+SOIL_NUMBERS = 27
 
 Doubles = NDArray[np.float64]
 
@@ -65,10 +70,9 @@ def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slow
     (k, n, slip_n, cohesion, friction, shear_length, peak, peak_driving, peak_braking) = (
         soil[0], soil[1], soil[2], soil[3], soil[4], soil[5], soil[6], soil[7], soil[8],
     )  # fmt: skip
-    flowing, flow_n, flow_lateral, flow_driving, flow_pressing = (
+    flowing, flow_lateral, flow_driving, flow_braking, flow_pressing = (
         soil[9], soil[10], soil[11], soil[12], soil[13],
     )  # fmt: skip
-    dig, dig_grousers, dig_n = soil[14], soil[15], soil[16]
     r, b, grousers = size
     sinkage, rut = depth
     eu, ex, ey, travel = motion
@@ -82,48 +86,68 @@ def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slow
     top = max(abs(eu), speed, rest, 1e-9)
     slip = (abs(eu) - abs(ex)) / top if eu * ex >= 0.0 else 1.0
     driving, braking = max(slip, 0.0), max(-slip, 0.0)
+    spinning = max((abs(eu) - speed) / top, 0.0)  # slip against the whole way over the ground
     first = math.acos(1.0 - deep / r)
     lead = min(max(peak + peak_driving * driving + peak_braking * braking, 0.0), 0.95) * max(travel, 0.0)
     top_stress = lead * first
     step = first / STATIONS
     cos_first = math.cos(first)
-    dug = math.exp(-dig * driving - dig_grousers * grousers * driving**dig_n)
-    stiffness = k * dug
+    stiffness = k * math.exp(-soil[14] * grousers * spinning**4)
     n += slip_n * (driving + braking)
-    friction *= 1.0 + soil[17] * grousers
-    shear_length *= 1.0 + soil[18] * grousers
+    friction *= 1.0 + soil[15] * grousers
+    shear_length *= 1.0 + soil[16] * grousers
     pressed = rut / (1.0 - COMPACTION)
-    sweep = max(abs(u) + soil[19] * max(vx - u, 0.0) + soil[20] * abs(vy), 1e-12)
-    carried = sweep * dt / (r * step)
+    left_behind, pushed_aside = soil[17] * max(vx - u, 0.0), soil[18] * vy
+    sweep = math.sqrt(u * u + left_behind * left_behind + pushed_aside * pushed_aside) + 1e-12
+    carried = (
+        2.0 * sweep * dt / (r * step)
+    )  # of the first one, which is half a step from the rim's entry
+    kept = 1.0 / (1.0 + carried)
+    beside = (flow_lateral * abs(ey) ** SIDEWAYS) ** 2 + rest
+    pushed = flow_driving * speed * driving
+    standing = rest / (1.0 + flow_pressing * flow_pressing)
     ahead, left, up, brake, jx, jy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    # Cosines and sines of a station's angle and of that whose pressure it has: turned on step by step.
+    c, s = math.cos(first - 0.5 * step), math.sin(first - 0.5 * step)
+    turn_c, turn_s = math.cos(step), math.sin(step)
+    back = step * (first - top_stress) / max(top_stress, 1e-12)
+    back_c, back_s, at_c, at_s, is_behind = math.cos(back), math.sin(back), c, s, False
     for i in range(STATIONS):
         angle = first - (i + 0.5) * step
-        at = angle if angle >= top_stress else first - angle / top_stress * (first - top_stress)
-        c, s = math.cos(angle), math.sin(angle)
+        if angle >= top_stress:
+            at_c, at_s = c, s
+        elif is_behind:
+            at_c, at_s = at_c * back_c - at_s * back_s, at_s * back_c + at_c * back_s
+        else:
+            at, is_behind = first - angle / top_stress * (first - top_stress), True
+            at_c, at_s = math.cos(at), math.sin(at)
         sliding_x = u - vx * c
-        share = 0.5 if i == 0 else 1.0
-        jx = (slid[0, i] + dt * sliding_x + carried / share * jx) / (1.0 + carried / share)
-        jy = (slid[1, i] - dt * vy + carried / share * jy) / (1.0 + carried / share)
+        jx = (slid[0, i] + dt * sliding_x + carried * jx) * kept
+        jy = (slid[1, i] - dt * vy + carried * jy) * kept
         slid[0, i], slid[1, i] = jx, jy
-        z = r * (math.cos(at) - cos_first) + rut
+        if i == 0:
+            carried *= 0.5
+            kept = 1.0 / (1.0 + carried)
+        z = r * (at_c - cos_first) + rut
         if z < pressed:  # what is compacted already bears again within a part of its depth
             z = pressed * (z - rut) / max(pressed - rut, 1e-12)
-        into = max(ex * math.sin(at), 0.0)
-        along = eu - ex * c
-        away = flow_driving * (1.0 + soil[21] * grousers) * speed * driving if along > 0.0 else along
-        away2 = away * away + (flow_lateral * ey) ** 2
-        pressed2 = rest / (1.0 + flow_pressing * flow_pressing)
-        bearing = math.sqrt((into * into + pressed2) / (into * into + away2 + rest + 1e-18))
-        stress = stiffness * max(z, 0.0) ** n * (flowing + (1.0 - flowing) * bearing**flow_n)
-        jx, jy = jx + YIELD * sliding_x, jy - YIELD * vy
-        path = math.sqrt(jx * jx + jy * jy) + 1e-12
-        strength = (cohesion + stress * friction) * (1.0 - math.exp(-path / shear_length))
-        tx, ty = strength * jx / path, strength * jy / path
-        jx, jy = slid[0, i], slid[1, i]
+        stress = stiffness * max(z, 0.0) ** n
+        if flowing < 1.0:
+            into = max(ex * at_s, 0.0)
+            along = eu - ex * c
+            away = pushed if along > 0.0 else flow_braking * along
+            into *= into
+            bearing = math.sqrt((into + standing) / (into + away * away + beside + 1e-18))
+            stress *= flowing + (1.0 - flowing) * bearing
+        px, py = jx + YIELD * sliding_x, jy - YIELD * vy
+        path = math.sqrt(px * px + py * py) + 1e-12
+        strength = (cohesion + stress * friction) * (1.0 - math.exp(-path / shear_length)) / path
+        tx = strength * px
         ahead += tx * c - stress * s
         up += tx * s + stress * c
-        left += ty
+        left += strength * py
         brake += tx
+        c, s = c * turn_c + s * turn_s, s * turn_c - c * turn_s
     area = r * b * step
     return ahead * area, left * area, up * area, brake * area * r
 
@@ -155,12 +179,14 @@ def wheel_force(
         state[i] = (state[i] + velocity[i] * dt / TURNING) / (1.0 + weight)
     state[3] = (state[3] + vx * dt / TURNING) / (1.0 + (abs(vx) + abs(vz)) * dt / TURNING)
     eu, ex, ey, travel = state[0], state[1], state[2], state[3]
-    if max(front[0] - front[1], rear[0] - rear[1]) <= 0.0:
-        state[5:] = 0.0
+    h = max(front[0] - front[1], rear[0] - rear[1])
+    if h <= 0.0:
+        state[4] = 0.0
+        state[PATHS:] = 0.0
         return 0.0, 0.0, 0.0, 0.0
-    slid = state[5:].reshape(2, 2, STATIONS)
+    slid = state[PATHS:].reshape(2, 2, STATIONS)
     ahead, left, up, brake = 0.0, 0.0, 0.0, 0.0
-    rebound = soil[22]
+    rebound = soil[19]
     for half in range(2):
         sign = 1.0 - 2.0 * half
         bears = 1.0 + (1.0 - rebound) * min(sign * travel, 0.0)
@@ -181,13 +207,18 @@ def wheel_force(
             brake += bears * sign * m
         else:
             slid[half] = 0.0
-    h = max(min(max(front[0] - front[1], rear[0] - rear[1]), DEEPEST * size[0]), 0.0)
-    length = size[0] * math.sin(min(math.acos(1.0 - h / size[0]), 0.5 * math.pi))
-    rest = max(1.0 - eu * eu - ex * ex - ey * ey, 0.0)
-    sideways = abs(ey) / math.sqrt(ey * ey + (eu - ex) ** 2 + rest + 1e-18)
-    side = soil[23] * h ** soil[24] + soil[27] * h  # of the soil beside it, per length [N/m]
+    h = min(h, DEEPEST * size[0])
     if ey * vy > 0.0:  # it only resists
-        left -= math.copysign(side * length * sideways ** soil[25], ey)
+        rest, along = max(1.0 - eu * eu - ex * ex - ey * ey, 0.0), eu - ex
+        sideways = abs(ey) / math.sqrt(ey * ey + soil[23] * along * along + rest + 1e-18)
+        length = size[0] * math.sin(min(math.acos(1.0 - h / size[0]), 0.5 * math.pi))
+        # Of the soil beside it; and friction of that on the wheel's face.
+        side = length * (soil[20] * h ** soil[21] + soil[25] * h) * sideways ** soil[22]
+        left -= math.copysign(side, ey)
+        if along * (u - vx) > 0.0:
+            rubbed = soil[24] * side * along / math.sqrt(along * along + ey * ey + rest)
+            ahead += rubbed
+            brake += rubbed * size[0]
     # What was pressed does not rise again: a wheel that has risen by a part of its sinkage is off it.
     deepest = max(h, h + (state[4] - h) / (1.0 + (abs(u) + abs(vx) + abs(vy)) * dt / TURNING))
     state[4] = deepest
@@ -210,15 +241,15 @@ def _level(field: Doubles, u: float, v: float) -> float:
 
 
 @inlined
-def _press_down(  # noqa: C901 - what is moved and where it is heaped are one pass each
+def _press_down(
     grids: tuple[Doubles, Doubles, NDArray[np.float32]],
     frame: Doubles,
     hub: tuple[float, float],
     ahead: tuple[float, float],
     size: tuple[float, float],
     plane: tuple[float, float, float, float],
-) -> None:
-    """Leaves the wheel's print in the ground and heaps what it displaced at its sides.
+) -> float:
+    """Leaves the wheel's print in the ground; returns the sum of the heights that it took [m].
 
     Args:
         grids: Heights without ruts and with them [m], and MuJoCo's, as `press`.
@@ -228,46 +259,65 @@ def _press_down(  # noqa: C901 - what is moved and where it is heaped are one pa
         size: Radius and width of the wheel [m].
         plane: Height of the ground under the hub [m], its slopes ahead and to the left, the sinkage [m].
     """
-    virgin, surface, field = grids
-    x0, y0, cell, base, relief = frame[0], frame[1], frame[2], frame[3], frame[4]
+    _, surface, field = grids
+    x0, y0, cell, base, scale = frame[0], frame[1], frame[2], frame[3], 1.0 / frame[4]
     (r, b), (level, slope_x, slope_y, sinkage) = size, plane
     length = r * math.sin(math.acos(1.0 - min(sinkage, r) / r))
-    near, far = 0.5 * b + cell, 0.5 * b + 3.0 * cell
-    reach = length + far
+    reach_x = abs(ahead[0]) * length + 0.5 * abs(ahead[1]) * b
+    reach_y = abs(ahead[1]) * length + 0.5 * abs(ahead[0]) * b
     rows, columns = surface.shape
-    first_row, last_row = int((hub[1] - reach - y0) / cell), int((hub[1] + reach - y0) / cell) + 1
-    first_col, last_col = int((hub[0] - reach - x0) / cell), int((hub[0] + reach - x0) / cell) + 1
-    first_row, last_row = max(first_row, 0), min(last_row, rows - 1)
-    first_col, last_col = max(first_col, 0), min(last_col, columns - 1)
-    moved, heaped = 0.0, 0
-    for row in range(first_row, last_row + 1):
-        for col in range(first_col, last_col + 1):
+    first_row, last_row = int((hub[1] - reach_y - y0) / cell), int((hub[1] + reach_y - y0) / cell) + 1
+    first_col, last_col = int((hub[0] - reach_x - x0) / cell), int((hub[0] + reach_x - x0) / cell) + 1
+    moved = 0.0
+    for row in range(max(first_row, 0), min(last_row, rows - 1) + 1):
+        for col in range(max(first_col, 0), min(last_col, columns - 1) + 1):
             dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
             x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
-            if abs(x) > length:
+            if abs(x) > length or abs(y) > 0.5 * b:
                 continue
-            if abs(y) <= 0.5 * b:
-                depth = (sinkage - r + math.sqrt(r * r - x * x)) * (1.0 - COMPACTION)
-                bottom = level + slope_x * x + slope_y * y - depth
-                if depth > 0.0 and bottom < surface[row, col]:
-                    moved += surface[row, col] - bottom
-                    surface[row, col] = bottom
-                    field[row, col] = (bottom - base) / relief
-            elif near <= abs(y) <= far:
-                heaped += 1
-    frame[5] += moved  # until there is a place for it
-    if moved == 0.0 or heaped == 0:
-        return
-    share = frame[5] / heaped
-    frame[5] = 0.0
-    for row in range(first_row, last_row + 1):
-        for col in range(first_col, last_col + 1):
-            dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
-            x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
-            if abs(x) <= length and near <= abs(y) <= far:
-                virgin[row, col] += share
-                surface[row, col] += share
-                field[row, col] = (surface[row, col] - base) / relief
+            depth = (sinkage - r + math.sqrt(r * r - x * x)) * (1.0 - COMPACTION)
+            bottom = level + slope_x * x + slope_y * y - depth
+            if depth > 0.0 and bottom < surface[row, col]:
+                moved += surface[row, col] - bottom
+                surface[row, col] = bottom
+                field[row, col] = (bottom - base) * scale
+    return moved
+
+
+@inlined
+def _heap(
+    grids: tuple[Doubles, Doubles, NDArray[np.float32]],
+    frame: Doubles,
+    hub: tuple[float, float],
+    ahead: tuple[float, float],
+    size: tuple[float, float],
+    moved: float,
+) -> bool:
+    """Heaps heights of that sum [m] beside a wheel of that reach and width; returns if it could."""
+    virgin, surface, field = grids
+    x0, y0, cell, base, scale = frame[0], frame[1], frame[2], frame[3], 1.0 / frame[4]
+    near, far = 0.5 * size[1] + cell, 0.5 * size[1] + 3.0 * cell
+    reach_x = abs(ahead[0]) * size[0] + abs(ahead[1]) * far
+    reach_y = abs(ahead[1]) * size[0] + abs(ahead[0]) * far
+    rows, columns = surface.shape
+    first_row, last_row = int((hub[1] - reach_y - y0) / cell), int((hub[1] + reach_y - y0) / cell) + 1
+    first_col, last_col = int((hub[0] - reach_x - x0) / cell), int((hub[0] + reach_x - x0) / cell) + 1
+    heaped, share = 0, 0.0
+    for turn in range(2):  # counts, then heaps
+        for row in range(max(first_row, 0), min(last_row, rows - 1) + 1):
+            for col in range(max(first_col, 0), min(last_col, columns - 1) + 1):
+                dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
+                x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
+                if abs(x) > size[0] or not near <= abs(y) <= far:
+                    continue
+                if turn == 0:
+                    heaped += 1
+                else:
+                    virgin[row, col] += share
+                    surface[row, col] += share
+                    field[row, col] = (surface[row, col] - base) * scale
+        share = moved / max(heaped, 1)
+    return heaped > 0
 
 
 @inlined
@@ -291,7 +341,7 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         bodies: MuJoCo's body, joint and root body of each wheel.
         grids: Heights as they would be without ruts, as they are [m], and as MuJoCo has them.
         frame: Corner of the map x, y, distance of vertices, height of MuJoCo's 0 and of its 1 above it
-            [m], sum of heights displaced that have no place yet.
+            [m].
         states: Of the wheels, shape (n, STATE).
         felt: Sinkage [m], forces ahead, left, up [N], speed of the rim and of the hub ahead and left
             [m/s], depth of the rut ahead [m]; shape (n, 8).
@@ -365,7 +415,57 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         felt[i, 7] = ahead_rut
         if lift > 0.0:
             plane = (level, slope_x, slope_y, sinkage)
-            _press_down(grids, frame, (hx, hy), (ex, ey), (r, b), plane)
+            states[i, 5] += _press_down(grids, frame, (hx, hy), (ex, ey), (r, b), plane)
+            reach = r * math.sin(math.acos(1.0 - min(sinkage, r) / r))
+            if states[i, 5] > HEAPED and _heap(
+                grids, frame, (hx, hy), (ex, ey), (reach, b), states[i, 5]
+            ):
+                states[i, 5] = 0.0
+
+
+@inlined
+def _let_near_touch(
+    geoms: NDArray[np.int64],
+    boxes: Doubles,
+    placed: tuple[Doubles, Doubles],
+    affinity: NDArray[np.int32],
+    solid: Doubles,
+    frame: Doubles,
+) -> None:
+    """Lets MuJoCo look for contacts of the ground only with what will be near it in the next step.
+
+    Its look at the cells under an underside costs more than the rest of the step, and finds nothing.
+
+    Args:
+        geoms: What is no wheel and touches soil.
+        boxes: Middle and half sizes of each in its own frame [m], shape (n, 6).
+        placed: MuJoCo's geom_xpos and geom_xmat.
+        affinity: MuJoCo's geom_conaffinity.
+        solid: Heights that they meet [m].
+        frame: Corner x, y and distance of the solid heights [m].
+    """
+    x0, y0, cell = frame[0], frame[1], frame[2]
+    rows, columns = solid.shape
+    for i in range(geoms.size):
+        geom = geoms[i]
+        at, turn = placed[0][geom], placed[1][geom]
+        low, reach = np.empty(3), np.empty(3)
+        for k in range(3):
+            middle, reach[k] = at[k], NEAR
+            for j in range(3):
+                middle += turn[3 * k + j] * boxes[i, j]
+                reach[k] += abs(turn[3 * k + j]) * boxes[i, 3 + j]
+            low[k] = middle - reach[k]
+        first_col, first_row = int((low[0] - x0) / cell), int((low[1] - y0) / cell)
+        last_col = int((low[0] + 2.0 * reach[0] - x0) / cell) + 1
+        last_row = int((low[1] + 2.0 * reach[1] - y0) / cell) + 1
+        near = False
+        for row in range(max(first_row, 0), min(last_row, rows - 1) + 1):
+            for col in range(max(first_col, 0), min(last_col, columns - 1) + 1):
+                near |= solid[row, col] > low[2]
+            if near:
+                break
+        affinity[geom] = affinity[geom] | SOIL_CONTACT if near else affinity[geom] & ~SOIL_CONTACT
 
 
 @numba.extending.intrinsic  # type: ignore[untyped-decorator]  # numba has no types
@@ -381,30 +481,42 @@ def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG00
 @kernel("void(int64)")
 def press_bed(address: int) -> None:
     """Presses the wheels of a bed, whose arrays are told by their addresses, as `bed.addresses`."""
-    told = numba.carray(pointer(address), (20,), np.int64)
+    told = numba.carray(pointer(address), (31,), np.int64)
     wheels, rows, columns, bodies, joints = told[0], told[2], told[3], told[4], told[5]
-    frame = numba.carray(pointer(told[10]), (7,), np.float64)
-    press(
-        numba.carray(pointer(told[6]), (SOIL_NUMBERS,), np.float64),
-        numba.carray(pointer(told[7]), (wheels, 4), np.float64),
-        numba.carray(pointer(told[8]), (wheels, 3), np.int64),
+    solids, geoms, solid_rows, solid_columns = told[6], told[7], told[8], told[9]
+    frame = numba.carray(pointer(told[14]), (6,), np.float64)
+    _let_near_touch(
+        numba.carray(pointer(told[24]), (solids,), np.int64),
+        numba.carray(pointer(told[25]), (solids, 6), np.float64),
         (
-            numba.carray(pointer(told[9]), (rows, columns), np.float64),
-            numba.carray(pointer(told[11]), (rows, columns), np.float64),
-            numba.carray(pointer(told[12]), (rows, columns), np.float32),
+            numba.carray(pointer(told[26]), (geoms, 3), np.float64),
+            numba.carray(pointer(told[27]), (geoms, 9), np.float64),
+        ),
+        numba.carray(pointer(told[28]), (geoms,), np.int32),
+        numba.carray(pointer(told[29]), (solid_rows, solid_columns), np.float64),
+        numba.carray(pointer(told[30]), (3,), np.float64),
+    )
+    press(
+        numba.carray(pointer(told[10]), (SOIL_NUMBERS,), np.float64),
+        numba.carray(pointer(told[11]), (wheels, 4), np.float64),
+        numba.carray(pointer(told[12]), (wheels, 3), np.int64),
+        (
+            numba.carray(pointer(told[13]), (rows, columns), np.float64),
+            numba.carray(pointer(told[15]), (rows, columns), np.float64),
+            numba.carray(pointer(told[16]), (rows, columns), np.float32),
         ),
         frame,
-        numba.carray(pointer(told[13]), (wheels, STATE), np.float64),
-        numba.carray(pointer(told[14]), (wheels, 8), np.float64),
+        numba.carray(pointer(told[17]), (wheels, STATE), np.float64),
+        numba.carray(pointer(told[18]), (wheels, 8), np.float64),
         (
-            numba.carray(pointer(told[15]), (bodies, 3), np.float64),
-            numba.carray(pointer(told[16]), (joints, 3), np.float64),
-            numba.carray(pointer(told[17]), (bodies, 6), np.float64),
-            numba.carray(pointer(told[18]), (bodies, 3), np.float64),
             numba.carray(pointer(told[19]), (bodies, 3), np.float64),
+            numba.carray(pointer(told[20]), (joints, 3), np.float64),
+            numba.carray(pointer(told[21]), (bodies, 6), np.float64),
+            numba.carray(pointer(told[22]), (bodies, 3), np.float64),
+            numba.carray(pointer(told[23]), (bodies, 3), np.float64),
         ),
         numba.carray(pointer(told[1]), (bodies, 6), np.float64),
-        frame[6],
+        frame[5],
     )
 
 
@@ -440,3 +552,26 @@ def steady_wheels(soil: Doubles, trials: Doubles, width: float, results: Doubles
                 low = h
         ahead, left, _, brake = wheel_force(soil, size, (high, 0.0), (high, 0.0), velocity, state, 1e9)
         results[i] = (high, ahead, left, brake) if high else (math.nan, math.nan, math.nan, math.nan)
+
+
+@kernel("void(float64[::1], float64, float64, float64, float64[::1], float64[::1])")
+def press_wheel(
+    soil: Doubles, radius: float, width: float, speed: float, depths: Doubles, forces: Doubles
+) -> None:
+    """Sets the force up [N] on a smooth wheel that sinks straight down and does not turn.
+
+    Args:
+        soil: As `harness.soil.soils.Soil.numbers`.
+        radius: Of the wheel [m].
+        width: Of the wheel [m].
+        speed: At which it sinks [m/s].
+        depths: At which the force is wanted, ascending [m].
+        forces: Of the same shape.
+    """
+    state, h, dt = np.zeros(STATE), 0.0, 0.01
+    size, velocity = (radius, width, 0.0), (0.0, 0.0, 0.0, -speed)
+    for i in range(depths.size):
+        forces[i] = 0.0
+        while h < depths[i]:
+            h += speed * dt
+            forces[i] = wheel_force(soil, size, (h, 0.0), (h, 0.0), velocity, state, dt)[2]

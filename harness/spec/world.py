@@ -1,10 +1,11 @@
-"""The world of a run: a named terrain or a file, what the file leaves open, and who walks there."""
+"""The world of a run: a terrain or a file, who walks there, and what is to be found there."""
 
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
 from harness.spec.actor import ActorOptions, ActorText
+from harness.spec.target import FORM, KINDS, MESH, TargetText
 from harness.spec.value import Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
@@ -89,6 +90,12 @@ class WorldSpec(Value):
         description="a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a "
         "trajectory, or actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
         f"{', '.join(ActorOptions.model_fields)} (docs/worlds.md); default: nobody",
+    )
+    targets: Annotated[tuple[TargetText, ...], listed(), Option("SPEC", flag="target")] = Field(
+        default=(),
+        description=f"something to be found; repeatable: {FORM}; kinds: "
+        f"{', '.join(kind for kind in KINDS if kind != MESH)}, or a FILE{MESH} (docs/missions.md); "
+        "default: nothing",
     )
     datum: Annotated[
         tuple[Latitude, Longitude, Altitude],

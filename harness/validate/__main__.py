@@ -23,7 +23,7 @@ from harness.base.errors import UsageError
 from harness.cli.plain import PlainConsole
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
-from harness.validate import single_wheel
+from harness.validate import pressing, single_wheel
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
 from rover_metrics.errors import OneLineParser
@@ -42,10 +42,12 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
     if options.realism and options.robot is None:
         raise UsageError("--realism needs --robot, the rover that the logs are of")
-    if (options.trials or options.plot) and not options.rig:
-        raise UsageError("--trials and --plot need --rig")
+    if (options.trials or options.plot or options.pressing) and not options.rig:
+        raise UsageError("--trials, --plot and --pressing need --rig")
     if options.plot and not options.trials:
         raise UsageError("--plot needs --trials, the measured points")
+    if options.pressing and options.trials:
+        raise UsageError("--pressing and --trials are of two tests; give one of them")
     if options.rig:
         _rig(options, console)
         return 0
@@ -81,8 +83,13 @@ def _rig(options: argparse.Namespace, console: Console) -> None:
         header = ("soil", *(f"{rover.name} stalls at [deg]" for rover in rovers))
         soils = {**SOILS, options.soil: soil}
         _print_sheet(console, header, single_wheel.stall_table(soils, rovers))
+        depths = (f"{1e3 * depth:.0f} mm [N]" for depth in pressing.DEPTHS)
+        found = pressing.measured(options.pressing) if options.pressing else {}
+        _print_sheet(console, ("wheel pressed to", *depths), pressing.table(soils, found))
         return
-    trials = single_wheel.read_trials(options.trials)
+    trials, notes = single_wheel.read_trials(options.trials)
+    for note in notes:
+        print(note)
     errors = single_wheel.judge(trials, single_wheel.predict(soil, trials))
     for e in errors:
         sunk = f", {e.sunk} of them sunk in whole" if e.sunk else ""
@@ -130,6 +137,12 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar="FILE.png",
         help="of --trials: draw curves over points; default: no picture",
+    )
+    parser.add_argument(
+        "--pressing",
+        type=Path,
+        metavar="FILE.csv",
+        help="of --rig: wheels that were pressed without turning, to be printed beside the soils",
     )
     soils = ", ".join(SOILS)
     parser.add_argument(

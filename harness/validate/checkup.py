@@ -65,11 +65,7 @@ def _masses(rover: RoverSpec) -> Iterator[Check]:
     for name in sorted({min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)}):
         quantity = f"radius of gyration of '{name}' / half its diagonal"
         yield Check(quantity, "", GYRATION, ratios[name], digits=2)
-    wheels = [int(model.joint(name).bodyid[0]) for name in rover.wheel_joints]
-    tyres = np.flatnonzero(np.isin(model.geom_bodyid, wheels) & (model.geom_contype > 0))
-    own, wins = model.geom_friction[tyres, 0], model.geom_priority[tyres] > 0
-    grip = float(np.where(wins, own, np.maximum(own, 1.0)).max())
-    yield Check("friction of the wheels that counts", "", GRIP, grip, digits=2)
+    yield Check("friction of the wheels that counts", "", GRIP, rover.wheel_friction, digits=2)
 
 
 def _standing(rover: RoverSpec) -> Iterator[Check]:

@@ -12,7 +12,7 @@ from harness.robots.sections import Passage, Span
 from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import block, floor, ramp, saddle
 from harness.validate.rig import Rig, largest_passing
-from harness.validate.stability import WHEEL_FRICTION, Balance, balance, steepest_stand
+from harness.validate.stability import Balance, balance, steepest_stand
 
 TWIST, OVERTWIST = 0.15, 0.40  # [rad] between rocker and body that a saddle asks for
 ROCKING = 1.5  # [s]
@@ -85,14 +85,15 @@ def _twisted(rover: RoverSpec, seed: int, angle: float, rockers: tuple[str, ...]
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """Kerbs and ramps; each limit is found by bisection, one drive per try."""
     stand = balance(Rig(rover, floor(seed)))
-    statics = "D: statics of the rear wheels, mu 1, no run-up"
+    statics = f"D: statics of the rear wheels, mu {stand.friction:g}, no run-up"
     for way, aside, span in (
         ("head-on", 0.0, Span(kerb_limit(rover, stand), math.inf, statics)),
         ("one side", KERB_HALF + 0.05, rover.expected.kerb_one_side),
     ):
         yield Check(f"kerb climbed, {way}", "m", span, _kerb(rover, seed, aside))
     limit = math.degrees(steepest_stand(stand))
-    source = f"{rover.expected.ramp_source}D: atan(mu = 1) or the tip angle, whichever is less"
+    lesser = f"D: atan(mu = {stand.friction:g}) or the tip angle, whichever is less"
+    source = f"{rover.expected.ramp_source}{lesser}"
     span = Span(limit - 3.0, limit + 1.5, source)
     yield Check("slope climbed, 0.4 m/s commanded", "deg", span, _ramp(rover, seed), digits=0)
 
@@ -133,7 +134,7 @@ def kerb_limit(rover: RoverSpec, balance: Balance) -> float:
 
 
 def _rear_wheels_climb(height: float, rover: RoverSpec, balance: Balance) -> bool:
-    mu, radius = WHEEL_FRICTION, rover.wheel_radius
+    mu, radius = balance.friction, rover.wheel_radius
     pitch, edge = math.asin(height / rover.wheelbase), math.acos(1 - height / radius)
     lever = rover.wheelbase * math.cos(pitch) - radius * math.sin(edge)
     behind = balance.front * math.cos(pitch) + (balance.height - radius) * math.sin(pitch)

@@ -42,7 +42,7 @@ class Errors:
         n: How many.
         sunk: How many of them the soil does not carry; they count with the wheel sunk to one and a half
             radii and with no force.
-        sinkage: [m].
+        sinkage: [m]; NaN where none was measured, as the forces.
         tractive: [N].
         lateral: [N].
     """
@@ -56,34 +56,55 @@ class Errors:
     lateral: float
 
 
-def read_trials(path: Path) -> pd.DataFrame:
-    """Returns trials of single wheels, a row each, with WHEELS' name, GIVEN and MEASURED in SI units.
+def read_table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
+    """Returns these columns of a CSV file as they are.
 
     Raises:
-        UsageError: The file cannot be read, lacks a column or a number, or knows another wheel.
+        UsageError: The file cannot be read or lacks a column.
     """
     try:
         table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
     except (OSError, ValueError) as error:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     table.columns = [str(name).strip() for name in table.columns]
-    columns = ("wheel", *GIVEN, *MEASURED)
     if missing := [name for name in columns if name not in table]:
+        raise UsageError(f"{path} lacks {', '.join(missing)}; needed are {', '.join(columns)}")
+    return table[list(columns)].copy()
+
+
+def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Returns trials of single wheels and notes on what of the file was left out.
+
+    The trials have a row each: WHEELS' name, GIVEN and MEASURED in SI units, NaN where something was not
+    measured. What lacks a given number, or is of another wheel, is left out.
+
+    Raises:
+        UsageError: The file cannot be read, lacks a column, or has no trial that can be used.
+    """
+    table, numbers = read_table(path, ("wheel", *GIVEN, *MEASURED)), [*GIVEN, *MEASURED]
+    wheels = table["wheel"].astype(str).str.strip().str.lower()
+    table = table[numbers].apply(pd.to_numeric, errors="coerce").replace([np.inf, -np.inf], np.nan)
+    table.insert(0, "wheel", wheels)
+    known, whole = wheels.isin(WHEELS), table[list(GIVEN)].notna().all(axis=1)
+    whole &= (table["load"] > 0.0) & (table[["wheel_speed", "travel_speed"]] >= 0.0).all(axis=1)
+    usable = table[known & whole]
+    if usable.empty:
         raise UsageError(
-            f"{path} lacks {', '.join(missing)}; trials have the columns {', '.join(columns)}"
+            f"{path} has no trial of {' or '.join(WHEELS)} with {', '.join(GIVEN)}; "
+            "speeds are 0 or more, loads above 0"
         )
-    table = table[list(columns)].copy()
-    table["wheel"] = table["wheel"].astype(str).str.strip().str.lower()
-    if unknown := sorted(set(table["wheel"]) - set(WHEELS)):
-        raise UsageError(f"{path} has the wheel {unknown[0]!r}; valid are {', '.join(WHEELS)}")
-    numbers = table[[*GIVEN, *MEASURED]].apply(pd.to_numeric, errors="coerce")
-    bad = ~np.isfinite(numbers.to_numpy(float)).all(axis=1)
-    if table.empty:
-        raise UsageError(f"{path} has no trials")
-    if bad.any():
-        raise UsageError(f"line {int(np.flatnonzero(bad)[0]) + 2} of {path} lacks a number")
-    table[[*GIVEN, *MEASURED]] = numbers
-    return table
+    others = sorted(set(wheels[~known]))
+    notes = []
+    if others:
+        notes.append(
+            f"left out: {int((~known).sum())} trials of {others[0]!r} and its like, no known wheel"
+        )
+    if lacking := int((known & ~whole).sum()):
+        first = int(np.flatnonzero(known & ~whole)[0]) + 2
+        notes.append(
+            f"left out: {lacking} trials that lack {', '.join(GIVEN)}; the first in line {first}"
+        )
+    return usable.reset_index(drop=True), tuple(notes)
 
 
 def predict(soil: Soil, trials: pd.DataFrame, radius: float = RADIUS, width: float = WIDTH) -> Doubles:
@@ -107,9 +128,13 @@ def judge(trials: pd.DataFrame, predicted: Doubles) -> list[Errors]:
             rows = ((trials["wheel"] == wheel) & (trials["slip_angle_deg"].abs() <= limit)).to_numpy()
             if rows.any():
                 sunk = int(np.isnan(predicted[rows, 0]).sum())
-                rms = np.sqrt(np.mean(off[rows] ** 2, axis=0)).tolist()
+                rms = [_rms(errors[~np.isnan(errors)]) for errors in off[rows].T]
                 found.append(Errors(wheel, title, int(rows.sum()), sunk, *rms))
     return found
+
+
+def _rms(errors: Doubles) -> float:
+    return math.sqrt(np.mean(errors**2)) if errors.size else math.nan
 
 
 def stall_slope_deg(soil: Soil, rover: RoverSpec) -> float:
@@ -149,7 +174,8 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
             if rows.empty:
                 continue
             rim, travel = rows["wheel_speed"] * RADIUS / RECORDED_RADIUS, rows["travel_speed"]
-            rows["slip"] = ((rim - travel) / np.maximum(rim, travel)).round(2)
+            slip = (rim - travel) / np.maximum(rim, travel)
+            rows["slip"] = (20.0 * slip).round() / 20.0
             means = rows.groupby("slip", as_index=False).mean(numeric_only=True).assign(wheel=wheel)
             curve = predict(soil, means)
             for row, (name, scale) in enumerate(zip(MEASURED, (1e3, 1.0, 1.0), strict=True)):

@@ -18,7 +18,6 @@ from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig
 
-WHEEL_FRICTION = 1.0  # models/README.md
 RAIL_FRICTION = 5.0
 FAST, SLOW = math.radians(30.0), math.radians(2.5)  # [rad/s]: far from and near the angle looked for
 NEAR = math.radians(5.0)
@@ -38,6 +37,7 @@ class Balance:
     rear: float  # to the rear axle
     left: float  # to the middle of the left wheels
     right: float  # to the middle of the right wheels
+    friction: float = 1.0  # of the wheels
 
     @property
     def arms(self) -> dict[str, float]:
@@ -62,6 +62,7 @@ def balance(rig: Rig) -> Balance:
         rear=x - float(left[-1, 0] + right[-1, 0]) / 2,
         left=float(left[:, 1].mean()) - y,
         right=y - float(right[:, 1].mean()),
+        friction=rig.rover.wheel_friction,
     )
 
 
@@ -72,7 +73,7 @@ def tip_angle(arm: float, height: float) -> float:
 
 def steepest_stand(stand: Balance) -> float:
     """Returns the incline [rad] nose up at which a rover slides or tips backwards, the lower one."""
-    return min(math.atan(WHEEL_FRICTION), tip_angle(stand.rear, stand.height))
+    return min(math.atan(stand.friction), tip_angle(stand.rear, stand.height))
 
 
 class TiltTable:
@@ -132,7 +133,8 @@ def _held(rover: RoverSpec, seed: int, stand: Balance) -> Iterator[Check]:
     yield Check("creep on 20 deg, nose up, parked", "mm/s", STILL, creep(rig, STANDING_TIME), digits=2)
     limit = steepest_stand(stand)
     held = table.raise_until(lambda: rig.speed > SLIDING, limit - NEAR)
-    low = Span(math.degrees(limit) - 2, math.degrees(limit) + 3, "D: atan(mu = 1), or tips if less")
+    source = f"D: atan(mu = {stand.friction:g}), or tips if less"
+    low = Span(math.degrees(limit) - 2, math.degrees(limit) + 3, source)
     yield Check("slope held, nose up", "deg", low, math.degrees(held), digits=1)
 
 

@@ -9,12 +9,15 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.soil.soils import Soil
+from harness.spec.target import TargetSpec
 from harness.spec.world import DEFAULT_DIFFICULTY
 from harness.world.actors.actor import Actor, actor_of
 from harness.world.actors.free_space import FreeSpace
 from harness.world.actors.people import Pedestrian
+from harness.world.geodesy import Datum
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.obstacles import Obstacle
+from harness.world.targets.placing import Target, placed_targets
 from harness.world.terrains import TERRAINS
 
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] of the rover's model frame in the world
@@ -44,6 +47,7 @@ class World:
     notes: tuple[str, ...] = ()  # what a file holds, and what was done to make a world of it
     start: Start = ORIGIN  # where the rover starts
     people: tuple[Actor, ...] = ()  # who walks about
+    targets: tuple[Target, ...] = ()  # what is to be found; their bodies are among the obstacles
     # where a driver may wander: x from, x to, y from, y to [m]; None is the whole map
     room: tuple[float, float, float, float] | None = None
     gravity: float | None = None  # downwards [m/s^2]; None is that of the rover's model
@@ -96,6 +100,20 @@ def with_actors(world: World, people: Sequence[Pedestrian]) -> World:
     )
 
 
+def with_targets(world: World, specs: Sequence[TargetSpec], datum: Datum) -> World:
+    """Returns the same world with targets in it; UsageError where one cannot stand."""
+    start = world.start[:2]
+    targets = placed_targets(specs, world.ground, world.obstacles, start, world.seed, datum)
+    bodies = tuple(body for target in targets for body in target.bodies)
+    files = tuple(file for target in targets for file in target.files)
+    return replace(
+        world,
+        targets=targets,
+        obstacles=(*world.obstacles, *bodies),
+        files=tuple(dict.fromkeys((*world.files, *files))),
+    )
+
+
 def terrain_hash(world: World) -> str:
     """Returns the SHA-256 of all that a rover can feel or meet: equal if and only if the worlds are."""
     digest = hashlib.sha256()
@@ -111,6 +129,8 @@ def terrain_hash(world: World) -> str:
         digest.update(world.soil.model_dump_json().encode())
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
+    for target in world.targets:
+        digest.update(target.digest())
     for person in world.people:
         spec = person.spec
         options = dict(spec.options) | {"push": float(spec.options.push) or 0}

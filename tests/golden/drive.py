@@ -48,6 +48,8 @@ SDF = (
     + "</world></sdf>"
 )
 
+CALLED = {"a200": "husky"}  # in the runs: the one of a URDF, which is older than the one that ships
+
 
 def make_files(folder: Path) -> dict[str, Path]:
     """Writes what the table's words in braces stand for; returns where it is."""
@@ -64,12 +66,17 @@ def make_files(folder: Path) -> dict[str, Path]:
     (folder / "valley.obj").write_text("\n".join(lines) + "\n")
     (folder / "yard.sdf").write_text(SDF)
     (folder / "params.yaml").write_text(PARAMS)
-    for name, foreign in FOREIGN.items():
+    made_of_urdf = {CALLED.get(name, name): foreign for name, foreign in FOREIGN.items()}
+    for name, foreign in made_of_urdf.items():
         (folder / f"{name}.urdf").write_text(foreign.urdf)
         write_folder(name, folder / f"{name}.urdf", folder / name)
     files = {"dem": "hills.npy", "mesh": "valley.obj", "sdf": "yard.sdf", "params": "params.yaml"}
     made = {name: folder / file for name, file in files.items()}
-    return made | {name: folder / name for name in FOREIGN} | {"policy": ROOT / "examples/point_nav.npz"}
+    return (
+        made
+        | {name: folder / name for name in made_of_urdf}
+        | {"policy": ROOT / "examples/point_nav.npz"}
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

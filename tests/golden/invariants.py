@@ -13,6 +13,7 @@ from harness.report.content import render
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Imu, Transforms
 from harness.sensors.table import ATTITUDE
+from harness.spec.rover import CMD_VEL
 from tests.golden.evidence import Evidence, Message
 
 DUE = ("world", "outcome/status", "truth", "thresholds", "simulated_s", "wall_s", "lost", "rows", "log")
@@ -139,6 +140,8 @@ def expected_counts(evidence: Evidence, result: RunResult, space: str) -> dict[s
             expected[f"{space}/{topic.name}"] = None if row.fault in faulty else total // period
     people = total * 30 // TICKS_PER_SECOND
     expected |= {f"{space}/{name}/pose": people for name in actor_names(result.run.world)}
+    if result.run.plan.route is not None and result.rover.driver == CMD_VEL:
+        expected[f"{space}/goal_pose"] = None  # as often as way points are reached or missed
     joints = {tick for tick in range(1, total + 1) if tick % 5 == 0}
     owns_odom = evidence.options.ros.frames.odom_tf != "none"
     told = (due if owns_odom else set()) | joints  # every rover's wheels are frames that move

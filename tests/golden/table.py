@@ -42,6 +42,15 @@ TF = {
 }
 OTHER_NUMBERS = ["--imu-rate", "100", "--lidar-beams", "90", "--timestep", "0.005"]
 OTHER_NUMBERS += ["--datum", "-33.9,18.4,40"]
+MISSION = {
+    "targets": [
+        "--target",
+        "aruco:x=3,y=0.3,height=0.5",
+        "--target",
+        "gate",
+    ],
+    "route": ["--target", "gate:x=1,y=0.2", "--route", "0.5,0/gate/-1,0:radius=0.3,within=2"],
+}
 PLAN: dict[str, dict[str, Any]] = {  # what no command line says
     "cmd_vel": {"commands": ((0.0, 0.4, 0.3), (1.0, -0.2, -0.5), (2.0, 0.5, 0.0))},
     "goal": {"goals": ((0.2, 2.0, 1.0, 0.0), (1.6, -1.0, 2.0, 1.5))},
@@ -72,9 +81,11 @@ class GoldenRun:
     @property
     def plan(self) -> dict[str, Any]:
         """What happens when, by the names of the fields of a plan."""
-        return PLAN.get(self.driver, {}) | (
-            {} if self.reset == NONE else {"resets": (float(self.reset),)}
-        )
+        is_led = self.mission == "route" and self.driver == "goal"
+        plan = {} if is_led else PLAN.get(self.driver, {})
+        plan |= {} if self.reset == NONE else {"resets": (float(self.reset),)}
+        link = {"link_losses": ((0.8, 1.0),), "aborts": (2.2,), "resumes": (2.6,)}
+        return plan | (link if self.mission == "link" else {})
 
     @property
     def is_fleet(self) -> bool:
@@ -99,6 +110,7 @@ class GoldenRun:
         words += ["--fault", "camera:rate=0.6"] if "camera" in self.sensors else []  # drawing is slow
         words += PEOPLE.get(self.people, []) + METRICS.get(self.metrics, []) + TF.get(self.tf, [])
         words += [] if self.numbers == NONE else OTHER_NUMBERS
+        words += MISSION.get(self.mission, [])
         words += ["--namespace", "below"] if self.ros == "namespace" else []
         words += self._fleet(robot) if self.is_fleet else ["--robot", robot]
         return [word.format(**files) for word in words]
@@ -116,7 +128,8 @@ class GoldenRun:
 def read_table() -> tuple[GoldenRun, ...]:
     """Returns the runs in their order."""
     lines = [line.split() for line in TABLE.read_text().splitlines() if not line.startswith("#")]
-    return tuple(GoldenRun(dict(zip(lines[0], line, strict=True))) for line in lines[1:])
+    rows = (line + [NONE] * (len(lines[0]) - len(line)) for line in lines[1:])
+    return tuple(GoldenRun(dict(zip(lines[0], row, strict=True))) for row in rows)
 
 
 RUNS = read_table()
@@ -130,6 +143,7 @@ def kind(column: str, value: str) -> str:
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
         "robot": {"sojourner": "husky"},
         "fleet": {"close": "twin"},
+        "mission": dict.fromkeys((*MISSION, "link"), NONE),  # each in a run of its own
         "reset": {"2.6": "1.3", "1.35": "1.3"},
         "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},
     }

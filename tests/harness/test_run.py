@@ -79,7 +79,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
     ("arguments", "expected"),
     [
         (["--terrain", "moon"], "available: flat, slope"),
-        (["--robot", "r2d2"], "available: leo, rover_zero4wd"),
+        (["--robot", "r2d2"], "available: husky, jackal, leo, rover_zero4wd"),
         (["--driver", "drunk"], "available: wander"),
         (["--duration", "nan"], "give 0.01 s or more"),
         (["--seed", "nan"], "--seed 'nan' is not valid; give a whole number"),

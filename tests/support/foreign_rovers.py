@@ -161,7 +161,7 @@ def _rocker_bogie() -> Foreign:
 
 
 HUSKY, BUGGY, ROCKER_BOGIE = _husky(), _buggy(), _rocker_bogie()
-FOREIGN = {"husky": HUSKY, "buggy": BUGGY, "sojourner": ROCKER_BOGIE}
+FOREIGN = {"a200": HUSKY, "buggy": BUGGY, "sojourner": ROCKER_BOGIE}
 
 
 def _leo_like() -> str:

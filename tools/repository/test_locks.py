@@ -1,7 +1,10 @@
 """What is installed is pinned with hashes, and what cannot be audited is not called clean."""
 
 import importlib.util
+import os
 import re
+import shutil
+import subprocess
 from pathlib import Path
 from types import ModuleType
 
@@ -11,6 +14,7 @@ import tomllib
 ROOT = Path(__file__).parents[2]
 LOCKS = (
     "requirements.txt",
+    "tools/run.txt",
     "tools/build.txt",
     "tools/jazzy.txt",
     "tools/cluster.txt",
@@ -58,26 +62,83 @@ def test_everything_that_setup_installs_is_in_the_lock() -> None:
     assert {normal(requirement) for requirement in installed} <= pins("requirements.txt").keys()
 
 
+def test_a_run_installs_a_part_of_that_at_the_same_versions() -> None:
+    whole = set(re.findall(r"(?m)^\S+==.*", (ROOT / "requirements.txt").read_text()))
+    part = set(re.findall(r"(?m)^\S+==.*", (ROOT / "tools/run.txt").read_text()))
+    assert part < whole
+    assert {normal(one) for one in PROJECT["project"]["dependencies"]} <= pins("tools/run.txt").keys()
+
+
 def test_what_builds_the_project_is_pinned_where_setup_takes_it_from() -> None:
     wanted = PROJECT["build-system"]["requires"]
     assert set(wanted) <= set((ROOT / "tools/build.in").read_text().splitlines())
     assert {normal(requirement) for requirement in wanted} <= pins("tools/build.txt").keys()
 
 
+# An interpreter that keeps what it installs, becomes the environment's, and fails where it should.
+PYTHON = """#!/bin/sh
+case "$*" in
+*rclpy*) exit 1 ;;
+"-m venv .venv") mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
+"-m pip config list") echo "global.index-url='https://mirror/simple'" ;;
+*" install "*) echo "$UV_DEFAULT_INDEX $*" >>calls && echo "$*" | grep -qvE "$BROKEN" ;;
+esac
+"""
+
+
+def set_up(folder: Path, *arguments: str, broken: str = "nothing") -> tuple[int, str, list[str]]:
+    """Runs set-up where installations that match `broken` fail: exit code, output, installations."""
+    (folder / "tools").mkdir()
+    for name in ("tools/setup.sh", *LOCKS):
+        shutil.copy(ROOT / name, folder / name)
+    (folder / "python").write_text(PYTHON)
+    (folder / "python").chmod(0o755)
+    surroundings = os.environ | {"PYTHON": str(folder / "python"), "BROKEN": broken}
+    command = [str(folder / "tools/setup.sh"), *arguments]
+    run = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=False)
+    return run.returncode, run.stdout + run.stderr, (folder / "calls").read_text().splitlines()
+
+
+@pytest.mark.parametrize(
+    ("broken", "installers"),
+    [
+        ("nothing", "pip uv uv uv"),
+        ("uv.txt", "pip pip pip pip"),  # no wheel of uv
+        ("uv pip", "pip uv pip pip pip"),  # uv has no way to the index
+    ],
+)
+@pytest.mark.parametrize(("verb", "lock"), [("run", "tools/run.txt"), ("", "requirements.txt")])
+def test_set_up_fetches_nothing_without_a_hash_whoever_installs(
+    broken: str, installers: str, verb: str, lock: str, tmp_path: Path
+) -> None:
+    code, told, calls = set_up(tmp_path, *([verb] if verb else []), broken=broken)
+    assert code == 0, told
+    assert [call.split()[2] for call in calls] == installers.split()
+    assert ("which takes longer" in told) == (broken != "nothing")
+    *fetching, own = calls
+    assert all("--require-hashes --requirement" in call for call in fetching)
+    assert own.endswith("--no-deps --editable .")
+    assert all("--no-build-isolation" in call and call.startswith("https://mirror/") for call in calls)
+    assert "tools/build.txt" in fetching[-2]  # what builds is there before anything that has to be built
+    installed = (tmp_path / ".venv/requirements.txt").read_text()
+    assert re.findall(r"\S+==\S+|sha256:\w+", installed) == re.findall(
+        r"\S+==\S+|sha256:\w+", (ROOT / lock).read_text()
+    )
+    assert (tmp_path / ".venv/.ready").exists() == (not verb)
+    assert (tmp_path / ".venv/.runs").exists()
+
+
+def test_set_up_ends_where_a_hash_does_not_match(tmp_path: Path) -> None:
+    code, told, _ = set_up(tmp_path, broken=".venv/requirements")
+    assert code == 2
+    assert "setup: pip could not install what requirements.txt pins" in told
+    assert not (tmp_path / ".venv/.ready").exists()
+
+
 def test_every_environment_is_filled_by_a_pip_that_keeps_to_its_lock() -> None:
     # pip 23 takes the newest coverage for coverage[toml], whatever is pinned.
     assert "pip" in pins("tools/build.txt")
-    for script in ("setup.sh", "pinned.sh"):  # what installs before the lock itself
-        installs = re.findall(r"locked=\S+|for lock in \S+", (ROOT / "tools" / script).read_text())
-        assert installs[0] in ("locked=tools/build.txt", "for lock in build")
-
-
-def test_set_up_fetches_nothing_without_a_hash() -> None:
-    lines = (ROOT / "tools/setup.sh").read_text().splitlines()
-    assert sum("--requirement" in line and "--require-hashes" in line for line in lines) == 2
-    assert sum("--editable" in line and "--no-deps" in line for line in lines) == 1
-    assert all("--no-build-isolation" in line for line in lines if "-m pip" in line)
-    assert len([line for line in lines if re.search("--requirement|--editable", line)]) == 3
+    assert "for lock in build" in (ROOT / "tools/pinned.sh").read_text()
 
 
 @pytest.fixture

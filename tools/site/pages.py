@@ -24,7 +24,15 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "nav2.md",
     ),
     GUIDES: (
-        *("testing.md", "scenarios.md", "fleets.md", "sensors.md", "worlds.md", "social.md"),
+        *(
+            "testing.md",
+            "scenarios.md",
+            "missions.md",
+            "fleets.md",
+            "sensors.md",
+            "worlds.md",
+            "social.md",
+        ),
         *("gym.md", "driving.md", "looking.md", "ros.md"),
     ),
     "Notebooks": tuple(f"notebooks/{name}.md" for name in NOTEBOOKS),

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import SOIL_CONTACT, SOIL_ROOM, TERRAIN
+from harness.physics.scene import SOIL_ROOM, TERRAIN
 from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from harness.sensors.rays.triangle_kernel import build_tree
 
@@ -44,7 +44,7 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
         ]
     )
     pyramid, levels = _max_pyramid(heights)
-    if model.geom_contype[geom] & SOIL_CONTACT:  # berms rise
+    if not model.geom_contype[geom]:  # of soil, whose berms rise
         room = SOIL_ROOM / relief
         pyramid += np.float32(room)
         frame[2, 1] += room

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from harness.sensors.geodesy import Datum
+from harness.world.geodesy import Datum
 from tests.e2e.topic_oracle import ranging
 from tests.e2e.topic_oracle.form import header, ray, vector
 from tests.e2e.topic_oracle.ranging import MOUNT, RPY

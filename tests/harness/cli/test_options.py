@@ -129,7 +129,10 @@ TWO = "--terrain flat --rover leo:a"
         ("--direct --odom-tf-3d", "--odom-tf-3d needs ROS; leave out --direct"),
         ("--direct --odom-tf wheels", "--odom-tf needs ROS; leave out --direct"),
         ("--direct --driver cmd_vel", "--driver cmd_vel needs ROS; leave out --direct"),
-        ("--direct --driver goal", "--driver goal without --goal-area needs ROS; leave out --direct"),
+        (
+            "--direct --driver goal",
+            "--driver goal without --route or --goal-area needs ROS",
+        ),
         (f"{TWO} --namespace n", "name each as --rover ROBOT:NAME"),
         (f"{TWO} --robot rover_zero4wd", "is for a single rover"),
         (f"{TWO} --actor g=1,1 --social-log a.csv", "each --rover has its own below --log-dir"),

@@ -40,7 +40,7 @@ def several(*texts: str, **shared: Any) -> Run:  # noqa: ANN401 - fields of a ru
     ("wrong", "mend"),
     [
         ({"terrain": "moon"}, "available: flat, slope, rolling, gravel"),
-        ({"robot": "r2d2"}, "available: leo, rover_zero4wd"),
+        ({"robot": "r2d2"}, "available: husky, jackal, leo, rover_zero4wd"),
         ({"driver": "drunk"}, "available: wander"),
         ({"noise": ""}, "available: white, hardware, gazebo"),
         ({"sensors": ["sonar"]}, "available: "),
@@ -139,7 +139,7 @@ def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> N
     ("texts", "mend"),
     [
         (("leo:a", "leo:a"), "give each a name of its own"),
-        (("nope:a",), "available: leo"),
+        (("nope:a",), "available: husky"),
         (("leo", "leo,x=99,y=0"), "give x between"),
         (("leo", "leo,x=0.1,y=0"), "choose another x and y"),
         (("leo", "leo,x=2,y=2,driver=ram"), "it drives into hazards"),

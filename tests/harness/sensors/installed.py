@@ -6,11 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from harness.sensors.geodesy import Datum
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import Installation, Mount, SensorOptions
 from harness.sensors.rays.bundle import Surroundings
 from harness.spec.world import DEFAULT_DATUM
+from harness.world.geodesy import Datum
 
 MODEL = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><body name="rover"><freejoint/>
 <geom size="0.1" mass="1"/></body></worldbody></mujoco>""")

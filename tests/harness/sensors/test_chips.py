@@ -9,11 +9,11 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 from harness.sensors.barometer import BarometerOptions, BarometerSensor
-from harness.sensors.geodesy import Datum
 from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import HARDWARE, WHITE, NoisePreset
 from harness.spec.world import DEFAULT_DATUM
+from harness.world.geodesy import Datum
 from tests.harness.sensors.installed import installation, simulation
 from tests.harness.sensors.test_geodesy import axes, ecef
 

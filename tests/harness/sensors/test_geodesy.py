@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from harness.sensors.geodesy import Datum
+from harness.world.geodesy import Datum
 
 A, F = 6_378_137.0, 1 / 298.257223563  # WGS-84
 DATUMS = st.builds(Datum, st.floats(-85, 85), st.floats(-180, 180), st.floats(-400, 8000))

@@ -14,7 +14,7 @@ from harness.truth.wheels import WheelMotion, Wheels, slip_ratio
 from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-RADIUS = {"leo": 0.0625, "rover_zero4wd": 0.127}
+RADIUS = {"leo": 0.0625, "rover_zero4wd": 0.127, "husky": 0.1651, "jackal": 0.098}
 
 MakeSimulation = Callable[..., Simulation]
 

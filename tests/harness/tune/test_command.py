@@ -51,7 +51,10 @@ def test_a_second_run_gives_the_same_bytes(first_run: tuple[int, Path], tmp_path
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--robot", "mars"], "robot 'mars' does not exist; available: leo, rover_zero4wd"),
+        (
+            ["--robot", "mars"],
+            "robot 'mars' does not exist; available: husky, jackal, leo, rover_zero4wd",
+        ),
         (["--episodes", "1"], "1 episode will not do"),
         (["--duration", "0"], "duration 0 s is not valid"),
         (["--driver", "fly"], "driver 'fly' does not exist; available: wander"),

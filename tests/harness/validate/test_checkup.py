@@ -29,7 +29,7 @@ def test_nothing_is_odd_about_a_rover_that_ships_or_has_public_numbers(
     rover = ROVERS[name] if name in ROVERS else foreign(name)
     checks = {check.quantity: check for check in check_up(rover)}
     assert [name for name, check in checks.items() if not check.passed] == []
-    if name in ("husky", "buggy"):  # what is asked and why
+    if name in ("a200", "buggy"):  # what is asked and why
         cells = (
             (*cells_of(check)[:2], str(check.digits), check.expected.source) for check in checks.values()
         )
@@ -72,8 +72,8 @@ def test_the_command_names_what_is_wrong_with_a_model(
     foreign: Foreign, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A chassis of 5 t, a rear wheel in the air."""
-    folder = Path(shutil.copytree(foreign("husky").folder, tmp_path / "husky"))
-    model = folder / "husky.xml"
+    folder = Path(shutil.copytree(foreign("a200").folder, tmp_path / "a200"))
+    model = folder / "a200.xml"
     text = model.read_text().replace('mass="46.034"', 'mass="5046"')
     in_the_air = '<body name="rear_right_wheel" pos="-0.256 -0.2854 0.'
     text = text.replace(f'{in_the_air}0328"', f'{in_the_air}0928"')

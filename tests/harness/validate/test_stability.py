@@ -27,8 +27,8 @@ def test_the_balance_is_where_the_masses_are(rover: RoverSpec) -> None:
     ahead, aside = offset @ forward, offset @ left
     arms = (ahead[[0, 2]], -ahead[[1, 3]], aside[[0, 1]], -aside[[2, 3]])
     assert tuple(ours.arms.values()) == pytest.approx([arm.mean() for arm in arms], abs=2.5e-3)
-    assert ours.height == pytest.approx(center[2], abs=2.5e-3)  # above a floor at zero
-    tips = min(math.atan(1.0), math.atan2(ours.rear, ours.height))
+    assert ours.height == pytest.approx(center[2], abs=4e-3)  # above a floor at zero
+    tips = min(math.atan(ROVERS[rig.rover.name].wheel_friction), math.atan2(ours.rear, ours.height))
     assert (steepest_stand(ours), tip_angle(0.3, 0.1)) == pytest.approx((tips, math.atan(3.0)))
     short = Balance(height=0.1, front=9.0, rear=0.05, left=9.0, right=9.0)
     assert steepest_stand(short) == pytest.approx(math.atan(0.5))
@@ -60,7 +60,8 @@ def climbs(height: float, rover: RoverSpec, stand: Balance) -> bool:
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 def test_the_kerb_limit_is_the_highest_at_which_the_forces_balance(rover: RoverSpec) -> None:
-    stand = Balance(height=0.12, front=0.15, rear=0.14, left=0.18, right=0.18)
+    length = rover.wheelbase
+    stand = Balance(0.4 * length, front=0.52 * length, rear=0.48 * length, left=0.18, right=0.18)
 
     limit = kerb_limit(rover, stand)
 

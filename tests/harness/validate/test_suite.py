@@ -160,6 +160,6 @@ def test_a_rover_of_which_nothing_is_expected_is_measured_and_not_judged(
     foreign: Callable[[str], RoverSpec], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(suite, "SUITE", (driving.rest_checks,))
-    checks = suite.validate(foreign("husky"), 0)
+    checks = suite.validate(foreign("a200"), 0)
     assert checks[0].measured == pytest.approx(9.81, abs=0.01)
     assert {check.expected for check in checks} == {OPEN}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.robots import RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.robots.sections import Span
 from harness.validate import __main__ as validate
 from harness.validate.check import Check
@@ -14,7 +14,7 @@ BAD = Check("stopping distance", "m", Span(0.04, 0.05, "D: v^2 / 2a"), 0.4)
 
 @pytest.mark.parametrize(
     ("words", "driven"),
-    [("", [("leo", 0), ("rover_zero4wd", 0)]), ("--robot leo --seed 7", [("leo", 7)])],
+    [("", [(name, 0) for name in ROVERS]), ("--robot leo --seed 7", [("leo", 7)])],
 )
 def test_all_rovers_are_driven_unless_one_is_chosen_and_a_miss_is_exit_code_1(
     words: str,
@@ -41,7 +41,7 @@ def test_all_rovers_are_driven_unless_one_is_chosen_and_a_miss_is_exit_code_1(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--robot spirit", "available: leo, rover_zero4wd"),
+        ("--robot spirit", "available: husky, jackal, leo, rover_zero4wd"),
         ("--seed -1", "whole number from 0 up"),
         ("--realism a.csv b.csv", "--realism needs --robot"),
         ("--robot leo --realism /none/a.csv /none/b.csv", "--realism takes two logs"),

@@ -38,6 +38,15 @@ class Datum:
         latitude, longitude, altitude = map(float, at)
         return latitude, longitude, altitude
 
+    def local(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """Returns x and y in the world [m] of a place given in degrees, at the datum's altitude."""
+        from pymap3d import geodetic2enu  # noqa: PLC0415 - see the module
+
+        x, y, _ = geodetic2enu(
+            latitude, longitude, self.altitude, self.latitude, self.longitude, self.altitude
+        )
+        return float(x), float(y)
+
     def magnetic_field(self) -> Vector3:
         """Returns the flux density of the Earth's dipole at the datum, in the world's axes [T].
 
@@ -48,6 +57,6 @@ class Datum:
         place = np.array(geodetic2ecef(self.latitude, self.longitude, self.altitude))
         distance = math.hypot(*place)
         up = place / distance
-        field = (MAGNETIC_RADIUS / distance) ** 3 * (3.0 * (DIPOLE @ up) * up - DIPOLE)
+        field = (MAGNETIC_RADIUS / distance) ** 3 * (3.0 * sum(DIPOLE * up) * up - DIPOLE)
         east, north, upward = map(float, ecef2enuv(*field, self.latitude, self.longitude))
         return east, north, upward

@@ -1,0 +1,48 @@
+"""The way points of a route as goals, one after another."""
+
+import math
+from dataclasses import dataclass, field
+
+from harness.samples import Place, Quaternion
+from harness.world.route import RouteProgress
+from harness.world.targets.placing import Where
+
+STAND_OFF = 0.7  # of the radius, before what stands at a way point
+BEYOND = 1.0  # [m] behind a gate, so that a driver which stops before its goal has passed it
+
+
+@dataclass
+class RouteCourse:
+    """Gives the next way point once the last one is reached or missed; see GoalCourse."""
+
+    progress: RouteProgress
+    _given: int | None = field(default=None, init=False)
+
+    def next(self, time_s: float, place: Where, orientation: Quaternion) -> Place | None:  # noqa: ARG002
+        """Returns the goal that is due at a pose; None while it stays.
+
+        Args:
+            time_s: Of the pose [s].
+            place: x and y in the world [m].
+            orientation: x, y, z, w.
+        """
+        self.progress.observe(time_s, place)
+        if self.progress.current in (None, self._given):
+            return None
+        self._given = self.progress.current
+        mark = self.progress.marks[self._given]
+        (x, y), yaw = mark.place, math.atan2(mark.place[1] - place[1], mark.place[0] - place[0])
+        if mark.gate is not None:
+            (left_x, left_y), (right_x, right_y) = mark.gate
+            across = math.atan2(right_x - left_x, left_y - right_y)  # either way through
+            yaw = across if math.cos(across - yaw) > 0.0 else across + math.pi
+            x, y = x + BEYOND * math.cos(yaw), y + BEYOND * math.sin(yaw)
+        elif mark.is_solid:
+            x -= STAND_OFF * mark.radius * math.cos(yaw)
+            y -= STAND_OFF * mark.radius * math.sin(yaw)
+        return Place(x, y, math.remainder(yaw, math.tau))
+
+    def again(self) -> None:
+        """Gives the goal once more that is in hand: its driver is new, or was put elsewhere."""
+        self._given = None
+        self.progress.carried_away()

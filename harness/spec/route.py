@@ -1,0 +1,105 @@
+"""Way points of a mission in their order, with how near is near enough and how long each may take.
+
+As text: X,Y/NAME/@LAT,LON[:KEY=VALUE,...]; NAME is a target's, the keys are `radius`, `within`, `order`
+and `limit`. A file may give a mapping or a list of way points instead.
+"""
+
+import re
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from harness.base import number
+from harness.base.errors import UsageError, unknown
+from harness.spec.target import NAME
+from harness.spec.value import Finite, Length, Value, as_tuple
+
+FORM = "X,Y/TARGET/@LAT,LON[:KEY=VALUE,...]"
+TEXT = re.compile(r"(?P<points>[^:]+)(?::(?P<options>.*))?", re.DOTALL)
+PAIR = re.compile(rf"(?P<at>@)?({number.FORM}),({number.FORM})")
+RADIUS = 1.0  # [m]
+OF_POINTS, OF_ROUTE = ("radius", "within"), ("order", "limit")
+
+
+class WayPoint(Value):
+    """A place to go to: `at`, or `lat` and `lon`, or a target's name.
+
+    Attributes:
+        at: x and y in the world [m].
+        lat, lon: Degrees on WGS-84, about the world's datum.
+        target: The name of a target; a gate is passed between its posts.
+        radius: How near is near enough [m].
+        within: How long it may take from the way point before, or from the start [s]; then it is missed.
+    """
+
+    at: Annotated[tuple[Finite, Finite], BeforeValidator(as_tuple)] | None = None
+    lat: Annotated[float, Field(ge=-89.9, le=89.9)] | None = None
+    lon: Annotated[float, Field(ge=-180.0, le=180.0)] | None = None
+    target: str = ""
+    radius: Length = RADIUS
+    within: Length | None = None
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        places = [self.at is not None, self.lat is not None and self.lon is not None, self.target != ""]
+        if sum(places) != 1 or (self.lat is None) != (self.lon is None):
+            raise ValueError(
+                "a way point is one place: give at: [X, Y], or lat and lon, or target: NAME"
+            )
+        return self
+
+
+class Route(Value):
+    """Way points of a mission.
+
+    Attributes:
+        points: At least one.
+        order: `given`, or `any`: then the nearest is gone to first.
+        limit: How long all may take from the start on [s].
+    """
+
+    points: Annotated[
+        tuple[WayPoint, ...], Field(min_length=1, max_length=1000), BeforeValidator(as_tuple)
+    ]
+    order: Literal["given", "any"] = "given"
+    limit: Length | None = None
+
+
+def parse_route(text: str) -> dict[str, Any]:
+    """Returns the fields of a route that a text asks for; UsageError if it is not of that form."""
+    found = TEXT.fullmatch(text.strip())
+    if found is None:
+        raise UsageError(f"route '{text}' is not valid; give {FORM}")
+    pairs = [pair.partition("=") for pair in (found["options"] or "").split(",") if pair]
+    given = {key: value for key, _, value in pairs}
+    for key in given:
+        if key not in (*OF_POINTS, *OF_ROUTE):
+            raise UsageError(f"route '{text}': {unknown('key', key, (*OF_POINTS, *OF_ROUTE))}")
+    shared = {key: given[key] for key in OF_POINTS if key in given}
+    points = [_point(text, word) | shared for word in found["points"].split("/")]
+    return {"points": points} | {key: given[key] for key in OF_ROUTE if key in given}
+
+
+def _point(text: str, word: str) -> dict[str, Any]:
+    pair = PAIR.fullmatch(word)
+    if pair is None:
+        if not NAME.fullmatch(word):
+            raise UsageError(f"route '{text}': '{word}' is no place; give {FORM}")
+        return {"target": word}
+    _, one, other = pair.groups()
+    return {"lat": one, "lon": other} if pair["at"] else {"at": (one, other)}
+
+
+def _fields(value: object) -> object:
+    """A text or a list of way points as the fields of a route."""
+    if isinstance(value, str):
+        try:
+            return parse_route(value)
+        except UsageError as error:
+            raise ValueError(str(error)) from error
+    return {"points": tuple(value)} if isinstance(value, list | tuple) else value
+
+
+RouteText = Annotated[
+    Route, BeforeValidator(_fields, json_schema_input_type=str | tuple[WayPoint, ...] | Route)
+]

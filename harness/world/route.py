@@ -1,0 +1,129 @@
+"""A route in its world, and how far somebody has come on it: for who drives it and who judges it."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from harness.base.errors import UsageError, unknown
+from harness.spec.route import Route
+from harness.world.geodesy import Datum
+from harness.world.targets.placing import Target, Where
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A way point in the world's metres.
+
+    Attributes:
+        place: x, y [m]; of a gate its middle.
+        radius: How near is near enough [m].
+        within: How long it may take [s].
+        gate: Its two posts, which are to be passed between; None of a plain place.
+        is_solid: Whether something stands there, so that nobody can be at the very place.
+    """
+
+    place: Where
+    radius: float
+    within: float = math.inf
+    gate: tuple[Where, Where] | None = None
+    is_solid: bool = False
+
+    def is_reached(self, before: Where, now: Where) -> bool:
+        """Returns whether who went straight from one place to another [m] has reached it."""
+        if self.gate is not None:
+            return crossed(before, now, *self.gate)
+        return math.dist(now, self.place) <= self.radius
+
+
+def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
+    """Returns whether a step from one place to another leads between two posts, either way."""
+
+    def side(a: Where, b: Where, c: Where) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    between = side(before, now, left) * side(before, now, right) < 0.0
+    return between and side(left, right, before) * side(left, right, now) <= 0.0 and before != now
+
+
+def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, ...]:
+    """Returns the way points of a route in the world; UsageError if one names no target."""
+    known = {target.name: target for target in targets}
+    found = []
+    for point in route.points:
+        within = math.inf if point.within is None else point.within
+        if point.target:
+            check_target(point.target, known)
+            target = known[point.target]
+            gate = (target.posts[0], target.posts[1]) if len(target.posts) == 2 else None
+            found.append(Mark(target.position[:2], point.radius, within, gate, gate is None))
+        else:
+            place = point.at or datum.local(point.lat or 0.0, point.lon or 0.0)
+            found.append(Mark(place, point.radius, within))
+    return tuple(found)
+
+
+def check_target(name: str, names: Iterable[str]) -> None:
+    """Raises UsageError if no target has that name."""
+    if name not in (known := list(names)):
+        lack = "there are no targets" if not known else unknown("target", name, known)
+        raise UsageError(f"route: a way point is target '{name}', but {lack}")
+
+
+@dataclass
+class RouteProgress:
+    """Which way points somebody has reached or missed; `observe` is told where it is, step by step.
+
+    Attributes:
+        marks: Of the route.
+        any_order: Whether the nearest one left is next, instead of the next in order.
+        limit: After which all are missed that are left [s].
+        reached: Numbers of way points, in the order in which they were.
+        current: The way point to go to; None when none is left.
+        done_s: When the last one was reached, if none was missed [s]; NaN before.
+    """
+
+    marks: tuple[Mark, ...]
+    any_order: bool = False
+    limit: float = math.inf
+    reached: list[int] = field(default_factory=list)
+    current: int | None = None
+    done_s: float = math.nan
+    _left: list[int] = field(init=False)
+    _since_s: float = 0.0
+    _before: Where | None = None
+
+    def __post_init__(self) -> None:
+        self._left = list(range(len(self.marks)))
+
+    def observe(self, time_s: float, place: Where) -> None:
+        """Takes where somebody is.
+
+        Args:
+            time_s: Since the start [s].
+            place: x, y in the world [m].
+        """
+        before, self._before = self._before or place, place
+        due = list(self._left) if self.any_order else self._left[:1]
+        hit = [number for number in due if self.marks[number].is_reached(before, place)]
+        late = time_s > self.limit
+        if hit and not late:
+            self.reached += hit
+            self._settle(hit, time_s)
+            if len(self.reached) == len(self.marks):
+                self.done_s = time_s
+        elif late:
+            self._settle(list(self._left), time_s)
+        elif self.current is not None and time_s - self._since_s > self.marks[self.current].within:
+            self._settle([self.current], time_s)
+        if self.current is None and self._left:
+            nearest = min(self._left, key=lambda n: math.dist(place, self.marks[n].place))
+            self.current = nearest if self.any_order else self._left[0]
+
+    def carried_away(self) -> None:
+        """Takes that somebody was put elsewhere: the next place is no step from the last one."""
+        self._before = None
+
+    def _settle(self, numbers: list[int], time_s: float) -> None:
+        self._left = [number for number in self._left if number not in numbers]
+        if self.current is None or self.current in numbers:
+            self.current, self._since_s = None, time_s

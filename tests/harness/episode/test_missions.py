@@ -1,0 +1,123 @@
+"""Missions: routes driven and counted, across resets, aborts and losses of the link."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.base.errors import UsageError
+from harness.episode.assembly import check, route_progress
+from harness.episode.batch import Batch
+from harness.episode.episode import Episode
+from harness.samples import GoalPose
+from harness.spec.run import Run
+from harness.world.route import Mark, RouteProgress, crossed
+
+
+def driven(**changes: object) -> list[Batch]:
+    light: dict[str, object] = {"terrain": "flat", "driver": "goal", "duration": 20.0, "lidar_beams": 64}
+    return list(Episode(Run.of(**light | changes)).batches())
+
+
+def reached(batches: list[Batch], run: Run) -> RouteProgress:
+    progress = route_progress(run)
+    for batch in batches:
+        progress.observe(batch.truth.time_ns / 1e9, batch.truth.position[:2])
+    return progress
+
+
+def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
+    targets = ("gate:x=3,y=0.5", "aruco:x=6,y=1.5")
+    run = Run.of(terrain="flat", targets=targets, route="1.5,0/gate/aruco:radius=1")
+    batches = driven(targets=targets, route="1.5,0/gate/aruco:radius=1", duration=40.0)
+    progress = reached(batches, run)
+    assert progress.reached == [0, 1, 2]
+    assert progress.done_s < 40.0
+    assert 0.3 < math.dist(batches[-1].truth.position[:2], (6.0, 1.5)) < 1.0
+    assert batches[-1].truth.hazard_contacts == 0
+
+
+def test_a_reset_gives_the_way_point_in_hand_again() -> None:
+    batches = driven(route="2,0/0,2", resets=[8.0], duration=30.0)
+    goals = [(batch.truth.time_ns / 1e9, goal.x) for batch in batches for goal in batch.goals]
+    progress = reached(batches, Run.of(terrain="flat", route="2,0/0,2"))
+    assert [x for _, x in goals].count(0.0) == 2
+    assert progress.reached == [0, 1]
+
+
+def test_a_rover_stands_from_an_abort_until_it_resumes() -> None:
+    path = [b.truth.path_length for b in driven(route="9,0", aborts=[2.0], resumes=[5.0], duration=8.0)]
+    assert path[99] - path[59] < 0.02  # from 3 s to 5 s
+    assert path[-1] - path[109] > 0.3
+
+
+@pytest.mark.parametrize(("timeout", "goes_on"), [(None, True), (0.5, False)])
+def test_no_command_arrives_while_the_link_is_lost(timeout: float | None, goes_on: bool) -> None:
+    commands = [(0.0, 0.3, 0.0), (2.0, 0.0, 0.0)]
+    batches = driven(
+        driver="cmd_vel",
+        commands=commands,
+        link_losses=[(1.5, 2.0)],
+        cmd_vel_timeout=timeout,
+        duration=4.0,
+    )
+    moved = batches[-1].truth.path_length - batches[40].truth.path_length
+    assert (moved > 0.4) == goes_on
+
+
+def test_who_commands_the_rover_is_told_each_way_point_once() -> None:
+    batches = driven(driver="cmd_vel", route="1.5,0/9,0", commands=[(0.0, 0.3, 0.0)], duration=6.0)
+    told = [s for b in batches for t in b.ticks for s in t.samples if isinstance(s, GoalPose)]
+    assert [goal.position[0] for goal in told] == [1.5, 9.0]
+    assert told[0].stamp_ns == 10_000_000
+
+
+@pytest.mark.parametrize(("at", "hits"), [((1.0, 0.5), True), ((1.0, 2.0), False), ((-1.0, 0.5), False)])
+def test_a_gate_is_passed_between_its_posts_either_way(at: tuple[float, float], hits: bool) -> None:
+    left, right = (0.0, 1.0), (0.0, -1.0)
+    assert crossed((-1.0, 0.0), at, left, right) is hits
+    assert crossed(at, (-1.0, 0.0), left, right) is hits
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_any_order_reaches_what_the_given_one_does_not(seed: int) -> None:
+    """A walk through all way points backwards: in their order only the last step counts."""
+    places = [tuple(p) for p in np.random.default_rng(seed).uniform(-50.0, 50.0, (4, 2)).tolist()]
+    marks = tuple(Mark((x, y), 0.5) for x, y in places)
+    given, any_order = RouteProgress(marks), RouteProgress(marks, any_order=True)
+    for second, mark in enumerate(reversed(marks)):
+        given.observe(second, mark.place)
+        any_order.observe(second, mark.place)
+    assert given.reached == [0]
+    assert any_order.reached == [3, 2, 1, 0]
+    assert any_order.done_s == 3.0
+    assert math.isnan(given.done_s)
+
+
+def test_a_way_point_that_takes_too_long_is_missed_and_the_next_one_is_next() -> None:
+    progress = RouteProgress((Mark((5.0, 0.0), 0.5, within=2.0), Mark((0.0, 0.0), 0.5)), limit=9.0)
+    for second in range(5):
+        progress.observe(second, (0.0, 0.0))
+    assert progress.reached == [1]
+    assert math.isnan(progress.done_s)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"route": "3,4/tree"}, "no targets"),
+        ({"route": "3,4/tree", "targets": ["post"]}, "available: post"),
+        ({"route": "3;4"}, "X,Y"),
+        ({"route": "3,4:speed=2"}, "radius"),
+        ({"route": [{"at": [1, 2], "target": "a"}]}, "one place"),
+        ({"route": []}, "at least 1"),
+        ({"route": "3,4", "driver": "wander"}, "follows no route"),
+        ({"route": "3,4", "goals": [(0.0, 1.0, 1.0, 0.0)]}, "leave out goals"),
+        ({"route": "3,4", "link_losses": [(99.0, 1.0)]}, "not in the run"),
+    ],
+)
+def test_a_wrong_route_is_told_in_one_line(given: dict[str, object], words: str) -> None:
+    with pytest.raises(UsageError) as told:
+        check(Run.of(**{"driver": "goal"} | given))
+    assert words in str(told.value)
+    assert "\n" not in str(told.value)

@@ -1,0 +1,100 @@
+"""Missions judged: stops, gates and routes of walks through known places, and in a whole scenario."""
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from harness.base.errors import UsageError
+from harness.episode.assembly import route_progress, world_of
+from harness.scenario.attempt import attempt
+from harness.scenario.case import plan
+from harness.scenario.mission import MissionAccount, MissionState
+from harness.spec.run import Run
+
+RUN = Run.of(
+    terrain="flat",
+    driver="goal",
+    targets=["aruco:x=5,y=0", "gate:x=3,y=3,yaw=1.5707963267948966", "post:x=-5,y=0,reach=1"],
+    route="4,0/gate",
+)
+
+
+def walked(*places: tuple[float, float, float]) -> MissionState:
+    """A walk in straight lines at 20 Hz: time [s] and place of its corners."""
+    world = world_of(RUN)
+    account, state = MissionAccount(world.targets, route_progress(RUN, world)), MissionState()
+    for (t, x, y), (u, v, w) in pairwise(places):
+        for step in range(round((u - t) * 20)):
+            share = step / ((u - t) * 20)
+            state = account.take(t + step / 20, (x + share * (v - x), y + share * (w - y)), 0)
+    return state
+
+
+def test_who_passes_by_has_not_stopped_and_who_stops_near_has_reached() -> None:
+    assert walked((0, 0, 0), (10, 10, 0)).reached == 0
+    state = walked((0, 0, 0), (4, 3.5, 0), (6, 3.5, 0), (12, 9, -5))
+    assert (state.reached, state.gates) == (1, 0)
+    assert state.stops["aruco"] == pytest.approx(1.5)
+    assert math.isnan(walked((0, 0, 0), (2, 8, 0)).stops["post"])
+
+
+def test_a_gate_counts_between_its_posts_and_not_beside_them() -> None:
+    assert walked((0, 3, 1), (2, 3, 5)).gates == 1
+    assert walked((0, 1, 1), (2, 1, 5)).gates == 0
+
+
+def test_a_route_is_done_in_its_order() -> None:
+    done = walked((0, 0, 0), (4, 4, 0), (6, 3, 1), (8, 3, 5), (9, 3, 6))
+    assert done.points == 2
+    assert done.done_s == pytest.approx(7.0, abs=0.06)
+    backwards = walked((0, 3, 1), (2, 3, 5), (4, 4, 0), (9, 9, 0))
+    assert (backwards.points, math.isnan(backwards.done_s)) == (1, True)
+
+
+SCENARIO = """
+about: A gate, then a post.
+terrain: flat
+driver: goal
+duration: 40
+targets: ["gate:x=3,y=0.5", "aruco:x=6,y=1.5"]
+route: {points: [{target: gate}, {target: aruco, radius: 1.5}]}
+events: [{at: 3, abort: true}, {at: 5, resume: true}]
+expect:
+  truth.route_s: {over: end, max: 39}
+  truth.route_points: {over: end, min: 2}
+  truth.targets_reached: {over: end, min: 2}
+  truth.target.aruco.stop_distance: {over: end, max: 1.5}
+  truth.gates_passed: {over: end, min: %s}
+"""
+
+
+@pytest.mark.parametrize(("gates", "passes"), [(1, True), (2, False)])
+def test_a_mission_in_a_file_is_driven_and_judged(tmp_path: Path, gates: int, passes: bool) -> None:
+    (tmp_path / "m.scenario.yaml").write_text(SCENARIO % gates)
+    (case,) = plan([tmp_path / "m.scenario.yaml"])
+    found = attempt(case, tmp_path / "out")
+    broken = [line.partition(":")[0] for line in found.breaches]
+    assert broken == ([] if passes else ["truth.gates_passed"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("route: {", "#route: {", "it needs a route"),
+        ("target.aruco", "target.arucco", "did you mean 'aruco'"),
+        ("{target: gate}", "{target: gates}", "gate"),
+        ("{target: gate}", "{at: [1, 2], radius: 0}", "more than 0"),
+        ("abort: true", "abort: 1.5", "abort"),
+        ("targets: [", "#targets: [", "it needs targets"),
+    ],
+)
+def test_a_mistake_in_a_mission_is_told_with_its_mend(
+    tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    path = tmp_path / "m.scenario.yaml"
+    path.write_text((SCENARIO % 1).replace(old, new))
+    with pytest.raises(UsageError) as told:
+        plan([path])
+    assert words in str(told.value)
