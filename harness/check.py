@@ -24,7 +24,6 @@ from rich.text import Text
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
-from harness.cli.plain import PlainConsole
 from harness.episode.assembly import check
 from harness.episode.direct import run_direct
 from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
@@ -32,6 +31,7 @@ from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE
 from harness.spec.run import Run
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 
 DEFAULT_DURATION = 20.0  # [s]
 SHORTEST_DURATION = 5.0  # [s]: two seeds may need that long to show different rows

@@ -27,7 +27,6 @@ from rich.console import Console
 
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.cli.plain import PlainConsole
 from harness.episode.direct import run_unlogged
 from harness.robots import find_rover
 from harness.robots.spec import schema
@@ -37,6 +36,7 @@ from harness.spec.run import Run
 from harness.validate.checkup import check_up
 from harness.validate.suite import print_table
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 
 SHOWN = 3.0  # [s] of driving in a picture
 NEXT = "next: python -m harness.robot check {0}; then python -m harness.run --robot {0}"

@@ -23,7 +23,6 @@ from harness.base.files import check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.cli.console import RunProgress, counted, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
-from harness.cli.plain import PlainConsole
 from harness.episode.assembly import actor_names, check_world, world_of
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
@@ -34,6 +33,7 @@ from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import Drawing
 from harness.world.files import is_terrain_file
+from rover_metrics.sheet.console import PlainConsole
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -2,10 +2,10 @@
 
     python -m harness.topics [--seconds S] [--namespace NS]
 
-Without --seconds the table stays and changes until Ctrl-C. Rates are right to
-2 % unless the command says that the look was too short. It is a look from outside: what a busy
-monitor misses, the others may have received. What it shows in Hz is wall time; where a simulation
-sets /clock, sim Hz is what its listeners see.
+Without --seconds the table stays and changes until Ctrl-C. Where there are no topics the exit code
+is 1. Rates are right to 2 % unless the command says that the look was too short. It is a look from
+outside: what a busy monitor misses, the others may have received. What it shows in Hz is wall time;
+where a simulation sets /clock, sim Hz is what its listeners see.
 """
 
 import argparse
@@ -24,11 +24,12 @@ if __name__ == "__main__":
 from rich.console import Console
 from rich.live import Live
 
-from harness.base.errors import INSTALL_ROS, UsageError
+from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.interrupt import Overdue, StopRequest
-from harness.cli.plain import PlainConsole
 from harness.spec.rover import namespace_of
 from rover_metrics.errors import OneLineParser
+from rover_metrics.number import number
+from rover_metrics.sheet.console import PlainConsole
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -72,21 +73,23 @@ def _watch(
                 while stop.signal is None and time.monotonic() < next_look:
                     executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         live.update(monitor.table(), refresh=True)
+    if not console.is_terminal:
+        console.line()  # behind the table, which Live leaves open
     was_short = time.monotonic() - began < LONG_ENOUGH
     unsure = monitor.too_short() if was_short else []
     enough = f"--seconds {LONG_ENOUGH:g} is enough"
     if not monitor.types and was_short:
-        console.print(f"no topics in so short a look; {enough}")
-    elif not monitor.types:
-        console.print("no topics: does anything run with this ROS_DOMAIN_ID and discovery range?")
-    elif unsure:
+        raise HarnessError(f"no topics in so short a look; {enough}")
+    if not monitor.types:
+        raise HarnessError("no topics: does anything run with this ROS_DOMAIN_ID and discovery range?")
+    if unsure:
         message = f"too short a look to tell the rates of {', '.join(unsure)}: {enough}"
         console.print(message, soft_wrap=True)
 
 
 def _seconds(text: str) -> float:
     try:
-        seconds = float(text)
+        seconds = number(text)
     except ValueError:
         seconds = math.nan
     if not 0.0 < seconds < math.inf:

@@ -11,16 +11,8 @@ from rover_metrics.log.documents import LARGEST_JSON, DocumentError
 __all__ = ["LARGEST_JSON", "parse_json", "read_bytes", "read_json", "read_mapping", "read_yaml"]
 
 
-def read_bytes(path: Path, largest: int, *, pipes: bool = False) -> bytes:
-    """Returns the bytes of a file; UsageError if it cannot be read or is too large.
-
-    Args:
-        path: The file.
-        largest: Most bytes that it may have.
-        pipes: Whether it may be a pipe or a device, which may never end a wait.
-    """
-    if not pipes and path.exists() and not path.is_file():
-        raise UsageError(f"{path} is not a file")
+def read_bytes(path: Path, largest: int) -> bytes:
+    """Returns the at most so many bytes of a file or a shell's pipe; UsageError if it has none."""
     return _named(str(path), lambda: documents.read_bytes(path, largest))  # type: ignore[no-any-return]
 
 

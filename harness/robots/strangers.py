@@ -45,9 +45,9 @@ def read_xml(path: Path) -> ET.Element:
 
 
 def read_text(path: Path) -> str:
-    """Returns the text of a file, which may be a pipe; UsageError if it is too large or none."""
+    """Returns the text of a file; UsageError if it is too large or none."""
     try:
-        return read_bytes(path, MOST_BYTES, pipes=True).decode("utf-8")
+        return read_bytes(path, MOST_BYTES).decode("utf-8")
     except UnicodeDecodeError as error:
         raise UsageError(f"cannot read {path}: {error}") from error
 

@@ -21,7 +21,6 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.cli.plain import PlainConsole
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.suite import run_all
@@ -29,6 +28,7 @@ from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 
 OUT = Path("scenario_runs")
 FILES = {

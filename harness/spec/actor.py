@@ -13,9 +13,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from harness.base import number
 from harness.base.errors import UsageError, unknown
 from harness.spec.value import AsText, Value, made, parsed
+from rover_metrics import number
 
 FORM = "give [NAME=]FILE.sdf, NAME=X,Y/X,Y/..., NAME=random or NAME=social, and :KEY=VALUE,... behind it"
 POINTS = re.compile(rf"{number.FORM},{number.FORM}(?:/{number.FORM},{number.FORM})*")

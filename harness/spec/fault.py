@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from harness.base.errors import UsageError
-from harness.base.number import number
 from harness.spec.value import AsText, parsed
+from rover_metrics.number import number
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 LONGEST = 1e8  # [s]: stamps have 31 bits of seconds

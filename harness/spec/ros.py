@@ -3,9 +3,11 @@
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from harness.spec.value import Option, Value, listed
+from harness.base.errors import UsageError
+from harness.spec.rover import namespace_of
+from harness.spec.value import Option, Value, checked, listed
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
 ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
@@ -39,6 +41,11 @@ def _rate(value: object) -> object:
     return None if value == "max" else value
 
 
+def _check_nodes(names: tuple[str, ...]) -> None:
+    if not all(namespace_of(name, "--wait-for") for name in names):
+        raise UsageError("--wait-for needs the name of a node, e.g. /metrics_node")
+
+
 class RosOptions(Value):
     """How a run goes through ROS; `log_dir` and `rate` hold for a run without it too.
 
@@ -58,9 +65,9 @@ class RosOptions(Value):
         Option("R|max"),
     ] = Field(default=None, description="times real time; default: max")
     host_metrics: bool = True
-    wait_for: Annotated[tuple[str, ...], listed(), Option("NODE")] = Field(
-        default=(), description="keep lock-step with a node in another process; repeatable"
-    )
+    wait_for: Annotated[
+        tuple[str, ...], listed(), AfterValidator(checked(_check_nodes)), Option("NODE")
+    ] = Field(default=(), description="keep lock-step with a node in another process; repeatable")
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
         Field(

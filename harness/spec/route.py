@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from harness.base import number
 from harness.base.errors import UsageError, unknown
 from harness.spec.target import NAME
 from harness.spec.value import Finite, Length, Value, as_tuple
+from rover_metrics import number
 
 FORM = "X,Y/TARGET/@LAT,LON[:KEY=VALUE,...]"
 TEXT = re.compile(r"(?P<points>[^:]+)(?::(?P<options>.*))?", re.DOTALL)

@@ -16,9 +16,9 @@ from rover_metrics.errors import shown
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 LIDAR_BEAMS, IMU_RATE = 640, 20
 DEFAULT_NOISE = "white"
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}")
-NAMESPACE, LONGEST_NAMESPACE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII), 100
-NAMES = "give letters, digits and _, a letter first, at most 100"
+NAME = re.compile(r"(?!.*__)[A-Za-z][A-Za-z0-9_]{0,99}")
+NAMESPACE, LONGEST_NAMESPACE = re.compile(r"(?!.*__)[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII), 100
+NAMES = "give letters, digits and single _, a letter first, at most 100"
 
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] in the world
 Area = tuple[float, float, float, float]  # x from, to, y from, to [m]
@@ -46,16 +46,16 @@ def _check_name(name: str) -> None:
         raise UsageError(f"'{shown(name)}' is no name in ROS; {NAMES}")
 
 
-def namespace_of(text: str) -> str:
-    """Returns a namespace of ROS without the slashes around it; "" for the root.
+def namespace_of(text: str, flag: str = "--namespace") -> str:
+    """Returns a namespace, or a node's name, of ROS without the slashes around it; "" for the root.
 
     Raises:
-        UsageError: ROS has no such namespace.
+        UsageError: ROS has no such name; the flag is named.
     """
     names = text.strip("/")
     if names and not (NAMESPACE.fullmatch(names) and len(names) <= LONGEST_NAMESPACE):
         raise UsageError(
-            f"--namespace '{shown(text)}' is no namespace in ROS; give letters, digits and _, no digit "
+            f"{flag} '{shown(text)}' is no name in ROS; give letters, digits and single _, no digit "
             f"first, / between names, at most {LONGEST_NAMESPACE} characters"
         )
     return names

@@ -20,7 +20,6 @@ from rich.console import Console
 
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.cli.console import counted
-from harness.cli.plain import PlainConsole
 from harness.robots import ROVERS, find_rover
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store
@@ -29,6 +28,7 @@ from harness.tune.output import print_studies, write_results
 from harness.tune.scoring.study import study
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
 

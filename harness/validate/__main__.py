@@ -20,13 +20,13 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
-from harness.cli.plain import PlainConsole
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
 from harness.validate import pressing, single_wheel
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
 from rover_metrics.errors import OneLineParser
+from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 

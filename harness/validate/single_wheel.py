@@ -4,6 +4,7 @@ The trials of C. Pavlov (Carnegie Mellon University, 2022, 3d-terramechanics) dr
 10 mm/s while it turns at its own speed. Their rim speeds were recorded for a radius of 58 mm.
 """
 
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from harness.base.documents import LARGEST_JSON, read_bytes
 from harness.base.errors import UsageError
 from harness.robots import RoverSpec
 from harness.robots.model import read_model
@@ -63,8 +65,9 @@ def read_table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
         UsageError: The file cannot be read or lacks a column.
     """
     try:
-        table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
-    except (OSError, ValueError) as error:
+        content = io.BytesIO(read_bytes(path, LARGEST_JSON))
+        table = pd.read_csv(content, encoding="utf-8-sig", skipinitialspace=True)
+    except ValueError as error:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     table.columns = [str(name).strip() for name in table.columns]
     if missing := [name for name in columns if name not in table]:

@@ -16,6 +16,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
+from rover_metrics.number import number, whole
+
 EXTRAS = {"av": "[video]", "rclpy": "[ros]", "sklearn": "[tune]"}  # by what they bring
 OWN = ("harness", "rover_metrics")
 SCRIPTS = "rover-"  # how the names of the installed commands begin
@@ -182,6 +184,8 @@ class OneLineParser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:  # noqa: ANN401 - argparse's
         super().__init__(**{"formatter_class": HelpWithDefaults} | options)
         self._negative_number_matcher = re.compile(r"-\.?\d")  # or argparse takes -3,4 for an option
+        self.register("type", int, whole)
+        self.register("type", float, number)
         self._command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
         typed = Path(sys.argv[0]).stem
         if typed.startswith(SCRIPTS) and self.prog.startswith("python -m "):  # no parser of a verb

@@ -9,6 +9,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -26,6 +27,7 @@ from rover_metrics.analysis.social.log import SocialLog, read_social_log
 from rover_metrics.analysis.social.metrics import RISK_DISTANCE, WINDOW_GOALS
 from rover_metrics.analysis.social.sheets import social_sheets
 from rover_metrics.log.files import json_safe, whole_file
+from rover_metrics.number import whole
 
 
 class GroupError(RoverMetricsError):
@@ -138,8 +140,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _goals(text: str) -> int:
-    if text.isdecimal() and int(text) > 0:
-        return int(text)
+    with suppress(ValueError):
+        if whole(text) > 0:
+            return whole(text)
     raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a whole number from 1 up")
 
 

@@ -115,6 +115,8 @@ def test_help_tells_the_default_of_each_option_as_it_would_be_typed() -> None:
         ("--wheels 6", "unrecognized arguments: --wheels 6; see --help"),
         ("6 --spede", "unrecognized arguments: 6 --spede; see --help"),
         ("--speed fast", "argument --speed: 'fast' is not valid; give a number; see --help"),
+        ("--speed 1_0", "argument --speed: '1_0' is not valid; give a number; see --help"),
+        ("--seed 1_0", "argument --seed: '1_0' is not valid; give a whole number; see --help"),
         ("--seed 1.5", "argument --seed: '1.5' is not valid; give a whole number; see --help"),
     ],
 )

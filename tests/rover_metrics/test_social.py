@@ -81,5 +81,11 @@ def test_mistakes_are_told_in_one_line(
     error = capsys.readouterr().err
     assert told.format(logs) in error
     assert error.count("\n") == 1
-    for wrong in ["--window", "0"], ["--risk-distance", "nan"], ["--confidence-level", "1"]:
+    for wrong in (
+        ["--window", "0"],
+        ["--risk-distance", "nan"],
+        ["--confidence-level", "1"],
+        ["--window", "1_0"],
+        ["--risk-distance", "1_0"],
+    ):
         assert "is not valid; give a" in complaint(social.main, ["log.csv", *wrong], capsys)

@@ -1,16 +1,25 @@
 """Files are written where the user said, whatever names stand in the data; data makes no objects."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from harness.base.documents import read_json, read_mapping
+from harness.drivers.policy import read_policy
+from harness.robots.strangers import read_xml
 from harness.run import main as run
+from harness.validate.single_wheel import read_trials
+from harness.world.actors.trajectory import read_trajectories
+from harness.world.heightmap.raster import read_raster
+from harness.world.solids.mesh_file import read_mesh
 from rover_metrics import analyze
+from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
 from rover_metrics.core.columns import COLUMNS
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import KnownError, RoverMetricsError
 from rover_metrics.extended.parameter_file import read_values
 
 SECRET = "not for you"  # noqa: S105 - what must not be touched
@@ -59,6 +68,38 @@ def test_metadata_cannot_make_a_bag_read_files_elsewhere(tmp_path: Path, listed:
         Bag(bag)
     assert "neither MCAP" not in str(refused.value), "it was opened"
     assert "broken.mcap: the file is empty" in str(refused.value)
+
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "a.sdf": read_trajectories,
+    "a.stl": read_mesh,
+    "a.npy": read_raster,
+    "a.npz": read_policy,
+    "a.urdf": read_xml,
+    "a.yaml": read_values,
+    "a.json": read_json,
+    "a.mcap": Bag,
+    "a.csv": read_trials,
+    "b.csv": read_log,
+}
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_pipes_and_devices_are_not_waited_for(name: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / name)
+    (tmp_path / f"null_{name}").symlink_to("/dev/zero")
+    for path in (tmp_path / name, tmp_path / f"null_{name}"):
+        with pytest.raises(Exception, match=r"is not a (regular )?file") as refused:
+            READERS[name](path)
+        assert isinstance(refused.value, KnownError)
+        assert str(refused.value).isprintable()
+
+
+def test_a_pipe_of_the_shell_is_read() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"a: 1")
+    os.close(writing)
+    assert read_mapping(Path(f"/dev/fd/{reading}")) == {"a": 1}
 
 
 OBJECT = "!!python/object/apply:pathlib.Path.touch [!!python/object/apply:pathlib.Path [{}]]\n"

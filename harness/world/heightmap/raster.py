@@ -15,10 +15,10 @@ import tifffile
 from PIL import Image
 
 from harness.base.errors import UsageError
-from harness.base.number import number
 from harness.world.heightfield import Field
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
+from rover_metrics.number import number
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
 MOST_BYTES = 2**28  # of a file: twice what the most pixels of 64 bits take

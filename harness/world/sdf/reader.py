@@ -7,7 +7,7 @@ from xml.parsers import expat
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
-from harness.base.number import number
+from rover_metrics.number import number
 
 MOST_BYTES = 64 * 2**20
 DEEPEST = 100  # elements within elements

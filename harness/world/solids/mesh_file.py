@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
-from harness.base.number import number
 from harness.spec.world import MESH_UNITS
 from harness.world.sdf.reader import DEEPEST, parse_xml
+from rover_metrics.number import number
 
 SUFFIXES = (".dae", ".obj", ".stl")
 MOST_BYTES = 128 * 2**20

@@ -9,11 +9,13 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from rich.console import Console, Group
+from rich.console import Group
 
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
-from rover_metrics.sheet.render import harmless_text, terminal
+from rover_metrics.number import number
+from rover_metrics.sheet.console import PlainConsole
+from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
 PRINTED_WIDTH = 160  # columns, where the output is not a terminal
@@ -23,8 +25,8 @@ AnyLog = TypeVar("AnyLog")
 
 def _number(text: str, below: float, wanted: str) -> float:
     with contextlib.suppress(ValueError):
-        if 0 < float(text) < below:
-            return float(text)
+        if 0 < number(text) < below:
+            return number(text)
     raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number {wanted}")
 
 
@@ -63,12 +65,12 @@ def different(program: str, paths: Iterable[Path]) -> list[Path]:
 
 def show(sheets: Iterable[Sheet], last: str = "") -> None:
     """Prints tables, then a line about files that were written."""
-    console = Console(highlight=False)
+    console = PlainConsole()
     if not console.is_terminal:
         console.width = PRINTED_WIDTH
     console.print(Group(*terminal(sheets, console.width)))
     if last:
-        console.print(harmless_text(last), markup=False, soft_wrap=True)
+        console.print(last, soft_wrap=True)
 
 
 def tell(program: str, message: str) -> None:

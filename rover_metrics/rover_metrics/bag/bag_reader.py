@@ -194,6 +194,8 @@ def _bags_below(folder: Path) -> list[str]:
 
 
 def _first_bytes(path: Path) -> bytes:
+    if not path.is_file():  # a pipe would wait for its writer
+        raise BagError("this is not a file but a device or a pipe")
     with path.open("rb") as file:
         return file.read(len(SQLITE_MAGIC))
 

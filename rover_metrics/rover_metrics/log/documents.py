@@ -12,6 +12,7 @@ LARGEST_YAML, LARGEST_JSON = 2**20, 2**26  # [bytes]
 DEEPEST = 64  # lists and keys within one another
 MOST_VALUES = 100_000  # of YAML, each alias counted as all that it stands for
 MOST_DIGITS = 100
+_UNDERSCORED = re.compile(r"[-+]?[\d.]*\d_[\d_.eE+-]*")  # which YAML of old takes for a number
 _TOO_LONG = re.compile(rf"\d[\d_]{{{MOST_DIGITS}}}|0[xX][\da-fA-F_]{{{MOST_DIGITS}}}")
 _TOO_DEEP = f"nested more than {DEEPEST} deep; nest less"
 
@@ -75,8 +76,10 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
 
 
 def read_bytes(path: Path, largest: int) -> bytes:
-    """Returns the at most so many bytes of a file, or raises a DocumentError."""
+    """Returns the at most so many bytes of a file or a shell's pipe, or raises a DocumentError."""
     try:
+        if path.exists() and not (path.is_file() or path.is_dir() or _is_of_a_shell(path)):
+            raise DocumentError("this is not a file but a device or a pipe")
         with path.open("rb") as file:
             content = file.read(largest + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in its name
@@ -84,6 +87,11 @@ def read_bytes(path: Path, largest: int) -> bytes:
     if len(content) > largest:
         raise DocumentError(f"larger than {largest:,} bytes; is it the right file?")
     return content
+
+
+def _is_of_a_shell(path: Path) -> bool:
+    """Whether a path is a pipe that somebody writes into already, as <(...) and /dev/stdin are."""
+    return path.is_fifo() and path.is_relative_to("/dev")
 
 
 def _text_of(path: Path, largest: int) -> str:
@@ -111,6 +119,8 @@ def _check_events(events: Iterable[Any]) -> None:
             values += behind[event.anchor]
         elif kind == "ScalarEvent":
             values, behind[event.anchor] = values + 1, 1
+            if event.implicit[0] and _UNDERSCORED.fullmatch(event.value):
+                raise DocumentError(f"{event.value[:40]} is no number; leave _ out, or put it in quotes")
         elif kind in ("SequenceStartEvent", "MappingStartEvent"):
             unfinished.append((event.anchor, values))
             values += 1

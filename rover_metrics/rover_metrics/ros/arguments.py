@@ -1,9 +1,12 @@
 """The options behind `--ros-args` on a command line, separated and checked without rclpy."""
 
 import difflib
+import re
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from rover_metrics.errors import OneLineParser
+from rover_metrics.log.documents import DocumentError, read_yaml
 
 START, END = "--ros-args", "--"
 _WITH_VALUE = (
@@ -15,6 +18,7 @@ _SWITCHES = tuple(
     for what in ("rosout", "stdout", "external-lib")
     for verb in ("enable", "disable")
 )
+_SOURCE = re.compile(r", at /[^ ,]+:\d+")  # where rcl's authors would look
 OPTIONS = (*_WITH_VALUE, *_SWITCHES)
 
 
@@ -41,16 +45,19 @@ def check_words(name: str, words: Iterable[str]) -> None:
 def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     """Returns what is wrong with the options behind `--ros-args`, with the nearest valid one.
 
-    The options of the command itself, its `own`, stand elsewhere.
+    A parameter file is read within bounds, before rcl reads it. The options of the command itself, its
+    `own`, stand elsewhere.
     """
-    behind, awaits_value = False, False
+    behind, option = False, ""  # the one that awaits its value
     for word in words:
-        if awaits_value:
-            awaits_value = False
+        if option == "--params-file" and (wrong := _unreadable(Path(word))):
+            return wrong
+        if option:
+            option = ""
         elif word == START or (behind and word == END):
             behind = word == START
         elif behind and word in _WITH_VALUE:
-            awaits_value = True
+            option = word
         elif behind and word not in _SWITCHES:
             return _unknown(word, tuple(own))
     return None
@@ -60,7 +67,15 @@ def refusal(error: Exception) -> str:
     """Returns why rclpy does not start, in one line, with the mend where it says none."""
     reason = " ".join(str(error).split())
     mend = "; ROS_LOG_DIR names another folder" if "log directory" in reason else ""
-    return reason + mend
+    return _SOURCE.sub("", reason) + mend
+
+
+def _unreadable(path: Path) -> str | None:
+    try:
+        read_yaml(path)
+    except DocumentError as error:
+        return f"cannot read parameters from {path}: {error}"
+    return None
 
 
 def _unknown(word: str, own: Sequence[str]) -> str:

@@ -75,9 +75,12 @@ def _declare(node: Node, name: str, info: ParameterInfo, default: object) -> Any
     if default == []:
         default = Parameter.Type.DOUBLE_ARRAY  # an empty list has no type of its own
     try:
-        return node.declare_parameter(name, default, _descriptor(info)).value
+        value = node.declare_parameter(name, default, _descriptor(info)).value
     except ParameterException as error:
         raise ParameterError(_must_be(name, info.constraint)) from error
+    if value is None and default is not Parameter.Type.DOUBLE_ARRAY:  # an empty list of a launch
+        raise ParameterError(_must_be(name, info.constraint))
+    return value
 
 
 def _descriptor(info: ParameterInfo) -> ParameterDescriptor:

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.exceptions import InvalidParameterTypeException, NameValidationException, ParameterException
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -73,7 +73,7 @@ def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> No
 def _made(make_node: Callable[[], Node]) -> Node:
     try:
         return make_node()
-    except (InvalidParameterTypeException, NameValidationException, RCLError) as error:
+    except (ParameterException, NameValidationException, RCLError) as error:
         if not rclpy.ok():
             raise
         mend = "give true or false" if isinstance(error, ParameterException) else "give another name"

@@ -35,7 +35,10 @@ def harmless_text(text: str) -> str:
 
 
 def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator["RenderableType"]:
-    """Yields tables with headings and findings; spare columns only if the width is at least `wide`."""
+    """Yields tables with headings and findings, for a PlainConsole.
+
+    Spare columns are shown only if the width is at least `wide`.
+    """
     from rich.text import Text  # noqa: PLC0415 - what makes documents and pages does without rich
 
     for sheet in sheets:
@@ -43,10 +46,9 @@ def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator[
         for finding in sheet.findings:
             yield Text(harmless_text(f"  odd: {finding}"), style="yellow")
         below = sheet.titles[:1] == ("Pair",)  # that table is narrower than its caption
-        caption = harmless_text(sheet.caption)
-        yield _table(sheet if width >= wide else sheet.narrow(), caption="" if below else caption)
+        yield _table(sheet if width >= wide else sheet.narrow(), caption="" if below else sheet.caption)
         if below:
-            yield Text(caption, style="dim")
+            yield Text(harmless_text(sheet.caption), style="dim")
 
 
 def _table(sheet: Sheet, caption: str) -> "Table":
@@ -58,14 +60,14 @@ def _table(sheet: Sheet, caption: str) -> "Table":
     table.caption = caption
     for place, title in enumerate(sheet.titles):
         if place:
-            table.add_column(Text(harmless_text(title)), justify="right", no_wrap=True)
+            table.add_column(title, justify="right", no_wrap=True)
         else:
-            table.add_column(Text(harmless_text(title)), min_width=12)
+            table.add_column(title, min_width=12)
     codes = sheet.codes or ("",) * len(sheet.rows)
     for code, row in zip(codes, sheet.rows, strict=True):
-        name, *cells = map(harmless_text, row)
-        named = Text.assemble((f"{code:<4}", "bold"), f" {name}") if code else Text(name)
-        table.add_row(named, *map(Text, cells))
+        name, *cells = map(str, row)
+        coded = Text.assemble((f"{code:<4}", "bold"), f" {harmless_text(name)}") if code else name
+        table.add_row(coded, *cells)
     return table
 
 

@@ -25,6 +25,8 @@ HOSTILE = {
     "more than 100,000 values": b"a: [" + b"x, " * 100_001 + b"]",
     "must be text; put it in quotes": b"? [a, b]\n: c\n",
     "key 3 must be text": b"a: [{3: b}]",
+    "1_000.5 is no number; leave _ out": b"a: [b, 1_000.5]",
+    "1_0 is no number": b"a: 1_0",
     "*a stands for nothing before it": b"a: &a [*a]",
     "larger than 1,048,576 bytes": b"#" * (2**20 + 1),
 }
@@ -74,8 +76,11 @@ def test_a_json_file_beyond_a_bound_is_one_line_with_its_name(
 
 def test_what_is_within_the_bounds_is_read(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
-    path.write_text(f"a: &a {{b: {'9' * 100}}}\nc: [*a, *a]\nd: {'[' * 62}{']' * 62}\n<<: *a\n")
+    path.write_text(
+        f"a: &a {{b: {'9' * 100}}}\nc: [*a, *a]\nd: {'[' * 62}{']' * 62}\n<<: *a\ne: [a_1, '1_0', _1]\n"
+    )
     read = read_mapping(path)
     assert read["c"] == [read["a"]] * 2 == [{"b": int("9" * 100)}] * 2
     assert read["b"] == read["a"]["b"]
+    assert read["e"] == ["a_1", "1_0", "_1"]
     assert parse_json("[" * 64 + "]" * 64, "here")

@@ -9,9 +9,9 @@ import pytest
 from rich.table import Table
 
 from harness import robot, run
-from harness.cli.plain import PlainConsole
 from harness.robots import MODELS_DIR
 from harness.scenario import __main__ as scenario
+from rover_metrics.sheet.console import PlainConsole
 
 HOSTILE = ("[/b]", "[link=http://x]a[/link]", "[red", ":warning:", "a\x1b[2J\x07b", "[/]")
 

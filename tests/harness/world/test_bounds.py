@@ -1,6 +1,5 @@
 """What a stranger's file may ask for: numbers, sizes and names beyond the bounds of docs/limits.md."""
 
-import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +9,6 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.drivers import find_driver
-from harness.drivers.policy import read_policy
 from harness.spec.run import Run
 from harness.world.actors.trajectory import read_trajectories
 from harness.world.heightfield import Heightfield
@@ -88,18 +86,6 @@ def test_arrays_of_too_many_bytes_are_refused_before_they_are_read(tmp_path: Pat
             file.write(b"\x93NUMPY\x02\x00" + length.to_bytes(4, "little"))
             file.truncate(size)  # sparse: takes no room
         one_line(said, lambda: read_raster(path))
-
-
-def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
-    readers = {
-        "a.sdf": read_trajectories,
-        "a.stl": read_mesh,
-        "a.npy": read_raster,
-        "a.npz": read_policy,
-    }
-    for name, read in readers.items():
-        os.mkfifo(pipe := tmp_path / name)
-        one_line("is not a file", lambda read=read, pipe=pipe: read(pipe))  # type: ignore[misc]
 
 
 def test_policies_of_too_many_bytes_or_of_words_are_refused(tmp_path: Path) -> None:

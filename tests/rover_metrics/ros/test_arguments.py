@@ -25,7 +25,7 @@ def test_ros_arguments_end_at_two_dashes_or_with_the_line(words: str, own: str, 
         "",
         "--sed 3",
         "--ros-args",
-        "--ros-args -p a:=1 -r --sed:=x --params-file --seed -- --sed 3",
+        "--ros-args -p a:=1 -r --sed:=x -e --seed -- --sed 3",
         "--ros-args --log-level debug --disable-rosout-logs --ros-args -e /a --",
         "--ros-args -p x:=1 -- --sed --ros-args --remap a:=b",
     ],
@@ -40,6 +40,7 @@ def test_options_that_ros_knows_and_words_of_others_are_none_of_its_business(wor
         ("--ros-args --parms-file x", "knows no '--parms-file'; did you mean --params-file?"),
         ("--ros-args -p a:=1 --log-levl warn", "knows no '--log-levl'; did you mean --log-level?"),
         ("--ros-args --params-file=x.yaml", "'--params-file=x.yaml'; did you mean --params-file?"),
+        ("--ros-args --params-file x", "cannot read parameters from x: No such file or directory"),
         ("--ros-args --seed=3", "--seed stands behind --ros-args"),
         ("--ros-args --sed 3", "knows no '--sed'; did you mean --seed, before --ros-args?"),
         ("--ros-args x", "--ros-args knows no 'x'; did you mean -"),
@@ -50,6 +51,6 @@ def test_an_option_that_ros_does_not_know_is_named_with_the_nearest(words: str, 
 
 
 def test_a_refusal_is_one_line_and_says_what_else_a_log_could_be_written_to() -> None:
-    assert refusal(RuntimeError("Couldn't parse\n  rule 'x'")) == "Couldn't parse rule 'x'"
+    assert refusal(RuntimeError("Couldn't parse\n  rule 'x', at /a/b.c:3")) == "Couldn't parse rule 'x'"
     told = refusal(RuntimeError("Failed to create log directory: /x"))
     assert told == "Failed to create log directory: /x; ROS_LOG_DIR names another folder"

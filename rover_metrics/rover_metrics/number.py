@@ -11,3 +11,9 @@ def number(text: str) -> float:
     if not NUMBER.fullmatch(text.strip()):
         raise ValueError(f"'{text}' is no number")
     return float(text)
+
+
+def whole(text: str) -> int:
+    """Returns the whole number that a word is; ValueError if it is none, as of 1_000."""
+    number(text)  # int() alone takes 1_000 and full-width digits
+    return int(text)
