@@ -49,7 +49,7 @@ class Lidar:
         must be those of its qpos: after mj_step, call mj_kinematics first.
         """
         pose, directions, distances = self._pose, self._directions, self._distances
-        pose[0], pose[1:].flat = data.site_xpos[self._site], data.site_xmat[self._site]
+        pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
         turn(self._beams, pose, directions)
         distances.fill(np.inf)
         poses = data.geom_xpos, data.geom_xmat, pose
