@@ -222,8 +222,7 @@ class Episode:
 
     def drive_wheels(self, ticks: int) -> None:
         """Commands the wheels for the next ticks."""
-        speeds = [self._drive.wheel_speeds() for _ in range(ticks)]
-        self.simulation.command_ahead(np.array(speeds))
+        self.simulation.command_ahead(self._drive.ahead(ticks))
 
     def needs(self, index: int) -> bool:
         """Returns whether anybody looks at the state at the end of a tick, counted from 1."""

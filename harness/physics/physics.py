@@ -10,6 +10,7 @@ from itertools import groupby
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS
@@ -66,7 +67,7 @@ class Physics:
         self.data = mujoco.MjData(self.model)
         self.timestep_ns = timestep_ns
         self.steps_per_tick = TICK_NS // timestep_ns
-        self.step_count = 0
+        self.step_count = self._tick = self._simulated = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts, parked = ContactWatch(scenes, self.data), set[str]()
         self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
@@ -149,6 +150,7 @@ class Physics:
         last, touched = self._simulated - 1, self.contacts.any
         paths = [self._span.path(rover.scene.qpos_at) for rover in self.rovers]
         for tick in range(self._simulated):
+            self._tick = tick
             if tick == last or needed(tick):
                 self._span.show(tick, self.tick_sum)
             self.step_count += self.steps_per_tick
@@ -162,6 +164,15 @@ class Physics:
                 self.check_health()
                 self.check_place()
             yield tick
+
+    @property
+    def is_last_shown(self) -> bool:
+        """Whether the tick that is shown is the last one of those that were simulated in one go."""
+        return self._tick == self._simulated - 1
+
+    def latest_sums(self, ticks: int) -> NDArray[np.float64]:
+        """Returns the `tick_sum` of that many ticks up to the one that is shown, a row of each."""
+        return self._span.sums[self._tick + 1 - ticks : self._tick + 1]
 
     def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
         """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.

@@ -96,6 +96,10 @@ class Simulation:
             xz * vx + yz * vy + zz * vz,
         )
 
+    def felt(self, sensor: str) -> NDArray[np.int64]:
+        """Returns the places of the values of one sensor of the rover among MuJoCo's."""
+        return np.arange(self.model.nsensordata)[self._felt[sensor]]
+
     def summed(self, sensor: str) -> NDArray[np.float64]:
         """Returns a view onto the entries of `tick_sum` that belong to one sensor of the rover."""
         return self.tick_sum[self._felt[sensor]]

@@ -23,6 +23,7 @@ class Span:
     Attributes:
         commands: To the motors in each tick, shape (SPAN, motors).
         warnings: MuJoCo's counters of them.
+        sums: MuJoCo's sensor values summed over the steps of each tick, shape (SPAN, sensors).
         fence: Where each rover's pose stands in qpos, and x from, x to, y from, y to between which it
             may be [m], shape (rovers, 5).
     """
@@ -34,7 +35,8 @@ class Span:
         self.warnings = data.warning.number  # a view: MuJoCo counts up in it
         self._told = *addresses(), model._address, data._address  # noqa: SLF001 - no other name
         self._control = data.ctrl, motors, self.commands
-        self._felt = data.sensordata, np.zeros((SPAN, data.sensordata.size))
+        self.sums = np.zeros((SPAN, data.sensordata.size))
+        self._felt = data.sensordata, self.sums
         self._state: tuple[Doubles, ...] = tuple(getattr(data, name) for name in RECORDED)
         self._record = tuple(np.zeros((SPAN, part.size)) for part in self._state)
 
@@ -67,4 +69,4 @@ class Span:
         """Sets what RECORDED names to what it was at the end of a tick, and the sums of its sensors."""
         for part, values in zip(self._state, self._record, strict=True):
             part[:] = values[tick]
-        sums[:] = self._felt[1][tick]
+        sums[:] = self.sums[tick]
