@@ -10,8 +10,8 @@ JOBS ?= 3
 
 .PHONY: run test golden test-jazzy test-cluster mutants lint format bench soak docs dist smoke lock audit clean setup
 
-run: $(RUNS)  ## a rover over rocky terrain, metrics logged to CSV
-	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
+run: $(RUNS)  ## a rover over rocky terrain: metrics in a CSV, a page and a picture beside it
+	$(BIN)/python -m harness.run --terrain rocky --page --picture $(ARGS)
 
 test: setup $(COLLECTED)  ## the whole test suite, in random order
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=20 $(ARGS)

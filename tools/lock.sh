@@ -15,6 +15,7 @@ lock() {
 lock --python-version 3.10 "$@" tools/build.in -o tools/build.txt
 lock --python-version 3.11 "$@" --extra ros --extra dev --constraint tools/build.txt \
     pyproject.toml -o requirements.txt
+lock --python-version 3.11 "$@" --extra ros --constraint requirements.txt pyproject.toml -o tools/run.txt
 lock --python-version 3.10 "$@" tools/jazzy.in -o tools/jazzy.txt
 lock --python-version 3.11 "$@" --extra ray --extra dask --constraint requirements.txt \
     pyproject.toml tools/cluster.in -o tools/cluster.txt

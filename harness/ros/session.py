@@ -47,7 +47,7 @@ def run_through_ros(
         outputs: Of each rover.
         options: How it goes through ROS.
         stop: Ends the run early.
-        show: Is given the first rover's result up to now after every batch.
+        show: Is given the first rover's result up to now, again and again.
 
     Raises:
         UsageError: Something is wrong with the arguments or the environment.

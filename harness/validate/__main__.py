@@ -25,7 +25,7 @@ from harness.soil.soils import SOILS, find_soil
 from harness.validate import pressing, single_wheel
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
@@ -53,7 +53,7 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         return 0
     misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
-        print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
+        complain("harness.validate", f"missed {'; '.join(misses)}")
     return 1 if misses else 0
 
 
@@ -142,7 +142,7 @@ def _parser() -> argparse.ArgumentParser:
         "--pressing",
         type=Path,
         metavar="FILE.csv",
-        help="of --rig: wheels that were pressed without turning, to be printed beside the soils",
+        help="of --rig: wheels that were pressed, not turned, to print beside the soils; default: none",
     )
     soils = ", ".join(SOILS)
     parser.add_argument(

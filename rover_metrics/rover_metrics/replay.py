@@ -127,8 +127,8 @@ def parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")
     parser.add_argument(
-        "-o",
-        "--output",
+        *("-o", "--csv", "--out", "--output"),
+        dest="output",
         type=Path,
         metavar="CSV",
         help=f"file, or folder for a metrics_log_*.csv; default: {DEFAULT_LOG_DIR}/",

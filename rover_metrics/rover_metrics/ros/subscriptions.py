@@ -14,6 +14,7 @@ from rclpy.qos import (
 )
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.ros.decoding import READERS, decoded
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
 from rover_metrics.topics import SENSORS, TRUTH, Message, Source
 
@@ -65,6 +66,12 @@ def subscribe(
     qos = keep_last(1 if source.best_effort else 10, reliability)
     reception.listen(topic, may_be_missing=source.is_truth)
     message_type = _MESSAGES[source.message_type]
+    is_raw = source.message_type in READERS
+
+    def hear(data: bytes) -> None:
+        callback(decoded(source.message_type, message_type, data))
+
+    handler = hear if is_raw else callback
     events = SubscriptionEventCallbacks(
         incompatible_qos=lambda event: reception.remark(
             topic, NOT_HEARD, detail=_mend(event, reliability, parameter)
@@ -72,9 +79,9 @@ def subscribe(
         message_lost=lambda event: reception.remark(topic, LOST, event.total_count_change),
     )
     try:
-        node.create_subscription(message_type, name, callback, qos, event_callbacks=events)
+        node.create_subscription(message_type, name, handler, qos, raw=is_raw, event_callbacks=events)
     except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
-        node.create_subscription(message_type, name, callback, qos)
+        node.create_subscription(message_type, name, handler, qos, raw=is_raw)
     return topic
 
 

@@ -26,7 +26,8 @@ from harness.base.errors import RunFailed, UsageError
 from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.recorder import Recorder, full_definition, padding_of
+from harness.ros.cdr import padding_of
+from harness.ros.recorder import Recorder, full_definition
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 from tests.support.ros import Ros
