@@ -158,6 +158,7 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
     for is_given, flag in (
         (given.no_metrics, "--no-metrics"),
         (bool(ros.wait_for), "--wait-for"),
+        (bool(ros.wait_for_topic), "--wait-for-topic"),
         (bool(ros.ros_args) and not given.namespace, "--ros-args"),
         (bool(given.namespace), "--namespace"),
         (ros.record is not None, "--record"),

@@ -20,6 +20,7 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
+from harness.base.files import check_target
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
 from harness.validate import pressing, single_wheel
@@ -46,6 +47,8 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         raise UsageError("--trials, --plot and --pressing need --rig")
     if options.plot and not options.trials:
         raise UsageError("--plot needs --trials, the measured points")
+    if options.plot:
+        check_target("--plot", options.plot, ".png")
     if options.pressing and options.trials:
         raise UsageError("--pressing and --trials are of two tests; give one of them")
     if options.rig:

@@ -74,6 +74,8 @@ def _log(output: Path | None, bag: Path, columns: Sequence[str], *, overwrite: b
         with CsvLog(output or DEFAULT_LOG_DIR, datetime.now(), columns=columns) as log:
             yield log
         return
+    if output.exists() and not output.is_file():
+        raise LogError(f"{output} is no file; name another")
     if output.exists() and not overwrite:
         raise LogError(f"{output} exists already, not overwriting; name another file or --overwrite it")
     if output.exists() and output.samefile(bag):

@@ -31,6 +31,9 @@ _MESSAGES = {
 }
 
 
+QUEUE = 10  # messages that wait
+
+
 def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False) -> QoSProfile:
     """Returns the QoS of a topic.
 
@@ -48,7 +51,12 @@ def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False)
 
 
 def subscribe(
-    node: Node, source: Source, callback: Callable[[Message], None], reception: Reception
+    node: Node,
+    source: Source,
+    callback: Callable[[Message], None],
+    reception: Reception,
+    *,
+    newest_only: bool = True,
 ) -> str:
     """Subscribes, opens the topic's account and returns the topic's resolved name.
 
@@ -58,12 +66,14 @@ def subscribe(
             standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Counts messages that were lost and publishers that are not heard.
+        newest_only: Whether of a topic that is best effort only the newest message waits; in simulation
+            time none has to be left out.
     """
     name = source.name.lstrip("/")
     topic: str = node.resolve_topic_name(name)
     wished = BEST_EFFORT if source.best_effort else RELIABLE
     parameter, reliability = declare_reliability(node, topic, wished)
-    qos = keep_last(1 if source.best_effort else 10, reliability)
+    qos = keep_last(1 if source.best_effort and newest_only else QUEUE, reliability)
     reception.listen(topic, may_be_missing=source.is_truth)
     message_type = _MESSAGES[source.message_type]
     is_raw = source.message_type in READERS
