@@ -8,10 +8,10 @@ COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
 JOBS ?= 3
 
-.PHONY: run test golden test-jazzy test-cluster mutants lint format bench soak docs dist smoke lock audit clean setup
+.PHONY: run test golden test-jazzy test-cluster test-clients mutants lint format bench soak docs dist smoke lock audit clean setup
 
-run: $(RUNS)  ## a rover over rocky terrain, metrics logged to CSV
-	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
+run: $(RUNS)  ## a rover over rocky terrain: metrics in a CSV, a page and a picture beside it
+	$(BIN)/python -m harness.run --terrain rocky --page --picture $(ARGS)
 
 test: setup $(COLLECTED)  ## the whole test suite, in random order
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=20 $(ARGS)
@@ -24,6 +24,9 @@ test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 w
 
 test-cluster:  ## sweeps and scenarios on a real local Ray and a real local Dask cluster: same bytes, killed workers
 	tools/test_cluster.sh $(ARGS)
+
+test-clients: setup  ## programs of others drive in lock-step and read what we record: Node.js, C, odometry, viewers
+	tools/test_clients.sh $(ARGS)
 
 mutants: setup  ## small changes of the modules that differ from main, or ARGS="--all" or files: which does no test notice?
 	$(BIN)/python -m tools.mutants $(ARGS)

@@ -30,7 +30,7 @@ from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fi
 from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE
 from harness.spec.run import Run
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 
 DEFAULT_DURATION = 20.0  # [s]
@@ -149,14 +149,11 @@ def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
     failed = [finding for finding in findings if not finding.passed]
     if failed:
         told = "; ".join(f"{finding.run}: {finding.verdict}" for finding in failed)
-        print(f"harness.check: {told}", file=sys.stderr)
+        complain("harness.check", told)
         return 1
     if ros_was_asked_for and any(finding.found is None for finding in findings):
-        print(
-            f"harness.check: the run through ROS was not checked; {INSTALL_ROS}, "
-            "or leave it out with --no-ros",
-            file=sys.stderr,
-        )
+        told = f"the run through ROS was not checked; {INSTALL_ROS}, or leave it out with --no-ros"
+        complain("harness.check", told)
         return UsageError.exit_code
     return 0
 

@@ -35,7 +35,7 @@ from harness.samples import JointStates, Pose
 from harness.spec.run import Run
 from harness.validate.checkup import check_up
 from harness.validate.suite import print_table
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 
 SHOWN = 3.0  # [s] of driving in a picture
@@ -93,7 +93,7 @@ def _check(options: argparse.Namespace, console: Console) -> int:
                     console.print(f"drawn: {path}", soft_wrap=True)
     odd = [check for check in checks if not check.passed]
     for check in odd:
-        print(f"harness.robot: odd: {check.quantity}: {check.expected.source}", file=sys.stderr)
+        complain("harness.robot", f"odd: {check.quantity}: {check.expected.source}")
     return 1 if odd else 0
 
 

@@ -10,6 +10,7 @@ import importlib
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from harness.cli.edge import begin_program, run_program
 
@@ -21,18 +22,20 @@ from rich.console import Console
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.files import check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
-from harness.cli.console import RunProgress, counted, print_choices, print_summary
+from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
 from harness.episode.assembly import actor_names, check_world, world_of
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
+from harness.episode.mishaps import mishaps
 from harness.episode.result import Drive, Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
-from harness.view.drawing import Drawing
+from harness.view.drawing import BESIDE, SUFFIXES, Drawing
 from harness.world.files import is_terrain_file
+from rover_metrics.errors import complain
 from rover_metrics.sheet.console import PlainConsole
 
 
@@ -55,7 +58,7 @@ def _command(options: RunOptions, console: Console) -> int:
     backend = keep_opengl_out()  # before MuJoCo is loaded
     files = options.files
     drawing = Drawing(files.picture, files.video, lidar=files.picture_lidar, backend=backend)
-    recorders = [RunRecorder() for _ in run.rovers] if files.report is not None else []
+    recorders = [RunRecorder() for _ in run.rovers] if files.page is not None else []
     logs = _social(options)
     drive = _loaded(options)
     with StopRequest() as stop, drawing:
@@ -69,8 +72,10 @@ def _command(options: RunOptions, console: Console) -> int:
             for number, rover in enumerate(run.rovers)
         ]
         results = [
-            replace(result, report=with_name(files.report, result.rover), params=options.params)
-            for result in _drive(drive, options, outputs, stop, console)
+            _placed(result, options, output)
+            for result, output in zip(
+                _drive(drive, options, outputs, stop, console), outputs, strict=True
+            )
         ]
         for number, log in enumerate(logs):
             log.close()
@@ -78,8 +83,25 @@ def _command(options: RunOptions, console: Console) -> int:
         exit_code = _report(results, options, stop, console)
         for result, recorder in zip(results, recorders, strict=False):
             _write_page(result, recorder, dict(_others(results, recorders, result)), console)
-        _draw(drawing, stop, console)
+        _draw(drawing, _log(results[0], outputs[0]), stop, console)
+        if recorders or drawing.wanted:
+            console.print(f"next: {next_step(results)}", soft_wrap=True)
     return exit_code
+
+
+def _log(result: RunResult, output: Outputs) -> Path:
+    """The log of a rover, beside which other files stand; where it would be if there is none."""
+    return result.log_path or output.log_dir / "run.csv"
+
+
+def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResult:
+    """The result with the place of its page, and failed if it came to what --fail-on names."""
+    page = options.files.beside(_log(result, output)).page
+    named = page if page is None or options.files.page == BESIDE else with_name(page, result.rover)
+    wrong = mishaps(result, options.files.fail_on)
+    failure = result.failure or (wrong[0].text if wrong else None)
+    columns = output.settings.extended.column_names
+    return replace(result, report=named, params=options.params, columns=columns, failure=failure)
 
 
 def _others(
@@ -101,8 +123,9 @@ def _write_page(
 
     assert result.report is not None  # noqa: S101 - there is a recorder
     with console.status("drawing the page"):
-        write_whole(result.report, render(result, recorder, others), "the report")
-    console.print(f"report: {result.report}", soft_wrap=True)
+        result.report.parent.mkdir(parents=True, exist_ok=True)  # of a run without a log
+        write_whole(result.report, render(result, recorder, others), "the page")
+    console.print(f"page: {result.report}", soft_wrap=True)
 
 
 def _social(options: RunOptions) -> list[SocialRecorder]:
@@ -129,7 +152,7 @@ def _loaded(options: RunOptions) -> Drive:
     Raises:
         UsageError: ROS 2 is missing.
     """
-    if options.files.report is not None:
+    if options.files.page is not None:
         importlib.import_module("harness.report.content")
     if options.direct:
         from harness.episode.direct import run_direct  # noqa: PLC0415
@@ -147,8 +170,8 @@ def _loaded(options: RunOptions) -> Drive:
 def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequence[Observer]:
     """Checks what can be checked before the run; returns what keeps each rover's states, if any does."""
     run = options.run
-    for flag, path in (("--summary", options.files.summary), ("--report", options.files.report)):
-        if path is not None:
+    for flag, path in (("--json", options.files.summary), ("--page", options.files.page)):
+        if path is not None and path != BESIDE:
             check_target(flag, path)
     for note in world_of(run).notes if is_terrain_file(run.world.terrain) else ():
         console.print(f"{run.world.terrain}: {note}", soft_wrap=True)
@@ -167,8 +190,7 @@ def _drive(
     run = options.run
     robots = " and ".join(robot_name(rover.robot) for rover in run.rovers)
     with RunProgress(console, f"{robots} on {run.world.terrain}", run.duration) as bar:
-        show = bar.show if console.is_terminal else None
-        return drive(run, outputs, options.ros, stop, show)
+        return drive(run, outputs, options.ros, stop, bar.show)
 
 
 def _report(
@@ -192,23 +214,26 @@ def _report(
                 if result.failure is None or path == summary:  # a full disk is told of once
                     complaints[str(error)] = None
     for complaint in complaints:
-        print(f"harness.run: {complaint}", file=sys.stderr)
+        complain("harness.run", complaint)
     return 1 if complaints else stop.exit_code
 
 
-def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
+def _draw(drawing: Drawing, log: Path, stop: StopRequest, console: Console) -> None:
     """Draws, which takes its time: whoever ended the run from outside is not kept waiting."""
     if drawing.wanted and stop.name in ("SIGTERM", HANGUP):
-        print(f"harness.run: nothing was drawn: stopped by {stop.name}", file=sys.stderr)
+        complain("harness.run", f"nothing was drawn: stopped by {stop.name}")
         return
     if drawing.wanted and stop.signal is not None:
         console.print("drawing what there is; Ctrl-C again leaves it out")
-    if not drawing.wanted:
+    if drawing.lack:
+        console.print(drawing.lack, soft_wrap=True)
+    if not drawing.wanted or drawing.lack:
         return
     with counted(console, "drawing") as show:
-        drawn = drawing.finish(show)
+        drawn = drawing.finish(show, log)
     for path in drawn:
-        console.print(f"drawn: {path}", soft_wrap=True)
+        kind = "picture" if path.suffix == SUFFIXES["--picture"] else "video"
+        console.print(f"{kind}: {path}", soft_wrap=True)
 
 
 if __name__ == "__main__":

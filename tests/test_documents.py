@@ -19,6 +19,7 @@ RUN_HERE = ("docs/your_terrain.md", "docs/train.md")  # shortened, and what need
 RUN = {"harness.run": run.main, "harness.scenario": scenario.main}
 PYTHON_ELSEWHERE = {  # the test that runs the code of a page, or why none does
     "docs/api.md": "tests/test_api.py runs it",
+    "docs/extend.md": "tests/harness/test_plugins.py runs the like of it",
     "docs/gym.md": "tests/harness/gym/test_env.py runs it",
     "docs/testing.md": "a part of examples/test_emergency_stop.py, which tests/harness/testing runs",
     "docs/scenarios.md": "MyNode is the reader's; tests/harness/scenario has the like",

@@ -20,10 +20,10 @@ COMMANDS = {f"harness.robot {name}": lambda name=name: of_robot(name) for name i
 PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {**PARSERS, **COMMANDS}
 del PROGRAMS["harness.robot"]  # has commands, no options
 WITHOUT = {  # what does nothing unless it is given, or must be
-    *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "report", "summary"),
+    *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "summary"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
     *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
-    *("seeds", "seed", "only", "junit", "html", "csv", "json"),
+    *("seeds", "seed", "only", "junit", "csv", "json", "out"),
 }
 
 

@@ -20,6 +20,7 @@ LOCKS = (
     "tools/build.txt",
     "tools/jazzy.txt",
     "tools/cluster.txt",
+    "tools/clients.txt",
     "tools/audit.txt",
     "tools/docs.txt",
     "tools/release.txt",

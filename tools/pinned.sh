@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes build/environments/NAME (or PLACE) with what tools/NAME.txt pins, apart from .venv; again only when that has
-# changed: pinned.sh NAME [PYTHON [PLACE]]. Called by `make docs`, `make dist`, `make test-jazzy`, `make test-cluster`.
+# changed: pinned.sh NAME [PYTHON [PLACE]]. Called by `make docs`, `make dist`, `make test-jazzy`, `make test-cluster`,
+# `make test-clients`.
 set -eu
 cd "$(dirname "$0")/.."
 

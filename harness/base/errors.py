@@ -1,10 +1,21 @@
 """What can go wrong, as types: the commands turn each into one line and an exit code."""
 
-from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
+from collections.abc import Mapping
 from typing import TypeVar
 
-from rover_metrics.errors import KnownError
+from rover_metrics.errors import KnownError, unknown
+
+__all__ = [
+    "INSTALL_OPENGL",
+    "INSTALL_ROS",
+    "Diverged",
+    "HarnessError",
+    "RunFailed",
+    "UsageError",
+    "find_named",
+    "how_many",
+    "unknown",
+]
 
 INSTALL_OPENGL = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 INSTALL_ROS = "pip install 'rover-harness[ros]', source a ROS 2 installation"
@@ -44,24 +55,10 @@ def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
         UsageError: There is none of that name; the message lists the names.
     """
     if name not in available:
-        raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available)}")
+        raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available) or 'none'}")
     return available[name]
 
 
 def how_many(count: int, of: str) -> str:
     """Returns e.g. "1 contact", "2 contacts" or "1,000 contacts"."""
     return f"{count:,} {of}{'' if count == 1 else 's'}"
-
-
-def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
-    """Returns what to tell of a name that does not exist: the nearest that does, or all.
-
-    Args:
-        kind: What it is.
-        name: As it was given.
-        valid: All names that there are.
-    """
-    names = list(valid)
-    near = get_close_matches(name, names, 1)
-    hint = f"did you mean '{near[0]}'?" if near else f"available: {', '.join(names)}"
-    return f"{kind} '{name}' does not exist; {hint}"

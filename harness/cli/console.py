@@ -1,7 +1,9 @@
 """What commands show on the terminal: live progress, the summary of a run, and what can be chosen."""
 
 import math
-from collections.abc import Callable, Iterator
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Self
 
@@ -11,22 +13,46 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from harness.base.errors import how_many
-from harness.drivers import DRIVERS, PolicyDriver
+from harness.drivers import DRIVERS, Driver, PolicyDriver
 from harness.drivers.policy import PREFIX
 from harness.episode import result
+from harness.episode.mishaps import mishaps
+from harness.faults.kinds import FAULTS
 from harness.robots import ROVERS
 from harness.sensors.noise import PRESETS
+from harness.sensors.table import OPTIONAL
 from harness.soil.soils import SOILS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
+from rover_metrics.errors import called, printable
+from rover_metrics.extended.further import FURTHER
+from rover_metrics.plugins import installed
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
+PERIOD = 10.0  # [s] between lines about progress in a pipe
 OWN_ROBOT = ("FOLDER", "your own: python -m harness.robot new NAME --from robot.urdf (docs/robots.md)")
 
 
+class Heartbeat:
+    """Tells on stderr how far something is, every PERIOD of wall time, where no bar can be shown."""
+
+    def __init__(self, console: Console, title: str) -> None:
+        self._silent, self._title = console.is_terminal, title
+        self._began = self._told = time.monotonic()
+
+    def tell(self, done: float, total: float, unit: str) -> None:
+        """Takes how much is done, and of how much; prints if it is time."""
+        now = time.monotonic()
+        if self._silent or now - self._told < PERIOD or not 0 < done < total:
+            return
+        self._told, left = now, (now - self._began) * (total - done) / done
+        text = f"{self._title}: {done:g} of {total:g}{unit}, about {left:.0f} s left"
+        print(printable(text), file=sys.stderr, flush=True)
+
+
 class RunProgress(Progress):
-    """A progress bar over simulated time; silent where the output is no terminal."""
+    """A progress bar over simulated time; a line every PERIOD where the output is no terminal."""
 
     def __init__(self, console: Console, title: str, total_s: float) -> None:
         super().__init__(
@@ -39,6 +65,7 @@ class RunProgress(Progress):
             console=console,
             disable=not console.is_terminal,
         )
+        self._heartbeat = Heartbeat(console, title)
         self._run = self.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
 
     def __enter__(self) -> Self:
@@ -46,6 +73,7 @@ class RunProgress(Progress):
 
     def show(self, run: result.RunResult) -> None:
         """Moves the bar; it appears with the first call, below what nodes say as they start."""
+        self._heartbeat.tell(run.simulated_s, run.run.duration, " s")
         self.start()
         self.update(
             self._run,
@@ -58,7 +86,8 @@ class RunProgress(Progress):
 
 @contextmanager
 def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
-    """Yields what moves a bar, called with what is done of what; silent where there is no terminal."""
+    """Yields what moves a bar, called with what is done of what; a line every PERIOD in a pipe."""
+    heartbeat = Heartbeat(console, title)
     bar = Progress(
         TextColumn(title, style="bold", markup=False),
         BarColumn(bar_width=None),
@@ -69,7 +98,12 @@ def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]
     )
     with bar:
         task = bar.add_task("", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+        def show(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+            heartbeat.tell(done, total, "")
+
+        yield show
 
 
 def print_summary(console: Console, run: result.RunResult) -> None:
@@ -88,10 +122,34 @@ def print_summary(console: Console, run: result.RunResult) -> None:
     for node, waited_s in run.waited_s.items():
         share = f"{waited_s / run.wall_s:.0%}" if run.wall_s > 0 else "all"
         console.print(f"{node}: {share} of the run waited for it", soft_wrap=True)
+    for mishap in mishaps(run):
+        console.print(f"went wrong: {mishap.text}", style="bold red", soft_wrap=True)
     if run.log_path is not None:
         console.print(f"{how_many(run.rows, 'row')} in {run.log_path}", soft_wrap=True)
     if run.social_log is not None:
         console.print(f"people: {run.social_log}", soft_wrap=True)
+
+
+def next_step(results: Sequence[result.RunResult]) -> str:
+    """Returns what to try after a run, as commands."""
+    program, run = called("python -m harness.run"), results[0]
+    kinds = {mishap.kind for each in results for mishap in mishaps(each)}
+    if "tipped_over" in kinds or "left_map" in kinds:
+        return (
+            f"{program} --seed {run.run.seed + 1}; gentler ground: --difficulty 0.2; as a film: --video"
+        )
+    if "hazard" in kinds:
+        robot = run.rover.robot
+        return f"did the metrics notice? Thresholds that do: {_sibling('tune')} --robot {robot}"
+    folder = "" if run.log_path is None else f"; {_sibling('analyze')} {run.log_path.parent}"
+    return f"{program} --terrain dunes --robot rover_zero4wd --out other{folder}"
+
+
+def _sibling(verb: str) -> str:
+    """Another program, as whoever typed this one would call it."""
+    own = {"analyze": "python -m rover_metrics.analyze", "tune": "python -m harness.tune"}
+    program = called(own[verb])
+    return program if program == own[verb] else f"{program[:-3]}{verb}"
 
 
 def _messages(run: result.RunResult) -> Sheet:
@@ -131,10 +189,10 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, soils, robots, drivers and noise presets with what there is to know of each."""
-    drivers = DRIVERS | {f"{PREFIX}FILE.npz": PolicyDriver}
+    drivers: dict[str, type[Driver]] = {**DRIVERS.shipped, f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
-        ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
-        ("soils", [(name, soil.summary) for name, soil in SOILS.items()]),
+        ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.shipped.items()]),
+        ("soils", [(name, soil.summary) for name, soil in SOILS.shipped.items()]),
         ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
         ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
@@ -144,6 +202,17 @@ def print_choices(console: Console) -> None:
         for name, summary in lines:
             table.add_row(name, summary)
         console.print(table)
+
+    _print_plugins(console)
+
+
+def _print_plugins(console: Console) -> None:
+    """Prints what installed packages add to any table, and what is wrong with those that cannot."""
+    lines = list(installed((TERRAINS, SOILS, DRIVERS, OPTIONAL, FAULTS, FURTHER)))
+    if lines:
+        console.print("plug-ins", style="italic")
+    for line in lines:
+        console.print(f" {line}", soft_wrap=True)
 
 
 def _about(terrain: type[Terrain]) -> Text:

@@ -34,12 +34,13 @@ def add_flags(
         flag = flag_of(name, option)
         if not option.metavar:
             group.add_argument(
-                flag, dest=name, action="store_true", default=argparse.SUPPRESS, help=text
+                flag, *option.also, dest=name, action="store_true", default=argparse.SUPPRESS, help=text
             )
             continue
         is_list = isinstance(field.default, tuple) and not option.many and field.default == ()
         group.add_argument(
             flag,
+            *option.also,
             dest=name,
             action="append" if is_list else "store",
             nargs="+" if option.many else "?" if option.bare is not None else None,

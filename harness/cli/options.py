@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, find_named
+from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
-from harness.cli.run_parser import DEFAULT_LOG_DIR, Files, run_parser
+from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
 from harness.drivers import takes_goals
 from harness.episode.assembly import check, fleet, gravity, people
 from harness.episode.metrics_feed import extended_settings
@@ -18,6 +19,7 @@ from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import CMD_VEL, RoverSetup, namespace_of
 from harness.spec.run import PARTS, Run, from_fields
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.further import FURTHER
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
 from rover_metrics.ros.arguments import complaint, split_ros_args
@@ -68,22 +70,32 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     if given.list:
         return None
     run, files = _run(given), from_flags(Files, given)
+    log_dir = DEFAULT_LOG_DIR if files.out is None else files.out
     namespace = namespace_of(given.namespace)
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     ros = from_flags(
         RosOptions,
-        argparse.Namespace(**{"log_dir": DEFAULT_LOG_DIR} | vars(given)),
+        argparse.Namespace(**{"log_dir": log_dir} | vars(given)),
         host_metrics=not given.no_metrics,
         ros_args=(*namespace_args, *ros_args),
         frames=from_flags(FrameOptions, given),
     )
     _check_combination(given, run, ros, files)
     values = read_parameters(given.params) if given.params else {}
+    values |= {"columns": given.columns} if given.columns else {}
+    for name in filter(None, values.get("columns", "").split(",")):
+        find_named("columns", name, FURTHER)
+    extended = given.extended or bool(given.columns)
     settings = tuple(
-        _settings(run, number, values, extended=given.extended) for number in range(len(run.rovers))
+        _settings(run, number, values, extended=extended) for number in range(len(run.rovers))
     )
     return RunOptions(
-        run=run, ros=ros, direct=given.direct, settings=settings, params=given.params, files=files
+        run=run,
+        ros=ros,
+        direct=given.direct,
+        settings=settings,
+        params=given.params,
+        files=files.in_one_folder(),
     )
 
 
@@ -126,10 +138,12 @@ def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, fil
         raise UsageError(
             "--params is for the hosted metrics_node; start yours with --ros-args --params-file FILE"
         )
-    if given.extended and given.no_metrics:
+    if (given.extended or given.columns) and given.no_metrics:
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if files.out is not None and "log_dir" in given:
+        raise UsageError("--out is the folder of the log too; leave out --log-dir")
     if ros.overwrite and ros.record is None and files.social_log is None:
         message = "--overwrite is for the file of --record or --social-log; name one, or leave it out"
         raise UsageError(message)
@@ -144,6 +158,7 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
     for is_given, flag in (
         (given.no_metrics, "--no-metrics"),
         (bool(ros.wait_for), "--wait-for"),
+        (bool(ros.wait_for_topic), "--wait-for-topic"),
         (bool(ros.ros_args) and not given.namespace, "--ros-args"),
         (bool(given.namespace), "--namespace"),
         (ros.record is not None, "--record"),

@@ -1,12 +1,46 @@
-"""The commands as they are installed: rover-run is `python -m harness.run`, and so on.
+# PYTHON_ARGCOMPLETE_OK
+"""The commands as they are installed: `rover run` and rover-run are `python -m harness.run`, and so on.
 
 Light to import: a program is made ready (Ctrl-C, missing libraries) before its libraries are loaded.
 """
 
 import importlib
+import os
+import sys
 from functools import partial
+from typing import NamedTuple
 
+from harness.base.version import __version__
 from harness.cli.edge import begin_program
+from rover_metrics.errors import COMPLETED, OneLineParser, unknown
+
+
+class Program(NamedTuple):
+    """One command: the module that has its `main`, and what it does."""
+
+    module: str
+    about: str
+
+
+PROGRAMS = {
+    "run": Program("harness.run", "drive rovers over a terrain, log traversal metrics"),
+    "scenario": Program("harness.scenario.__main__", "drives with expectations: which of them pass"),
+    "robot": Program("harness.robot", "make a rover of a URDF or a template, check it"),
+    "tune": Program(
+        "harness.tune.__main__", "thresholds of the metrics from drives whose truth is known"
+    ),
+    "analyze": Program("rover_metrics.analyze", "statistics, plots and comparisons of logs"),
+    "replay": Program("rover_metrics.replay", "the metrics of a recording"),
+    "social": Program("rover_metrics.social", "how near rovers came to people, from their logs"),
+    "check": Program("harness.check", "whether two runs here have the same bytes"),
+    "validate": Program("harness.validate.__main__", "the simulation against physics and real wheels"),
+    "policy": Program("harness.gym.policy_node", "drive a rover through ROS by a learnt policy"),
+    "topics": Program("harness.topics", "which topics there are, and how fast"),
+    "call": Program("harness.call", "call a service, e.g. /harness/reset"),
+}
+COMPLETION = "completion"
+VERBS = (*PROGRAMS, COMPLETION)
+SHELLS = ("bash", "zsh", "fish")
 
 
 def start(module: str) -> int:
@@ -16,15 +50,61 @@ def start(module: str) -> int:
     return code
 
 
-run = partial(start, "harness.run")
-tune = partial(start, "harness.tune.__main__")
-scenario = partial(start, "harness.scenario.__main__")
-check = partial(start, "harness.check")
-robot = partial(start, "harness.robot")
-validate = partial(start, "harness.validate.__main__")
-topics = partial(start, "harness.topics")
-call = partial(start, "harness.call")
-policy = partial(start, "harness.gym.policy_node")
-analyze = partial(start, "rover_metrics.analyze")
-replay = partial(start, "rover_metrics.replay")
-social = partial(start, "rover_metrics.social")
+def __getattr__(verb: str) -> partial[int]:
+    """Returns what the script rover-VERB starts."""
+    if verb not in PROGRAMS:
+        raise AttributeError(verb)
+    return partial(start, PROGRAMS[verb].module)
+
+
+def rover() -> int:
+    """Runs `rover VERB ...`; returns the verb's exit code."""
+    parser = _parser()
+    words = sys.argv[1:] if COMPLETED not in os.environ else _words_so_far()
+    if words and words[0] in PROGRAMS:
+        sys.argv = [f"rover {words[0]}", *words[1:]]
+        return start(PROGRAMS[words[0]].module)
+    if words[:1] == [COMPLETION]:
+        return _completion(words[1:])
+    options = parser.parse_args(words[:1])
+    if options.verb is not None:
+        parser.error(unknown("command", options.verb, VERBS))
+    parser.print_help()
+    return 0
+
+
+def _parser() -> OneLineParser:
+    width = max(map(len, PROGRAMS))
+    verbs = "\n".join(f"  {verb:{width}}  {program.about}" for verb, program in PROGRAMS.items())
+    parser = OneLineParser(
+        prog="rover",
+        usage="rover COMMAND ...",
+        description=f"commands:\n{verbs}\n\nCOMMAND --help tells more.",
+        epilog='Words are completed by a shell that has: eval "$(rover completion bash)", zsh or fish.',
+    )
+    verb = parser.add_argument("verb", nargs="?", metavar="COMMAND", help="one of the above")
+    verb.completer = lambda **_: VERBS  # type: ignore[attr-defined] # argcomplete's
+    parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
+    return parser
+
+
+def _words_so_far() -> list[str]:
+    """The words before that which the shell completes, the verb's own parser told where they begin."""
+    line = os.environ["COMP_LINE"][: int(os.environ["COMP_POINT"])]
+    words = line.split()[1:]
+    if len(words) > 1 or line.endswith(" "):
+        if words and words[0] in PROGRAMS:
+            os.environ[COMPLETED] = str(int(os.environ[COMPLETED]) + 1)
+        return words
+    return []
+
+
+def _completion(shells: list[str]) -> int:
+    parser = OneLineParser(prog="rover completion", description="Prints what a shell evaluates.")
+    about = f'{", ".join(SHELLS)}, e.g. eval "$(rover completion bash)"'
+    parser.add_argument("kind", metavar="SHELL", choices=SHELLS, help=about)
+    from argcomplete.shell_integration import shellcode  # noqa: PLC0415 - only this needs it
+
+    scripts = ["rover", *(f"rover-{verb}" for verb in PROGRAMS)]
+    print(shellcode(scripts, True, parser.parse_args(shells).kind))
+    return 0

@@ -2,11 +2,9 @@
 
 import argparse
 from pathlib import Path
-from typing import Annotated
-
-from pydantic import Field
 
 from harness.base.version import __version__
+from harness.cli.files import Files
 from harness.cli.flags import add_flags
 from harness.drivers import DRIVERS
 from harness.faults.lookup import describe_faults
@@ -19,37 +17,13 @@ from harness.spec.plan import Plan
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import DEFAULT_NOISE, RoverSetup
 from harness.spec.run import Run
-from harness.spec.value import Option, Value
 from harness.spec.world import WorldSpec
 from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 IN_SENSORS = ("noise", "lidar_beams", "imu_rate", "sensors")
-IN_RUN = ("log_dir", "rate", "wait_for", "record", "overwrite")
-
-
-class Files(Value):
-    """What a run leaves behind, beside its log."""
-
-    report: Annotated[Path | None, Option("FILE.html")] = Field(
-        default=None, description="write a page about the run: map, plots, truth"
-    )
-    summary: Annotated[Path | None, Option("FILE.json")] = Field(
-        default=None, description="write the manifest there"
-    )
-    social_log: Annotated[Path | None, Option("FILE.csv")] = Field(
-        default=None, description="the social log of a run with people; default: see --log-dir"
-    )
-    picture: Annotated[Path | None, Option("FILE.png")] = Field(
-        default=None, description="draw the rover at the end of its path"
-    )
-    video: Annotated[Path | None, Option("FILE.mp4")] = Field(
-        default=None, description="draw the run in at most 10 s, with time and speed (extra [video])"
-    )
-    picture_lidar: Annotated[bool, Option("")] = Field(
-        default=False, description="show the lidar's hits and some of its beams"
-    )
+IN_RUN = ("log_dir", "rate", "wait_for", "wait_for_topic", "record", "overwrite")
 
 
 def _choices() -> dict[str, str]:
@@ -103,8 +77,10 @@ def _add_run(run: argparse._ArgumentGroup) -> None:
     run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
     about = "log the extended columns too (docs/metrics.md), with the rover's footprint"
     run.add_argument("--extended", action="store_true", help=about)
+    about = "further columns, of plug-ins (docs/extend.md), after the extended ones; default: none"
+    run.add_argument("--columns", default="", metavar="NAME[,...]", help=about)
     about = "ROS parameter file (YAML) of metrics_node, with ROS or without: thresholds, columns"
     run.add_argument("--params", type=Path, metavar="FILE", help=about)
     text = f"{RosOptions.model_fields['log_dir'].description}; default: {DEFAULT_LOG_DIR}"
     add_flags(run, RosOptions, IN_RUN, {"log_dir": text})
-    add_flags(run, Files, ("report", "summary", "social_log"))
+    add_flags(run, Files, ("out", "page", "summary", "social_log", "fail_on"))

@@ -1,5 +1,6 @@
 """Drivers by name: what chooses the commands of an episode."""
 
+from functools import partial
 from pathlib import Path
 
 from harness.base.errors import find_named
@@ -10,6 +11,7 @@ from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
 from harness.samples import Sample
+from rover_metrics.plugins import Table
 
 __all__ = [
     "DRIVERS",
@@ -24,7 +26,8 @@ __all__ = [
     "takes_goals",
 ]
 
-DRIVERS: dict[str, type[Driver]] = {
+OF_A_DRIVER = ("summary", "senses", "command")
+SHIPPED: dict[str, type[Driver]] = {
     "wander": Wander,
     "straight": Straight,
     "spin": Spin,
@@ -38,6 +41,12 @@ DRIVERS: dict[str, type[Driver]] = {
     "swing": Swing,
     "pass_by": PassBy,
 }
+DRIVERS = Table[type[Driver]](
+    "drivers",
+    SHIPPED,
+    lambda value: isinstance(value, type) and all(map(partial(hasattr, value), OF_A_DRIVER)),
+    f"a class with {', '.join(OF_A_DRIVER)}, as harness.drivers.base.Driver",
+)
 
 
 def find_driver(name: str) -> type[Driver]:

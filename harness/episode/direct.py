@@ -46,7 +46,7 @@ def run_direct(
         outputs: Of each rover.
         options: Its `rate` counts.
         stop: Ends the run early.
-        show: Is given the first rover's result up to now after every batch.
+        show: Is given the first rover's result up to now, again and again.
 
     Raises:
         UsageError: The arguments are not valid or a log cannot be created.
@@ -75,7 +75,7 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         log_dir: Gets the log.
         settings: Of the metrics.
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the result up to now after every batch.
+        show: Is told the result up to now, again and again.
 
     Raises:
         UsageError: The log cannot be created.

@@ -13,6 +13,7 @@ from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
+from harness.episode.plugins import plugins_of
 from harness.episode.result import RunResult
 from harness.truth.traversal import ContactEvent
 from harness.world.files import is_terrain_file
@@ -56,7 +57,8 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "truth": _truth(result),
         }
     )
-    return values
+    plugins = plugins_of(result)
+    return values | ({"plugins": plugins} if plugins else {})
 
 
 def write_manifest(result: RunResult, path: Path) -> None:

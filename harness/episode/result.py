@@ -19,6 +19,8 @@ from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.settings import Settings
 
+SHOWN_EVERY = 0.05  # [s] of wall time: nobody sees more, and a whole result has its cost
+
 
 @dataclass(frozen=True, slots=True)
 class TopicCount:
@@ -70,6 +72,7 @@ class RunResult:
         recording: The MCAP file; None without one.
         report: The page that was asked for; None if none was.
         params: The parameter file of the metrics that was given; None without.
+        columns: Plug-ins that add columns to the log.
         social_log: The log of how near people were; None without people.
     """
 
@@ -96,6 +99,7 @@ class RunResult:
     recording: Path | None = None
     report: Path | None = None
     params: Path | None = None
+    columns: tuple[str, ...] = ()
     social_log: Path | None = None
 
     @property
@@ -155,7 +159,7 @@ class RunAccount:
     Args:
         begun: What is known before the first batch.
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the result up to now after every batch.
+        show: Is told the result up to now, at most once in SHOWN_EVERY of wall time.
         topics: Counts the messages so far; `rows` counts those of the CSV.
         paused_s: Wall time for which the run was paused so far [s].
     """
@@ -170,7 +174,7 @@ class RunAccount:
     def __post_init__(self) -> None:
         self._truth, self._total = TruthAccount(), self.begun.truth
         self._began = self._now = time.monotonic()
-        self._held_s = 0.0
+        self._held_s, self._shown = 0.0, self._now
         self._first_row_s: float | None = None
 
     def take(self, batch: Batch) -> None:
@@ -179,12 +183,15 @@ class RunAccount:
         self._total, self._now, self._held_s = batch.truth, time.monotonic(), self.paused_s()
         if self._first_row_s is None and self.rows():
             self._first_row_s = self._now - self.started
-        if self.show is not None:  # what nobody looks at is not worth its cost in every batch
+        if self.show is not None and self._now - self._shown >= SHOWN_EVERY:
+            self._shown = self._now
             self.show(self._so_far())
 
     def ended(self, *, failure: str | None = None, interrupted: str | None = None) -> RunResult:
         """Returns the result of the whole run, with what it met and why it ended early, if it did."""
         along = self._truth.along()
+        if self.show is not None and self._shown < self._now:
+            self.show(self._so_far())
         return replace(self._so_far(), along=along, failure=failure, interrupted=interrupted)
 
     def _so_far(self) -> RunResult:

@@ -36,7 +36,9 @@ class SocialRecorder:
     ) -> None:
         if file is not None and file.suffix != ".csv":
             raise UsageError(f"--social-log {file} does not end in .csv; name a file that does")
-        if file is not None and file.exists() and not (overwrite and file.is_file()):
+        if file is not None and file.exists() and not file.is_file():
+            raise UsageError(f"--social-log {file} is no file; name another")
+        if file is not None and file.exists() and not overwrite:
             mend = "not overwriting; name another file or --overwrite"
             raise UsageError(f"--social-log {file} exists already, {mend}")
         self._actors, self._file, self._log_dir = actors, file, log_dir

@@ -6,14 +6,14 @@ sends them for each batch that it has taken, so what it orders comes into effect
 ordered already, at a time that it knows. With the cmd_vel driver the child waits for each command
 instead.
 
-The child sends what the episodes were made of, their batches and None, or instead of any of
-these the error that it failed of.
+The child sends what the episodes were made of, then batches, TOGETHER in one message since each wakes
+the consumer, and an empty message at the end, or instead of any of these the error that it failed of.
 """
 
 import contextlib
 import multiprocessing
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from harness.episode.episode import Episode
 
 AHEAD = 10  # batches: 0.5 s of simulated time
+TOGETHER = 5  # no more than AHEAD, or both would wait
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
@@ -139,9 +140,10 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     def batches(self) -> Iterator[tuple[Batch, ...]]:
         """Yields the batches of each control period; RunFailed as `together`, or if the child died."""
         self._order()
-        while (batches := self._receive()) is not None:
-            yield batches
-            self._order()
+        while received := self._receive():
+            for batches in received:
+                yield batches
+                self._order()
 
     def _order(self) -> None:
         if self.next_ns is None:
@@ -186,19 +188,38 @@ def _stream(
     connection: Connection, run: Run, frame_options: FrameOptions | None, world: World | None
 ) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
-    from harness.episode.episode import episodes_of, together  # noqa: PLC0415
+    from harness.episode.episode import episodes_of  # noqa: PLC0415
 
     episodes = episodes_of(run, frame_options, world)
     connection.send(tuple(Begun(episode.info, episode.description) for episode in episodes))
+    size = 1 if any(rover.driver == CMD_VEL for rover in run.rovers) else TOGETHER
+    unsent: list[tuple[Batch, ...]] = []
+    try:
+        for batches in _ordered(connection, episodes, run.total_periods):
+            unsent.append(batches)
+            if len(unsent) == size:
+                connection.send(unsent)
+                unsent.clear()
+    finally:  # what an episode failed of comes behind its batches
+        if unsent:
+            connection.send(unsent)
+    connection.send([])
+
+
+def _ordered(
+    connection: Connection, episodes: Sequence["Episode"], periods: int
+) -> Iterator[tuple[Batch, ...]]:
+    """Yields the batches of each period, once the orders for it have come and are followed."""
+    from harness.episode.episode import together  # noqa: PLC0415 - see `_stream`
+
     batches = together(episodes)
-    for _ in range(run.total_periods):
+    for _ in range(periods):
         orders: tuple[_Order | None, ...] = connection.recv()
         for episode, order in zip(episodes, orders, strict=True):
             if order is not None:
                 _follow(episode, order)
-        connection.send(next(batches))
+        yield next(batches)
     next(batches, None)  # raises what the last of them failed of
-    connection.send(None)
 
 
 def _follow(episode: "Episode", order: _Order) -> None:

@@ -27,6 +27,7 @@ class TruthAlong:
         path_period_s: 1 s, twice as long whenever there are MOST_POINTS.
         roughness_p50: Median over time of the terrain's roughness under the wheels [m], to a tenth of
             a millimetre; `roughness_p95` is the 95th percentile; NaN where none was measured.
+        tipped_over_s: When the rover first lay on its side or roof, to 50 ms [s]; NaN if never.
     """
 
     events: tuple[ContactEvent, ...] = ()
@@ -35,6 +36,7 @@ class TruthAlong:
     path_period_s: float = 1.0
     roughness_p50: float = math.nan
     roughness_p95: float = math.nan
+    tipped_over_s: float = math.nan
 
 
 class TruthAccount:
@@ -46,11 +48,14 @@ class TruthAccount:
         self._open: tuple[ContactEvent, ...] = ()
         self._path: list[Vector3] = []
         self._period_ns = NANOSECONDS
+        self._tipped_over_s = math.nan
         self._roughness = np.zeros(round(ROUGHNESS_LIMIT / ROUGHNESS_STEP) + 1, dtype=np.int64)
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch of the run."""
         self._open = batch.open_events
+        if batch.truth.tipped_over and math.isnan(self._tipped_over_s):
+            self._tipped_over_s = batch.truth.time_ns / NANOSECONDS
         if batch.events:
             self._event_count += len(batch.events)
             self._events += batch.events[: MOST_EVENTS - len(self._events)]
@@ -73,6 +78,7 @@ class TruthAccount:
             path_period_s=self._period_ns / NANOSECONDS,
             roughness_p50=self._roughness_percentile(0.50),
             roughness_p95=self._roughness_percentile(0.95),
+            tipped_over_s=self._tipped_over_s,
         )
 
     def _roughness_percentile(self, share: float) -> float:

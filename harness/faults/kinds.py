@@ -9,6 +9,7 @@ from harness.faults.clock import ClockAct, drift, freeze, jump, reset, silence
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
 from harness.faults.streams import decimated, frozen, late, repeat
 from harness.spec.fault import LONGEST
+from rover_metrics.plugins import Table
 
 SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
 SIZE = Value("SIZE", "a size above 0", lambda x: 0.0 < x < math.inf, default=10.0)
@@ -41,6 +42,12 @@ OF_SENSORS: tuple[Kind[SensorAct], ...] = (
     Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
     Kind("empty", "a message without readings", each(empty), own=EMPTY),
     Kind("beams", "only the first N ranges, or more that miss", each(resize), BEAMS, own=("scan",)),
+)
+FAULTS = Table[Kind[SensorAct]](
+    "faults",
+    {kind.name: kind for kind in OF_SENSORS},
+    lambda value: isinstance(value, Kind),
+    "a harness.faults.base.Kind",
 )
 OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind(

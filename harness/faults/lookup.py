@@ -9,7 +9,7 @@ from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Fault, Kind
 from harness.faults.clock import CLOCK
-from harness.faults.kinds import DUPLICATE, OF_SENSORS, OF_THE_CLOCK
+from harness.faults.kinds import DUPLICATE, FAULTS, OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
 from harness.sensors.table import ATTITUDE, SensorRow
 from harness.spec.fault import FaultSpec
@@ -24,14 +24,18 @@ def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
 
 
 def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str, Kind[Any]]:
-    """Returns the faults that a sensor, of some or of all, or the clock can have, by name."""
+    """Returns the faults of this project that a sensor, of some or of all, or the clock can have."""
     kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    return {kind.name: kind for kind in kinds if _can_have(sensor, kind, rows)}
+
+
+def _can_have(sensor: str, kind: Kind[Any], rows: Iterable[SensorRow] | None) -> bool:
     row = table.by_fault_name(rows).get(sensor)
-    if row is not None and not row.measured:  # a camera's image is drawn later
-        kinds = tuple(kind for kind in kinds if not kind.of_values)
+    if row is not None and not row.measured and kind.of_values:  # a camera's image is drawn later
+        return False
     if sensor.endswith(ATTITUDE):
-        return {kind.name: kind for kind in kinds if kind.of_values}
-    return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
+        return kind.of_values
+    return not kind.own or sensor in kind.own
 
 
 def find_faults(
@@ -61,6 +65,9 @@ def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
         optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
         no_such = f"there is no sensor '{sensor}'{optional}"
         raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(names)}")
+    if sensor != CLOCK and spec.kind not in some and spec.kind in FAULTS:  # somebody else's
+        other = FAULTS[spec.kind]
+        some |= {spec.kind: other} if _can_have(sensor, other, rows) else {}
     if spec.kind not in some:
         no_such = f"{sensor} has no fault '{spec.kind}'"
         raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(some)}")

@@ -42,7 +42,7 @@ def measured(hit: Hit) -> SensorAct:
 
         def change(reading: Sample, value: float, rng: np.random.Generator) -> Readings:
             # Kinds of sensors that share a sample have the same fields.
-            row = next(row for row in table.SENSORS if row.sample is type(reading))
+            row = table.row_of(type(reading))
             names = getattr(row, fields)
             changed = {n: _changed(getattr(reading, n), lambda v: hit(v, value, rng)) for n in names}
             return (replace(reading, **changed),)

@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cached_property
 from threading import Lock
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
@@ -20,8 +21,9 @@ from pydantic import Field
 from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.gym.course import Course, Variation, draw_variation
+from harness.gym.custom import OWN, StepTruth, own_of, truth_of
 from harness.gym.driven_rover import DrivenRover
-from harness.gym.observation import Limits, Observation, Part
+from harness.gym.observation import Limits, Observation, Part, space_of
 from harness.gym.options import CurriculumSchedule, Options, parse_options
 from harness.gym.picture import Painter
 from harness.samples import Twist
@@ -89,7 +91,9 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     actions: tuple[str, str]  # what the two numbers of an action are
     course: Course
     driven: DrivenRover
+    _spec: EnvSpec | None = None
     parts: Mapping[str, Part]
+    _own_seen: Mapping[str, object]
     observation_space: spaces.Dict  # type: ignore[assignment]  # gymnasium's are generic
     action_space: spaces.Box  # type: ignore[assignment]
 
@@ -104,6 +108,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self.options: O = parse_options(self.options_class, options, name)  # type: ignore[assignment]
         self.render_mode = render_mode
         self._camera: DepthOptions | None = None  # that the rover carries
+        own = self.options
+        self._extra = own_of(own.reward_fn, own.terminate_fn, own.observe_fn)
         self._box = math.inf  # half the side of the square in which starts and goals are [m]
         self._painter: Painter | None = None
         self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
@@ -142,10 +148,12 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self._is_over = False
         self._begin(driven)
         self._seen = self._observe(driven)
+        self._apart = math.dist(self.goal, (x, y))
+        self._own_seen = self._extra.seen(self._truth("")) if self._extra.sights else {}
         if self.render_mode == "human":
             self.render()
         run = self.course.run
-        return self._limits.keep(self._seen), {
+        return self._limits.keep({**self._seen, **self._own_seen}), {
             "terrain": run.world.terrain,
             "world_seed": run.seed,
             "difficulty": run.world.difficulty,
@@ -200,6 +208,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         reward, ending, info = self._judge(driven, failure)
         if not ending and self.steps * CONTROL_PERIOD >= self.options.time_limit - 1e-9:
             ending = "time"
+        if self._extra.needs_truth and failure != "diverged":
+            reward, ending = self._own_judgement(reward, ending, info)
         if ending:
             self._is_over = True
             self._schedule.record(success=info["is_success"])
@@ -207,7 +217,26 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             self.render()
         terminated = ending in self.terminal_endings
         info["ending"] = ending
-        return self._limits.keep(self._seen), reward, terminated, bool(ending) and not terminated, info
+        seen = self._limits.keep({**self._seen, **self._own_seen})
+        return seen, reward, terminated, bool(ending) and not terminated, info
+
+    def _own_judgement(self, reward: float, ending: str, info: Info) -> tuple[float, str]:
+        """Reward and ending of a step by the user's own functions, where there are any."""
+        own, truth = self._extra, self._truth(ending)
+        self._apart, self._own_seen = truth.distance, own.seen(truth)
+        if own.reward is not None:
+            info["reward_terms"] = dict(own.reward(truth, np.array(self._accepted, np.float32)))
+            reward = float(sum(info["reward_terms"].values()))
+        if own.terminate is not None and not ending and own.terminate(truth):
+            ending = OWN
+        return reward, ending
+
+    def _truth(self, ending: str) -> StepTruth:
+        return truth_of(self.driven, self.goal, self.steps * CONTROL_PERIOD, self._apart, ending)
+
+    def _space(self, parts: Mapping[str, Part]) -> spaces.Dict:
+        """The space of an observation of these parts and of the user's own."""
+        return space_of({**parts, **{name: one.part(name) for name, one in self._extra.sights.items()}})
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draws the rover from behind with its goal; the image, shape (height, width, 3), or a window.
@@ -232,9 +261,20 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             self._painter = None
 
     @property
+    def spec(self) -> EnvSpec | None:
+        """What the environment was made from, with the steps of `time_limit`."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, value: EnvSpec | None) -> None:
+        steps = round(self.options.time_limit / CONTROL_PERIOD)
+        self._spec = None if value is None else replace(value, max_episode_steps=steps)
+
+    @property
     def terminal_endings(self) -> frozenset[str]:
         """Endings by which an episode is terminated; by others it is truncated."""
-        return frozenset(name for name, what in self.endings.items() if what.startswith("terminated"))
+        own = (name for name, what in self.endings.items() if what.startswith("terminated"))
+        return frozenset((*own, OWN))
 
     @abstractmethod
     def _twist(self, action: list[float]) -> Twist:

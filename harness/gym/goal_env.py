@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.drivers.point_nav import latest
 from harness.gym.driven_rover import DrivenRover
 from harness.gym.env import Info
-from harness.gym.observation import Part, space_of
+from harness.gym.observation import Part
 from harness.gym.point_nav import PointNavEnv, PointNavOptions
 from harness.samples import Pose
 from rover_metrics.core import rotation
@@ -37,8 +37,8 @@ class PointNavGoalEnv(PointNavEnv):
         super().__init__(render_mode, **options)
         own = {name: part for name, part in self.parts.items() if name != "goal"}
         boxes = [part.space() for part in own.values()]
-        low = (*np.concatenate([box.low for box in boxes]).tolist(), -1.0, -1.0)
-        high = (*np.concatenate([box.high for box in boxes]).tolist(), 1.0, 1.0)
+        low = (*np.concatenate([box.low.ravel() for box in boxes]).tolist(), -1.0, -1.0)
+        high = (*np.concatenate([box.high.ravel() for box in boxes]).tolist(), 1.0, 1.0)
         about = f"{', '.join(own)} of PointNav one after the other, then sine and cosine of the yaw"
         self._own = tuple(own)
         self.parts = {
@@ -46,7 +46,7 @@ class PointNavGoalEnv(PointNavEnv):
             "achieved_goal": Part((-FARTHEST,) * 2, (FARTHEST,) * 2, POSITION),
             "desired_goal": Part((-FARTHEST,) * 2, (FARTHEST,) * 2, "x, y of the goal in the world [m]"),
         }
-        self.observation_space = space_of(self.parts)
+        self.observation_space = self._space(self.parts)
 
     def compute_reward(self, achieved_goal: Numbers, desired_goal: Numbers, info: Any) -> Numbers:  # noqa: ANN401, ARG002
         """Returns 0 where a goal is reached, else -1; for one pair or for many.

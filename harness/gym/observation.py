@@ -31,17 +31,19 @@ class Part:
         high: Largest value of all numbers, or of each.
         about: What it is, with units, for the docs.
         size: Count of numbers, if all have the same limits.
+        shape: Of an image; flat if left out.
     """
 
     low: tuple[float, ...]
     high: tuple[float, ...]
     about: str
     size: int = 0
+    shape: tuple[int, ...] = ()
 
     def space(self) -> spaces.Box:
         """Returns its space."""
         if self.size:
-            return spaces.Box(self.low[0], self.high[0], (self.size,), np.float32)
+            return spaces.Box(self.low[0], self.high[0], self.shape or (self.size,), np.float32)
         return spaces.Box(np.array(self.low, np.float32), np.array(self.high, np.float32))
 
 
@@ -55,9 +57,10 @@ class Limits:
 
     def __init__(self, space: spaces.Dict) -> None:
         boxes = cast("Mapping[str, spaces.Box]", space.spaces)
-        self._low = np.concatenate([box.low for box in boxes.values()])
-        self._high = np.concatenate([box.high for box in boxes.values()])
-        ends = np.cumsum([box.shape[0] for box in boxes.values()]).tolist()
+        self._low = np.concatenate([box.low.ravel() for box in boxes.values()])
+        self._high = np.concatenate([box.high.ravel() for box in boxes.values()])
+        ends = np.cumsum([math.prod(box.shape) for box in boxes.values()]).tolist()
+        self._images = {name: box.shape for name, box in boxes.items() if len(box.shape) > 1}
         self._parts = dict(zip(boxes, map(slice, [0, *ends], ends), strict=True))
 
     def keep(self, values: Mapping[str, object]) -> Observation:
@@ -67,7 +70,8 @@ class Limits:
             flat[part] = values[name]
         np.maximum(flat, self._low, out=flat)
         np.minimum(flat, self._high, out=flat)
-        return {name: flat[part] for name, part in self._parts.items()}
+        kept = {name: flat[part] for name, part in self._parts.items()}
+        return {**kept, **{name: kept[name].reshape(shape) for name, shape in self._images.items()}}
 
 
 def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
@@ -83,21 +87,23 @@ def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
     return list((heights - z).tolist())
 
 
-def height_part() -> Part:
-    """Returns the heights of `heights_around` as a part of an observation."""
+def height_part(*, image: bool = False) -> Part:
+    """Returns the heights of `heights_around` as a part of an observation, flat or (ahead, left, 1)."""
     where = f"{AHEAD[0]:g} to {AHEAD[-1]:g} m ahead, {LEFT[0]:g} m left to right, every 0.2 m"
     about = f"heights of the ground without obstacles over the rover [m], {where}"
-    return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT))
+    shape = (len(AHEAD), len(LEFT), 1) if image else ()
+    return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT), shape)
 
 
-def depth_part(camera: DepthOptions) -> Part:
-    """Returns the image of a depth camera as a part of an observation."""
+def depth_part(camera: DepthOptions, *, image: bool = False) -> Part:
+    """Returns the image of a depth camera as a part of an observation, flat or (height, width, 1)."""
     about = (
         f"depth image [m] of {camera.width} x {camera.height} pixels, row by row from the top left, "
         f"{math.degrees(camera.fov):.0f} deg wide, from the lidar's place ahead and "
         f"{math.degrees(camera.rpy[1]):.0f} deg down; a miss is the largest"
     )
-    return Part((0.0,), (camera.range_max,), about, camera.rays)
+    shape = (camera.height, camera.width, 1) if image else ()
+    return Part((0.0,), (camera.range_max,), about, camera.rays, shape)
 
 
 def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:

@@ -138,6 +138,10 @@ class Options(RunOptions):
         goal_distance: From the start to the goal, as the crow flies [m].
         randomisation: What varies of the rover.
         curriculum: How the worlds' difficulty follows success.
+        reward_fn: Gives the terms of the reward instead of the environment, of truth and action
+            (harness.gym.custom); or the name of a plug-in, or FILE.py:FUNCTION.
+        terminate_fn: Whether the episode ends too, of the truth.
+        observe_fn: A further entry of the observation: a harness.gym.custom.Sight, or one by its name.
     """
 
     terrain: Terrains = ("rocky",)
@@ -149,6 +153,9 @@ class Options(RunOptions):
     goal_distance: Positive = (3.0, 10.0)
     randomisation: Randomisation = Randomisation()
     curriculum: Curriculum = Curriculum()
+    reward_fn: Any = None
+    terminate_fn: Any = None
+    observe_fn: Any = None
 
     def episode(self, terrain: str, seed: int, difficulty: float) -> Run:
         """Returns the run of `harness.run` whose world, rover and noise these are.

@@ -18,7 +18,6 @@ from harness.gym.observation import (
     height_part,
     heights_around,
     point_nav_parts,
-    space_of,
 )
 from harness.gym.options import Options
 from harness.robots import find_rover
@@ -59,12 +58,15 @@ class PointNavOptions(Options):
         hazard_budget: Contact with hazards that ends an episode [s].
         height_scan: Whether the ground around the rover is observed too, as `heights`.
         depth: Width and height of a depth camera's image [pixels], which is observed too, as `depth`.
+        images: Whether `depth` and `heights` are images, (height, width, 1) and (ahead, left, 1), for
+            convolutions; else flat.
         reward: Weights of the reward's terms.
     """
 
     goal_radius: Length = GOAL_RADIUS
     hazard_budget: Length = 1.0
     height_scan: bool = False
+    images: bool = False
     depth: Annotated[tuple[int, ...], BeforeValidator(as_tuple)] = ()
     reward: PointNavWeights = PointNavWeights()
 
@@ -103,11 +105,11 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         self._range_max = lidar.range_max
         self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
         if self.options.height_scan:
-            self.parts = {**self.parts, "heights": height_part()}
+            self.parts = {**self.parts, "heights": height_part(image=self.options.images)}
         if (camera := self.options.camera) is not None:
             self._camera = camera
-            self.parts = {**self.parts, "depth": depth_part(camera)}
-        self.observation_space = space_of(self.parts)
+            self.parts = {**self.parts, "depth": depth_part(camera, image=self.options.images)}
+        self.observation_space = self._space(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         rover = self._rover = find_rover(self.options.robot)
         self.actions = (

@@ -17,7 +17,7 @@ from harness.base.sim_time import CONTROL_PERIOD, check_duration
 from harness.drivers.point_nav import Point, latest, visible, way_to
 from harness.gym.driven_rover import DrivenRover
 from harness.gym.env import Info, RoverEnv
-from harness.gym.observation import Part, space_of
+from harness.gym.observation import Part
 from harness.gym.options import Options, Positive
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 from harness.spec.value import Length, Share, Value, checked
@@ -106,7 +106,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def __init__(self, render_mode: str | None = None, **options: object) -> None:
         super().__init__(render_mode, **options)
         self._defects, self._box = self.options.defects, self.options.box
-        self.observation_space = space_of(PARTS)
+        self.observation_space = self._space(PARTS)
         slowest = -self.options.reverse_speed
         low, high = np.array([[slowest, -math.pi], [1.0, math.pi]], np.float32)
         self.action_space = spaces.Box(low, high)

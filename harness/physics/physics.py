@@ -22,6 +22,7 @@ from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
 from harness.physics.stepping import Span
 from harness.physics.steps_kernel import SPAN
+from harness.robots.model import keep_mujoco_quiet
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
 
@@ -60,8 +61,7 @@ class Physics:
     """
 
     def __init__(self, scenes: Sequence[Scene], timestep_ns: int, settled: Sequence[State] = ()) -> None:
-        # Its counters are checked on every tick; the texts would go into MUJOCO_LOG.TXT in the cwd.
-        mujoco.set_mju_user_warning(lambda _: None)
+        keep_mujoco_quiet()  # its counters are checked on every tick
         self.model = scenes[0].model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self.data = mujoco.MjData(self.model)

@@ -8,6 +8,7 @@ lidar's ray mask and the pictures rely on them.
 """
 
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -161,7 +162,8 @@ def build_scenes(
     if dress is not None:
         _add_skins(spec, world)
         dress(spec)
-    model = spec.compile()
+    with warnings.catch_warnings(action="ignore"):  # of options of the other rovers' models
+        model = spec.compile()
     return tuple(
         Scene(model, replace(world, start=of.start), of.rover, of.name, prefix, model.body(root).id)
         for of, prefix, root in zip(fleet, prefixes, roots, strict=True)

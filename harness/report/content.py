@@ -12,6 +12,7 @@ import numpy as np
 from harness.episode.assembly import gravity as gravity_of
 from harness.episode.assembly import world_of
 from harness.episode.manifest import manifest
+from harness.episode.mishaps import mishaps
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
@@ -55,6 +56,7 @@ def content(
         "heading": f"{called} on {Path(result.run.world.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
+        "mishaps": mishaps(result),
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
         "map": terrain_map,

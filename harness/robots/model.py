@@ -41,6 +41,7 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
     if not path.is_file():
         raise UsageError(f"{path}, the rover's model, does not exist; put it there, or mend key 'model'")
     check_files(path, rover.folder)
+    keep_mujoco_quiet()
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (OSError, ValueError, mujoco.FatalError) as error:
@@ -62,6 +63,14 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
         if all(sensor.name != name for sensor in spec.sensors):
             spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="imu")
     return spec
+
+
+def keep_mujoco_quiet() -> None:
+    """Lets MuJoCo print no warning, nor write it into MUJOCO_LOG.TXT of the present folder.
+
+    What it warns of is checked where it can happen.
+    """
+    mujoco.set_mju_user_warning(lambda _: None)
 
 
 def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:

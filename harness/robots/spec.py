@@ -10,6 +10,7 @@ from pydantic import AfterValidator, ConfigDict, Field
 from harness.robots.sections import ACKERMANN, Drive, Expected, FrameRow, Mount, Number, Positive
 from harness.spec.value import Value
 
+GRAVITY = 0.01, 100.0  # [m/s^2] on which rovers drive
 Bounds = tuple[Number, Number, Number, Number]  # x_min, x_max, y_min, y_max [m]
 _COLUMNS = {1: ("",), 2: ("front_", "rear_"), 3: ("front_", "middle_", "rear_")}
 
@@ -99,7 +100,7 @@ class ModelFacts(Value):
     wheel_width: Positive  # of the widest wheel [m]
     wheel_friction: Positive  # on ground of friction 1
     wheel_speed_limit: Positive  # largest speed of the slowest motor [rad/s]
-    gravity: Positive  # downwards [m/s^2]
+    gravity: Annotated[float, Field(strict=True, ge=GRAVITY[0], le=GRAVITY[1])]  # downwards [m/s^2]
     lidar_x: Number  # of the lidar ahead in the model frame [m]
     lidar_y: Number = 0.0  # of the lidar to the left [m]
     lidar_yaw: Number = math.pi  # in which the lidar looks, from the model frame's x [rad]

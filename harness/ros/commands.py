@@ -44,6 +44,7 @@ class Commands:
     Attributes:
         count: What has come so far.
         clock_ns: What /clock showed last: a stamp before it is older than the present [ns].
+        watch: Is given each message once it is taken or refused.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Commands:
         self._node, self._frames, self._take = node, frames, take
         self.topic: str = node.resolve_topic_name("cmd_vel")
         self.count, self.clock_ns = CommandCount(), 0
+        self.watch: Callable[[Any], object] | None = None
         self._is_auto, self._has_complained = kind.startswith("auto"), False
         self._heard: dict[str, Any] = {}
         self._recording: Recording | None = None
@@ -129,6 +131,8 @@ class Commands:
         if kind in self._recorders:
             self._recorders[kind](message)
         {"twist": self._receive, "stamped": self._receive_stamped}[kind](message)
+        if self.watch is not None:
+            self.watch(message)
 
     def _receive(self, twist: Twist) -> bool:
         linear, angular = twist.linear.x, twist.angular.z

@@ -1,10 +1,9 @@
 """/tf, /tf_static and /robot_description of a run: samples and a Description -> messages and bytes.
 
 A TFMessage goes out as bytes: those that rosbags writes for its frames once, with stamp and values put
-in for each sample. So it costs a tenth of a message object, and needs no tf2_msgs (foreign_type).
+in for each sample. So it needs no tf2_msgs (foreign_type).
 """
 
-import struct
 from collections import deque
 from collections.abc import Callable, Sequence
 
@@ -14,6 +13,7 @@ from std_msgs.msg import String
 from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM, Description, Edge
+from harness.ros.cdr import Template, places
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
@@ -30,7 +30,6 @@ NO_TYPE = (
     f"no /tf, no /tf_static: {TF_MESSAGE} is not installed, and only Fast DDS does without; "
     f"install tf2_msgs, or set RMW_IMPLEMENTATION={FAST_DDS}"
 )
-ENCAPSULATION = 4  # [B] before a message's first field
 RECENT = 1000  # messages sent that may still come back
 
 
@@ -55,33 +54,22 @@ def transforms_bytes(edges: Sequence[Edge]) -> bytes:
 
 def transform_fill(frames: Sequence[tuple[str, str]]) -> Callable[[Transforms], bytes]:
     """Returns what makes a TFMessage's bytes of each sample of the same parents and children."""
-    buffer = bytearray(transforms_bytes([Edge(*names) for names in frames]))
-    places: list[tuple[int, int]] = []  # of stamp and translation
-    end = ENCAPSULATION + 4  # behind the number of transforms
-    for names in frames:
-        stamp = end = _aligned(end, 4)
-        end += 8
-        for name in names:
-            end = _aligned(end, 4) + 4 + len(name.encode()) + 1
-        values = _aligned(end, 8)
-        end = values + 7 * 8
-        places.append((stamp, values))
+    data = transforms_bytes([Edge(*names) for names in frames])
+    found = places(read_message(data, TF_MESSAGE), TF_MESSAGE)
+    fields = ("header.stamp", "transform")
+    template = Template(
+        data, [found[f"transforms[{i}].{f}"] for i in range(len(frames)) for f in fields]
+    )
 
     def fill(sample: Transforms) -> bytes:
-        sec, nanosec = divmod(sample.stamp_ns, NANOSECONDS)
+        stamp = divmod(sample.stamp_ns, NANOSECONDS)
         moved, turned = sample.translation, sample.rotation
-        for index, (stamp, values) in enumerate(places):
-            struct.pack_into("<iI", buffer, stamp, sec, nanosec)
-            xyz, xyzw = moved[3 * index : 3 * index + 3], turned[4 * index : 4 * index + 4]
-            struct.pack_into("<7d", buffer, values, *xyz, *xyzw)
-        return bytes(buffer)
+        numbers: list[tuple[float, ...]] = []
+        for i in range(len(frames)):
+            numbers += stamp, moved[3 * i : 3 * i + 3] + turned[4 * i : 4 * i + 4]
+        return template.filled(numbers)
 
     return fill
-
-
-def _aligned(position: int, size: int) -> int:
-    """The next multiple of a size, counted from the first field."""
-    return position + -(position - ENCAPSULATION) % size
 
 
 class FrameTopics:

@@ -5,7 +5,9 @@ only those are asked that listen to one of their topics; after /clock all are, s
 
 A node that has promised to handle what arrives in its order, timers included, comes to the same however
 late it is. It is waited for only where a queue of its might overflow: before a second message of a topic
-goes out, for a subscription may hold the newest one alone. So it works while the simulation goes on.
+goes out, for a subscription may hold the newest one alone, or before one more than the node says that
+its queues hold. It is asked when they may be half full. So it works while the simulation goes on, and
+few questions and answers wake it and the simulator.
 """
 
 from collections import Counter
@@ -19,7 +21,7 @@ from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.remote import RemoteNode, wait_for_answers
 
-CLOCKS = 5  # of /clock that may wait for a node; its queue holds ten
+CLOCKS = 8  # of /clock that may wait for a node; its queue holds ten
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)
 
 
@@ -76,7 +78,10 @@ class RemoteNodes:
         Raises:
             RunFailed: One of them does not answer.
         """
-        while full := [b for b in self._backlogs.values() if any(b.of(c.topic) for c in channels)]:
+        topics = [channel.topic for channel in channels]
+        while full := [
+            b for b in self._backlogs.values() if any(b.of(t) >= b.node.holds for t in topics)
+        ]:
             answers = {backlog.node: backlog.question() for backlog in full}
             wait_for_answers(answers, self._bridge.executor)
 
@@ -109,11 +114,11 @@ class RemoteNodes:
         awaited = {node: node.ask() for node in self._others}
         clock = self._bridge.clock_channel.topic
         for backlog in self._backlogs.values():
-            samples = backlog.later.keys() - {clock}
             backlog.later[clock] += 1
+            room = {clock: CLOCKS}
             if backlog.of(clock) > CLOCKS:
                 awaited[backlog.node] = backlog.question()
-            elif samples:
+            elif any(2 * n >= room.get(t, backlog.node.holds) for t, n in backlog.later.items()):
                 backlog.question()  # answered while the simulation goes on
         if awaited:
             wait_for_answers(awaited, self._bridge.executor)

@@ -1,20 +1,16 @@
-"""Samples -> ROS messages. Each message is built once and refilled: publishing copies it.
+"""Samples -> ROS messages: what of a topic's message does not change, and where the rest comes from."""
 
-rclpy serialises a wrongly typed value as garbage without a word, so every field gets exactly its
-type: float(...) for float64, an array('f') for ranges, int for sec and nanosec.
-"""
-
+import math
 from array import array
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import fields
-from functools import partial
 from operator import attrgetter
 from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
-from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, Quaternion, Vector3
+from geometry_msgs.msg import Pose, PoseArray, PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
     CameraInfo,
@@ -30,7 +26,8 @@ from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 from harness import samples
 from harness.robots import RoverSpec
 from harness.ros import optional_messages as optional
-from harness.ros.channel import Fill, Message, set_stamp
+from harness.ros.channel import Fill, Message
+from harness.ros.refilled import refilled
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
@@ -73,7 +70,7 @@ def filler(
 
 def person(index: int) -> Fill:
     """Returns a filler of the pose of one of the people; as RoboTerrain's, it has no stamp."""
-    return _refilled(
+    return refilled(
         Pose(),
         {
             "position": lambda sample: sample.position[index],
@@ -87,51 +84,13 @@ def goal() -> Fill:
     message = PoseStamped()
     message.header.frame_id = "map"
     parts = ("position", "orientation")
-    return _refilled(message, {f"pose.{part}": attrgetter(part) for part in parts})
+    return refilled(message, {f"pose.{part}": attrgetter(part) for part in parts})
 
 
 def by_names(message: Message, sample_type: type) -> Fill:
     """Returns a filler of the stamp and of every field whose name the sample has too."""
     names = [item.name for item in fields(sample_type) if hasattr(message, item.name)]
-    return _refilled(message, {name: attrgetter(name) for name in names})
-
-
-def _refilled(message: Message, sources: Mapping[str, Callable[[Any], object]]) -> Fill:
-    """A filler of the stamp, and of fields by their paths from what gives their values of a sample."""
-    stamp = message.header.stamp if hasattr(message, "header") else getattr(message, "clock", Time())
-    setters = [(value_of, _setter(message, path)) for path, value_of in sources.items()]
-
-    def fill(sample: samples.Sample) -> Message:
-        set_stamp(stamp, sample.stamp_ns)
-        for value_of, put in setters:
-            put(value_of(sample))
-        return message
-
-    return fill
-
-
-def _setter(message: Message, path: str) -> Callable[[Any], None]:
-    """What sets a field that is a vector, a quaternion, an array or a plain value."""
-    *parents, name = path.split(".")
-    owner = attrgetter(".".join(parents))(message) if parents else message
-    present = getattr(owner, name)
-    if isinstance(present, Vector3 | Point):
-        return partial(_set_vector, present)
-    if isinstance(present, Quaternion):
-        return partial(_set_quaternion, present)
-    if isinstance(present, array):
-        return lambda value: setattr(owner, name, array(present.typecode, value))
-    if isinstance(present, np.ndarray):
-        return lambda value: setattr(owner, name, np.asarray(value, present.dtype))
-    return lambda value: setattr(owner, name, type(present)(value))
-
-
-def _set_vector(target: Vector3 | Point, value: samples.Vector3) -> None:
-    target.x, target.y, target.z = value
-
-
-def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
-    target.x, target.y, target.z, target.w = value
+    return refilled(message, {name: attrgetter(name) for name in names})
 
 
 def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
@@ -143,20 +102,17 @@ def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
 
 
 def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
-    pose = by_names(Pose(), samples.Pose)
-
-    def fill(sample: samples.Pose) -> PoseArray:
-        set_stamp(message.header.stamp, sample.stamp_ns)
-        message.poses = [] if sample.empty else [pose(sample)]
-        return message
-
-    return fill
+    empty = refilled(deepcopy(message), {})
+    message.poses = [Pose()]
+    sources = {f"poses[0].{name}": attrgetter(name) for name in ("position", "orientation")}
+    whole = refilled(message, sources)
+    return lambda sample: empty(sample) if sample.empty else whole(sample)
 
 
 def _planar(sample: samples.Odometry | samples.GroundTruth) -> samples.Quaternion:
     """The attitude of a sample that has a yaw only."""
-    with np.errstate(invalid="ignore"):  # a fault's infinite yaw
-        return 0.0, 0.0, float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))
+    half = sample.yaw / 2 if math.isfinite(sample.yaw) else math.nan  # a fault's infinite yaw
+    return 0.0, 0.0, float(np.sin(half)), float(np.cos(half))
 
 
 PLANAR_POSE: Mapping[str, Callable[[Any], object]] = {
@@ -171,7 +127,7 @@ def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
     message.child_frame_id = rover.odometry_child_frame
     linear, angular = attrgetter("twist.linear"), attrgetter("twist.angular")
     twist = {"twist.twist.linear.x": linear, "twist.twist.angular.z": angular}
-    return _refilled(message, {**PLANAR_POSE, **twist})
+    return refilled(message, {**PLANAR_POSE, **twist})
 
 
 def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
@@ -180,7 +136,7 @@ def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
     message.pose.covariance = (np.eye(6) * GROUND_TRUTH_POSE_VARIANCE).ravel()
     linear, angular = attrgetter("linear_velocity"), attrgetter("angular_velocity")
     twist = {"twist.twist.linear": linear, "twist.twist.angular": angular}
-    return _refilled(message, {**PLANAR_POSE, **twist})
+    return refilled(message, {**PLANAR_POSE, **twist})
 
 
 def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
@@ -189,7 +145,7 @@ def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
 
 
 def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
-    return _refilled(message, {"data": attrgetter("hazard_contact")})
+    return refilled(message, {"data": attrgetter("hazard_contact")})
 
 
 def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fill:
@@ -197,7 +153,7 @@ def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fi
     names = traversal_names(rover.wheel_names)
     size = len(names)
     message.layout.dim = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
-    return _refilled(message, {"data": attrgetter("traversal")})
+    return refilled(message, {"data": attrgetter("traversal")})
 
 
 def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
@@ -206,7 +162,7 @@ def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
     message.status.service = used | NavSatStatus.SERVICE_COMPASS | NavSatStatus.SERVICE_GALILEO
     names = [item.name for item in fields(GnssFix) if hasattr(message, item.name)]
     sources = {name: attrgetter(name) for name in names}
-    return _refilled(message, {**sources, "status.status": attrgetter("fix")})
+    return refilled(message, {**sources, "status.status": attrgetter("fix")})
 
 
 FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {

@@ -7,6 +7,7 @@ float32. The time is 0: all points of a cloud are of its stamp.
 
 from array import array
 from collections.abc import Callable
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointFiel
 from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM
 from harness.ros.channel import Fill, set_stamp
-from harness.samples import LaserScan as SimulatedScan
+from harness.ros.refilled import refilled
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.sensor import CameraOptions, CameraState
@@ -46,13 +47,7 @@ def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
 
 def scan_fill(message: LaserScan) -> Fill:
     """Returns what sets stamp and ranges; scan_time and time_increment stay 0, as in ros_gz_bridge."""
-
-    def fill(reading: RangeReading | SimulatedScan) -> LaserScan:
-        set_stamp(message.header.stamp, reading.stamp_ns)
-        message.ranges = array("f", reading.ranges.tobytes())
-        return message
-
-    return fill
+    return refilled(message, {"ranges": attrgetter("ranges")})
 
 
 def lidar_cloud(message: PointCloud2, options: CloudLidarOptions) -> Fill:

@@ -8,7 +8,6 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
-import struct
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -18,7 +17,6 @@ from pathlib import Path
 from typing import NamedTuple, Self
 from uuid import uuid4
 
-import numpy as np
 from mcap.writer import CompressionType, Writer
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -30,6 +28,7 @@ from harness.base.files import check_target
 from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
 from harness.ros.bridge import Bridge
+from harness.ros.cdr import type_name, without_padding
 from harness.ros.channel import Channel, Message
 from harness.sensors.message_types import typestore
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
@@ -153,7 +152,7 @@ class Recorder:
 
     def hear(self, topic: str, subscription: Subscription) -> Callable[[Message], object] | None:
         """Returns what records each message of a topic that is heard; None if nobody knows its type."""
-        if type_name(subscription) not in typestore().types:
+        if type_name(subscription.msg_type) not in typestore().types:
             return None
         return self._recording(topic, subscription, None)
 
@@ -165,7 +164,7 @@ class Recorder:
         take: "Callable[[_Held], None] | None" = None,
     ) -> Callable[[Message], bytes]:
         """What records messages of a topic; `padding` keeps where it is in those of each length."""
-        name, qos = type_name(endpoint), endpoint.qos_profile
+        name, qos = type_name(endpoint.msg_type), endpoint.qos_profile
         recorded = _Topic(self._register(topic, name, qos), name, padding)
         if qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             self._latched[recorded] = None
@@ -255,52 +254,6 @@ class _Held(NamedTuple):
     time_ns: int
     topic: _Topic
     written: bytes
-
-
-def type_name(endpoint: Publisher | Subscription) -> str:
-    """Returns the type of a topic's end, as in sensor_msgs/msg/LaserScan."""
-    kind = endpoint.msg_type
-    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-
-
-def without_padding(written: bytes, kind: str, known: dict[int, list[int]] | None) -> bytes:
-    """Returns the bytes of a message with zeros where they carry nothing.
-
-    Args:
-        written: As DDS has them.
-        kind: The message's type.
-        known: Where that is in messages of each length, if those of one length are alike; is added to.
-    """
-    positions = None if known is None else known.get(len(written))
-    if positions is None:
-        positions = padding_of(written, kind)
-    if known is not None:
-        known[len(written)] = positions
-    buffer = bytearray(written)
-    for position in positions:
-        buffer[position] = 0
-    return bytes(buffer)
-
-
-def padding_of(data: bytes, kind: str) -> list[int]:
-    """Returns the positions of the bytes of a CDR message that align its fields and carry nothing.
-
-    DDS leaves in them whatever was in memory. They are the bytes that writing the same message into a
-    buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
-    rosbags does not write.
-    """
-    definition = typestore().get_msgdef(kind)
-    body = len(data) - 4  # behind the encapsulation header
-    # Not `deserialize_cdr`, which refuses what DDS leaves behind lists that are empty.
-    try:
-        message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
-    except struct.error as error:
-        raise ValueError(f"no {kind}: {error}") from error
-    buffers = bytearray(body), bytearray(b"\xff" * body)
-    for buffer in buffers:
-        definition.serialize_cdr_le(memoryview(buffer), 0, message, typestore())
-    zeros, ones = (np.frombuffer(buffer, np.uint8) for buffer in buffers)
-    return [4 + i for i in np.flatnonzero(zeros != ones).tolist()]
 
 
 def full_definition(kind: str) -> str:

@@ -7,6 +7,7 @@ in that order: a node that answers has therefore matched every topic, best-effor
 `lock_step` says when they are asked.
 """
 
+import re
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -22,7 +23,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
-from rover_metrics.metrics_node import KEEPS_ORDER
+from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
@@ -42,6 +43,7 @@ class RemoteNode:
     Attributes:
         name: The full name.
         keeps_order: Whether it has promised to handle everything in the order of its arrival.
+        holds: How many messages of a topic may wait for it, as far as it says.
         waited_s: Wall time for which the run has stood still for its answers [s].
         is_gone: Whether it has stopped answering: then nobody asks it any more.
 
@@ -62,10 +64,13 @@ class RemoteNode:
         if not self._runs_on_sim_time():
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
-        self.keeps_order = False
+        self.keeps_order, self.holds = False, 1
         if not time_jumps:
             promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
-            self.keeps_order = promise is not None and promise.message == KEEPS_ORDER
+            said = "" if promise is None else promise.message
+            room = re.fullmatch(f"{KEEPS_ORDER}{HOLDS.format('([1-9][0-9]?)')}", said)
+            self.keeps_order = said == KEEPS_ORDER or room is not None
+            self.holds = 1 if room is None else int(room[1])
         self._received_before = self._ask_received()
         self.waited_s, self.is_gone = 0.0, False
 

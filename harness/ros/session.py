@@ -18,9 +18,10 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.loop import Pacer, Route, drive
 from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeProcess
-from harness.ros.bridge import SECOND_PUBLISHER
+from harness.ros.bridge import SECOND_PUBLISHER, Listener
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
+from harness.ros.effect import awaited_effects
 from harness.ros.hosted import heard_by
 from harness.ros.lock_step import RemoteNodes
 from harness.ros.recorder import Recorder
@@ -47,7 +48,7 @@ def run_through_ros(
         outputs: Of each rover.
         options: How it goes through ROS.
         stop: Ends the run early.
-        show: Is given the first rover's result up to now after every batch.
+        show: Is given the first rover's result up to now, again and again.
 
     Raises:
         UsageError: Something is wrong with the arguments or the environment.
@@ -99,6 +100,7 @@ class _Session:
         if [rover.bridge.commands.heard for rover in self.rovers] != heard:
             # The nodes know of it when new clients are answered.
             self._remotes = self._remote_nodes(time_jumps=jumps)
+        self._effects = awaited_effects(options.wait_for_topic, [rover.bridge for rover in self.rovers])
         self._sent: Tick | None = None
 
     def _remote_nodes(self, *, time_jumps: bool) -> list[RemoteNode]:
@@ -153,7 +155,8 @@ class _Session:
     def _routes(self, accounts: Sequence[RunAccount]) -> list[Route]:
         """Where the ticks and the batches of each rover go."""
         first = self.rovers[0].bridge
-        remotes = (RemoteNodes(self._remotes, first),) if self._remotes else ()
+        remotes: list[Listener] = [RemoteNodes(self._remotes, first)] if self._remotes else []
+        remotes += self._effects
         # Hosted nodes come last: they have their turns while others answer.
         everybody = (*remotes, *(node for rover in self.rovers for node in rover.listeners))
         others = [rover.bridge for rover in self.rovers[1:]]
@@ -172,7 +175,8 @@ class _Session:
 
     def _mode(self) -> str:
         hosted = "hosted metrics_node" if self._options.host_metrics else "no metrics_node"
-        waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
+        names = [*self._options.wait_for, *(effect.name for effect in self._effects)]
+        waited = f", lock-step with {', '.join(names)}" if names else ""
         return f"ROS 2, {hosted}{waited}"
 
     def _counted(self, results: Sequence[RunResult]) -> tuple[RunResult, ...]:
@@ -182,6 +186,7 @@ class _Session:
         patience = ANSWER_PATIENCE if results[0].interrupted is None else GRACE
         topics = counted_by(self._remotes, topics, patience)
         waited = {remote.name: remote.waited_s for remote in self._remotes}
+        waited |= {effect.name: effect.waited_s for effect in self._effects}
         recorded = any(count.published for count in topics.values())
         counted = []
         for result, rover in zip(results, self.rovers, strict=True):

@@ -3,7 +3,7 @@
 import re
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,11 +16,14 @@ from rich.table import Table
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import TF_MESSAGE
 from harness.sensors.message_types import GRID_MAP
+from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
+from rover_metrics.ros.subscriptions import keep_last
 
 WINDOW = 5.0  # [s] of the past that a rate is taken over
 SHORTEST = 3.0  # [s] that make a rate right to 2 %: messages are handled up to 30 ms late at either end
 LEAST = 0.5  # [s] below which a rate would be wrong by more than a tenth and is not shown
 QUEUE = 100  # messages of a topic that may wait for this process
+HEARD = 1000  # messages of another node's output that may wait; in lock-step nothing is lost
 CLOCK = "/clock"
 PLUMBING = ("/rosout", "/parameter_events")  # every node has them
 COLUMNS = ("topic", "type", "Hz", "sim Hz", "age [s]", "QoS", "publishers", "subscribers")
@@ -175,3 +178,11 @@ def quality(profile: Any) -> str:  # noqa: ANN401 - rclpy has no types
 
 def _number(value: float | None, decimals: int) -> str:
     return "-" if value is None else f"{value:.{decimals}f}"
+
+
+def offered_quality(publishers: Sequence[Any]) -> QoSProfile:
+    """Returns what all publishers of a topic offer, with a queue that loses nothing in lock-step."""
+    offered = [publisher.qos_profile for publisher in publishers]
+    reliable = all(each.reliability == ReliabilityPolicy.RELIABLE for each in offered)
+    latched = all(each.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in offered)
+    return keep_last(HEARD, RELIABLE if reliable else BEST_EFFORT, latched=latched)

@@ -33,10 +33,11 @@ from rover_metrics.sheet.console import PlainConsole
 OUT = Path("scenario_runs")
 FILES = {
     "junit": "write the verdicts as JUnit XML",
-    "html": "write a page: what failed, and cells side by side",
+    "page": "write a page: what failed, and cells side by side",
     "csv": "write every cell's numbers",
     "json": "write the same, and every run",
 }
+FORMERLY = {"page": ("--html",)}  # names of options from before all commands called them the same
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -116,7 +117,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_options(parser)
     for name, about in FILES.items():
-        parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=about)
+        flags = (f"--{name}", *FORMERLY.get(name, ()))
+        parser.add_argument(*flags, dest=name, type=Path, metavar="FILE", help=about)
     parser.add_argument("--table", action="store_true", help="print cells side by side")
     parser.add_argument(
         "--out",

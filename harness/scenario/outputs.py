@@ -17,7 +17,7 @@ from rover_metrics.sheet.render import terminal
 
 
 def write_outputs(verdicts: Sequence[Verdict], files: Mapping[str, Path]) -> None:
-    """Writes what is asked for by junit, html, csv and json; all but JUnit the same bytes each time.
+    """Writes what is asked for by junit, page, csv and json; all but JUnit the same bytes each time.
 
     Raises:
         HarnessError: One cannot be written.
@@ -25,8 +25,8 @@ def write_outputs(verdicts: Sequence[Verdict], files: Mapping[str, Path]) -> Non
     if "junit" in files:
         write_whole(files["junit"], junit_of(verdicts), "the JUnit XML")
     several = [comparisons_of(verdict) for verdict in verdicts] if files.keys() - {"junit"} else []
-    if "html" in files:
-        write_whole(files["html"], render(several, files["html"]), "the page")
+    if "page" in files:
+        write_whole(files["page"], render(several, files["page"]), "the page")
     for name, text_of in (("csv", csv_of), ("json", json_of)):
         if name in files:
             write_whole(files[name], text_of(several), "the numbers")

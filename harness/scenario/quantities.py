@@ -14,6 +14,7 @@ from harness.scenario.mission import OF_TARGET, MissionState
 from harness.scenario.topic import TOPIC, check_topic
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.plugins import Table
 
 NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
@@ -72,7 +73,7 @@ def _slip_of(place: tuple[int, int], snapshot: Snapshot) -> float:
     return slip[side * half :][:half][index]
 
 
-QUANTITIES: dict[str, Quantity] = {
+SHIPPED: dict[str, Quantity] = {
     **_contacts("hazard_contact", "hazard", "Contacts with hazards", "Time in contact with a hazard"),
     **_contacts("rock_contact", "rock", "Contacts with rocks", "Time in contact with a rock"),
     **_contacts(
@@ -126,7 +127,12 @@ QUANTITIES: dict[str, Quantity] = {
         "", "Gates passed between their posts so far.", lambda m: m.mission.gates
     ),
 }
-
+QUANTITIES = Table[Quantity](
+    "expectations",
+    SHIPPED,
+    lambda value: isinstance(value, Quantity),
+    "a harness.scenario.quantities.Quantity",
+)
 
 GOAL = "truth.goal"  # how the names of those begin that need a goal
 ROUTE, TARGETS = "truth.route", ("truth.target", "truth.gates")  # a route, targets
@@ -162,4 +168,4 @@ def check_name(name: str) -> str | None:
         return check_topic(name)
     if OF_TARGET.fullmatch(name):
         return None
-    return None if name in names() else unknown("quantity", name, names())
+    return None if name in QUANTITIES or name in names() else unknown("quantity", name, names())

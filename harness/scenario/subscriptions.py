@@ -5,7 +5,6 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
@@ -13,14 +12,10 @@ from harness.base.errors import UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
-from harness.ros.topic_monitor import PLUMBING, message_class
+from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
 from harness.scenario.arrivals import Arrivals
 from harness.scenario.topic import AGE, TopicQuantity, check_messages
 from harness.sensors.message_types import read_message
-from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
-from rover_metrics.ros.subscriptions import keep_last
-
-QUEUE = 1000  # messages of a topic that may wait; in lock-step nothing is lost
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]
 
@@ -92,7 +87,7 @@ class Subscriptions:
         record: list[Callable[[Any], object]] = []
         take = partial(self._take, arrivals, record, name if is_read and is_made else None)
         raw = kind is not Clock and (is_made or not is_read)
-        heard = self._bridge.create_subscription(kind, topic, take, _quality(publishers), raw=raw)
+        heard = self._bridge.create_subscription(kind, topic, take, offered_quality(publishers), raw=raw)
         forget_missing_definition()
         if topic not in (*self._bridge.published(), self._bridge.commands.topic):
             record += filter(None, [self._record(topic, heard)])
@@ -112,11 +107,3 @@ class Subscriptions:
             arrivals.take(content, *self._now())
         except (AttributeError, TypeError, ValueError) as error:  # of a type that rosbags does not know
             self._problem = f"{made or type(message).__name__} has no such field: {error}"
-
-
-def _quality(publishers: Sequence[Any]) -> QoSProfile:
-    """As much as all publishers of a topic offer."""
-    offered = [publisher.qos_profile for publisher in publishers]
-    reliable = all(each.reliability == ReliabilityPolicy.RELIABLE for each in offered)
-    latched = all(each.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in offered)
-    return keep_last(QUEUE, RELIABLE if reliable else BEST_EFFORT, latched=latched)

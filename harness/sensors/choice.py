@@ -11,13 +11,14 @@ from harness.sensors import table
 from harness.sensors.table import SensorRow
 from harness.spec.sensor import NONE, SensorChoice
 from harness.spec.value import made
+from rover_metrics.plugins import FILE
 
 RESERVED = ("clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics")
 
 
-def kinds() -> dict[str, SensorRow]:
-    """Returns the rows of the optional sensors, by their names in --sensors."""
-    return {str(row.fault): row for row in table.SENSORS if row.options is not None}
+def kinds() -> Mapping[str, SensorRow]:
+    """Returns the rows of the optional sensors that ship, by their names in --sensors."""
+    return table.OPTIONAL.shipped
 
 
 def by_default() -> tuple[SensorRow, ...]:
@@ -57,7 +58,7 @@ def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> dict[str, Mappi
     named: dict[str, Mapping[str, Any]] = {}
     for number, entry in enumerate(entries, 1):
         if (kind := entry.get("kind")) is None:
-            valid = ", ".join(kinds())
+            valid = ", ".join(table.OPTIONAL)
             raise UsageError(f"{where} [{number}]: key 'kind' is missing; give one of {valid}")
         name = str(entry.get("name", kind))
         if name in named:
@@ -75,15 +76,17 @@ def _asked(
         return name, {**listed[name], **preset}, f"{where}, '{name}'"
     if name == NONE:
         raise UsageError("--sensors none stands alone; leave out the others, or none")
-    find_named("sensor", name, dict.fromkeys((*listed, *kinds(), NONE)))
-    return name, {"kind": name, **preset}, f"--sensors {choice}"
+    if name not in table.OPTIONAL:
+        find_named("sensor", name, dict.fromkeys((*listed, *table.OPTIONAL, NONE)))
+    called = name if FILE not in name else str(table.OPTIONAL[name].fault)
+    return called, {"kind": name, **preset}, f"--sensors {choice}"
 
 
 def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
     """The row of a sensor as it is mounted on this rover."""
     values = {"name": name, **entry}
     try:
-        row = find_named("sensor", str(values.pop("kind")), kinds())
+        row = find_named("sensor", str(values.pop("kind")), table.OPTIONAL)
         assert row.options is not None  # noqa: S101 - `kinds` has no others
         preset = values.get("preset", "")
         if preset and row.options.presets:

@@ -26,6 +26,7 @@ from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
 from harness.sensors.optional import LIDAR_FRAME, SensorOptions
 from harness.sensors.ranging import RangeReading
+from rover_metrics.plugins import Table
 
 RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
@@ -62,7 +63,7 @@ class SensorRow:
     Attributes:
         sample: What it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
             `sensor` too.
-        factory: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
+        factory: The Sensor class, or "module:Class", which is loaded by whoever makes one.
         topics: Where the sample is published, in this order; options complete the names.
         rate: Samples a second of simulation time, of every rover or by rover [Hz], or of its options.
         frame: Frame of the messages' headers, of every rover or by rover, or of its options.
@@ -75,7 +76,7 @@ class SensorRow:
     """
 
     sample: type[Sample]
-    factory: str
+    factory: str | type[Sensor]
     topics: tuple[Topic, ...]
     rate: int | Callable[[RoverSpec], int] = 0
     frame: str | Callable[[RoverSpec], str] = ""
@@ -105,7 +106,7 @@ class SensorRow:
         Raises:
             UsageError: The period is no whole number of clock ticks.
         """
-        kind: Any = resolve_name(self.factory)
+        kind: Any = resolve_name(self.factory) if isinstance(self.factory, str) else self.factory
         made: Sensor | None = None
         if self.given is None:
             made = kind.of(parts, period_ticks(rate))
@@ -269,6 +270,19 @@ SENSORS: tuple[SensorRow, ...] = (
         summary="true heights of ground and obstacles around the rover, on a grid",
     ),
 )
+
+
+OPTIONAL = Table[SensorRow](
+    "sensors",
+    {str(row.fault): row for row in SENSORS if row.options is not None},
+    lambda value: isinstance(value, SensorRow) and None not in (value.options, value.fault),
+    "a harness.sensors.table.SensorRow with `options` and `fault`",
+)
+
+
+def row_of(sample: type[Sample]) -> SensorRow:
+    """Returns the first row that has this sample, whoever's it is."""
+    return next(row for row in (*SENSORS, *OPTIONAL.loaded().values()) if row.sample is sample)
 
 
 def by_fault_name(rows: Iterable[SensorRow] | None = None) -> dict[str, SensorRow]:

@@ -14,6 +14,7 @@ from pydantic import Field
 from harness.base.documents import read_mapping
 from harness.base.errors import find_named
 from harness.spec.value import Length, NotNegative, Share, Value, made
+from rover_metrics.plugins import Table
 
 SUFFIXES = (".yaml", ".yml")
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
@@ -123,7 +124,7 @@ class Soil(Value):
 
 
 LLL = "Land Locomotion Laboratory, in gz-terramechanics (unitsSpaceLab), soil_params.yaml"
-SOILS = {
+SHIPPED = {
     "dry_sand": Soil(
         summary="dry sand, fitted to 234 trials of single wheels",
         source="C. Pavlov, Carnegie Mellon University 2022: 3d-terramechanics; fit in docs/soil.md",
@@ -192,6 +193,7 @@ SOILS = {
         side_modulus=0.0,
     ),
 }
+SOILS = Table[Soil]("soils", SHIPPED, lambda value: isinstance(value, Soil), "a harness.soil.soils.Soil")
 
 
 def find_soil(name: str) -> Soil:

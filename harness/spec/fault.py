@@ -16,7 +16,7 @@ from rover_metrics.number import number
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 LONGEST = 1e8  # [s]: stamps have 31 bits of seconds
 _SPEC = re.compile(
-    r"(?P<sensor>[^:=@+]+):(?P<kind>[^:=@+]+)(?:=(?P<value>[^@]+))?"
+    r"(?P<sensor>[^:=@+]+):(?P<kind>(?:[^=@]+\.py:)?[^:=@+]+)(?:=(?P<value>[^@]+))?"
     r"(?:@(?P<start>[^+]+)(?:\+(?P<length>.+))?)?"
 )
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from harness.base.errors import UsageError
+from harness.spec.effect import FORM, EffectText
 from harness.spec.rover import namespace_of
 from harness.spec.value import Option, Value, checked, listed
 
@@ -68,6 +69,11 @@ class RosOptions(Value):
     wait_for: Annotated[
         tuple[str, ...], listed(), AfterValidator(checked(_check_nodes)), Option("NODE")
     ] = Field(default=(), description="keep lock-step with a node in another process; repeatable")
+    wait_for_topic: Annotated[tuple[EffectText, ...], listed(), Option("TOPIC[,...]")] = Field(
+        default=(),
+        description="let time go on only when this output has come for each /scan; of another input, or "
+        f"within other than 30 s: {FORM}; repeatable",
+    )
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
         Field(

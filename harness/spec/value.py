@@ -39,6 +39,7 @@ class Option:
     Attributes:
         metavar: What stands for its value in the help; "" for a switch.
         flag: Without the dashes; the field's own name if empty.
+        also: Further names of the flag, with their dashes, from before it was called so.
         bare: The value that the flag has without one; None if it needs one.
         many: Whether several values may stand behind the flag.
         choices: Names that are valid.
@@ -46,6 +47,7 @@ class Option:
 
     metavar: str
     flag: str = ""
+    also: tuple[str, ...] = ()
     bare: str | None = None
     many: bool = False
     choices: tuple[str, ...] = ()
@@ -256,11 +258,13 @@ def numbers(form: str, count: int, *, rest: float | None = None) -> BeforeValida
 
 
 def listed(separator: str = "") -> BeforeValidator:
-    """Returns a validator that takes one value for a list of one, or splits text at a separator."""
+    """Returns a validator that takes one value for a list of one, and splits text at a separator."""
 
     def convert(value: object) -> object:
-        if isinstance(value, str) and separator:
-            return tuple(word.strip() for word in value.split(separator))
-        return (value,) if isinstance(value, str) else as_tuple(value)
+        words = (value,) if isinstance(value, str) else as_tuple(value)
+        if not (separator and isinstance(words, tuple)):
+            return words
+        texts = ([w] if not isinstance(w, str) else w.split(separator) for w in words)
+        return tuple(w.strip() if isinstance(w, str) else w for text in texts for w in text)
 
     return BeforeValidator(convert)

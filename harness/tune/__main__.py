@@ -27,7 +27,7 @@ from harness.tune.episodes.sweep import sweep
 from harness.tune.output import print_studies, write_results
 from harness.tune.scoring.study import study
 from harness.workers import add_options, workers_of
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
@@ -68,7 +68,7 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:
-        print(f"harness.tune: {robot}: no value for {verdict.name}, {verdict.lack}", file=sys.stderr)
+        complain("harness.tune", f"{robot}: no value for {verdict.name}, {verdict.lack}")
     return 1 if lacks else 0
 
 

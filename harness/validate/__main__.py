@@ -20,12 +20,13 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
+from harness.base.files import check_target
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
 from harness.validate import pressing, single_wheel
 from harness.validate.realism import compare, print_comparison
 from harness.validate.suite import print_table, validate
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
@@ -46,6 +47,8 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         raise UsageError("--trials, --plot and --pressing need --rig")
     if options.plot and not options.trials:
         raise UsageError("--plot needs --trials, the measured points")
+    if options.plot:
+        check_target("--plot", options.plot, ".png")
     if options.pressing and options.trials:
         raise UsageError("--pressing and --trials are of two tests; give one of them")
     if options.rig:
@@ -53,7 +56,7 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         return 0
     misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
-        print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
+        complain("harness.validate", f"missed {'; '.join(misses)}")
     return 1 if misses else 0
 
 
@@ -142,7 +145,7 @@ def _parser() -> argparse.ArgumentParser:
         "--pressing",
         type=Path,
         metavar="FILE.csv",
-        help="of --rig: wheels that were pressed without turning, to be printed beside the soils",
+        help="of --rig: wheels that were pressed, not turned, to print beside the soils; default: none",
     )
     soils = ", ".join(SOILS)
     parser.add_argument(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from harness.base.documents import LARGEST_JSON, read_bytes
 from harness.base.errors import UsageError
+from harness.base.files import whole_file
 from harness.robots import RoverSpec
 from harness.robots.model import read_model
 from harness.soil.soils import Soil
@@ -192,7 +193,8 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
         each.grid(alpha=0.3)
     axes[0, 1].legend(title="slip angle", ncols=2)
     figure.suptitle("A wheel of 125 mm in soil: points measured, lines computed at their loads")
-    figure.savefig(path, dpi=90)
+    with whole_file(path) as part:
+        figure.savefig(part, dpi=90, format="png")
 
 
 def stall_table(soils: Mapping[str, Soil], rovers: Sequence[RoverSpec]) -> list[tuple[str, ...]]:

@@ -7,6 +7,7 @@ be chosen before MuJoCo is imported, and no run is to wait for its pictures.
 """
 
 import argparse
+import json
 import math
 import sys
 from collections.abc import Sequence
@@ -171,10 +172,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        if not options.recordings:
+        if options.wait:
             # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
             mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
-            return 0
+            print("ready", flush=True)
+            words = sys.stdin.readline()
+            options = _parser().parse_args(json.loads(words) if words else [])
         if options.picture is not None:
             _draw_picture(options.recordings, options.picture, lidar=options.lidar)
         if options.video is not None:
@@ -188,13 +191,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.view.picture",
-        description="Draws a recorded episode; without a recording, only tries out OpenGL.",
+        description="Draws a recorded episode.",
         epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
     )
     about = "states of a rover, as harness.view.states has them"
     parser.add_argument("recordings", type=Path, nargs="*", metavar="RECORDING", help=about)
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")
+    parser.add_argument(
+        "--wait", action="store_true", help="try out OpenGL, then read these words as JSON"
+    )
     parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")
     return parser
 

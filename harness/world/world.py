@@ -68,11 +68,12 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
     """Returns the world that these three values determine.
 
     Args:
-        name: One of harness.world.terrains.TERRAINS.
+        name: Of harness.world.terrains.TERRAINS, or FILE.py:CLASS.
         seed: 0 or more.
         difficulty: 0 (easiest) to 1 (hardest).
     """
-    terrain = TERRAINS[name].at_difficulty(difficulty)
+    kind = TERRAINS[name]
+    terrain, name = kind.at_difficulty(difficulty), kind.name
     # The name is in the seed, so that two terrains do not share their hills; the children are
     # independent of each other and of how much each one draws.
     ground_rng, obstacle_rng = np.random.default_rng([seed, *name.encode()]).spawn(2)

@@ -6,6 +6,7 @@ its work. Needs Python alone, since what is missing is reported from here.
 
 import argparse
 import gc
+import os
 import re
 import signal
 import sys
@@ -20,7 +21,8 @@ from rover_metrics.number import number, whole
 
 EXTRAS = {"av": "[video]", "rclpy": "[ros]", "sklearn": "[tune]"}  # by what they bring
 OWN = ("harness", "rover_metrics")
-SCRIPTS = "rover-"  # how the names of the installed commands begin
+SCRIPTS = ("rover-", "rover ")  # how the names of the installed commands begin: rover-run, rover run
+COMPLETED = "_ARGCOMPLETE"  # set while a shell completes a word: which of its words is the program
 
 
 def shown(text: str, most: int = 60) -> str:
@@ -113,7 +115,7 @@ def _told(name: str, error: BaseException) -> int | None:
     line = _known_line(error)
     if line is None:
         return None
-    print(f"{name}: {printable(line)}", file=sys.stderr)
+    complain(name, line)
     return getattr(error, "exit_code", KnownError.exit_code)
 
 
@@ -138,6 +140,31 @@ def printable(text: str) -> str:
 def counted(number: int, noun: str, more: str = "") -> str:
     """Returns a number of things, such as '1 log' and '2 logs', and what else is said of them."""
     return f"{number} {noun}{'' if number == 1 else 's'}{more}"
+
+
+def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
+    """Returns what to tell of a name that does not exist: the nearest that does, or all.
+
+    Args:
+        kind: What it is.
+        name: As it was given.
+        valid: All names that there are.
+    """
+    names = list(valid)
+    near = get_close_matches(name, names, 1)
+    hint = f"did you mean '{near[0]}'?" if near else f"available: {', '.join(names)}"
+    return f"{kind} '{name}' does not exist; {hint}"
+
+
+def called(name: str) -> str:
+    """Returns what a program was called: as typed if that is an installed command, else its name."""
+    typed = Path(sys.argv[0]).name
+    return typed.removesuffix(".exe") if typed.startswith(SCRIPTS) else name
+
+
+def complain(name: str, text: str) -> None:
+    """Prints one line on stderr that begins with what the program was called."""
+    print(f"{called(name)}: {printable(text)}", file=sys.stderr)
 
 
 def is_worth_a_line(before: int, now: int) -> bool:
@@ -187,9 +214,17 @@ class OneLineParser(argparse.ArgumentParser):
         self.register("type", int, whole)
         self.register("type", float, number)
         self._command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
-        typed = Path(sys.argv[0]).stem
-        if typed.startswith(SCRIPTS) and self.prog.startswith("python -m "):  # no parser of a verb
-            self.prog = typed
+        self._command = called(self._command)
+        if self.prog.startswith("python -m "):  # no parser of a verb
+            self.prog = called(self.prog)
+
+    def parse_args(self, *args: Any, **options: Any) -> Any:  # noqa: ANN401 - argparse's
+        """Parses as argparse does; while a shell completes a word, tells it the words and ends."""
+        if COMPLETED in os.environ:
+            from argcomplete import autocomplete  # noqa: PLC0415 - only shells need it
+
+            autocomplete(self)
+        return super().parse_args(*args, **options)
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
 LOG_PERIOD = 1.0  # seconds of ROS time
 KEEPS_ORDER = "handles everything, its rows included, in the order of its arrival"
+HOLDS = "; {} messages of each topic may wait"  # where it says so
+ROOM = 8  # for them: two less than the queues hold
 
 
 class MetricsNode(GuardedNode):
@@ -124,8 +126,12 @@ class MetricsNode(GuardedNode):
     def setup_subscribers(self) -> None:
         """Subscribes to the topics, relative to the node's namespace."""
         sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
+        self._simulated = bool(self.get_parameter("use_sim_time").value)
         self.topics = {
-            each: subscribe(self, each, partial(self.take, each), self.reception) for each in sources
+            each: subscribe(
+                self, each, partial(self.take, each), self.reception, newest_only=not self._simulated
+            )
+            for each in sources
         }
 
     def take(self, source: Source, message: Message) -> None:
@@ -240,7 +246,8 @@ class MetricsNode(GuardedNode):
     def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
         self.in_lock_step, response.success = request.data, True
-        response.message = KEEPS_ORDER if request.data and HAS_EVENTS_EXECUTOR else ""
+        room = HOLDS.format(ROOM) if self._simulated else ""
+        response.message = KEEPS_ORDER + room if request.data and HAS_EVENTS_EXECUTOR else ""
         return response
 
 

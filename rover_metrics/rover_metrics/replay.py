@@ -74,6 +74,8 @@ def _log(output: Path | None, bag: Path, columns: Sequence[str], *, overwrite: b
         with CsvLog(output or DEFAULT_LOG_DIR, datetime.now(), columns=columns) as log:
             yield log
         return
+    if output.exists() and not output.is_file():
+        raise LogError(f"{output} is no file; name another")
     if output.exists() and not overwrite:
         raise LogError(f"{output} exists already, not overwriting; name another file or --overwrite it")
     if output.exists() and output.samefile(bag):
@@ -127,8 +129,8 @@ def parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")
     parser.add_argument(
-        "-o",
-        "--output",
+        *("-o", "--csv", "--out", "--output"),
+        dest="output",
         type=Path,
         metavar="CSV",
         help=f"file, or folder for a metrics_log_*.csv; default: {DEFAULT_LOG_DIR}/",

@@ -25,7 +25,7 @@ from harness.episode.loop import Observer
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.spec.run import Run
-from harness.view.drawing import Drawing
+from harness.view.drawing import BESIDE, Drawing
 from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import PATIENCE, under_load, wait_until
 
@@ -176,7 +176,7 @@ class SlowDrawing(Drawing):
         if number := next(SlowDrawing.signals, None):
             signal.raise_signal(number)
 
-    def finish(self, show: Callable[[int, int], None]) -> list[Path]:
+    def finish(self, show: Callable[[int, int], None], _: Path = BESIDE) -> list[Path]:
         show(0, 1)
         if number := next(SlowDrawing.signals, None):
             signal.raise_signal(number)
@@ -186,9 +186,9 @@ class SlowDrawing(Drawing):
 @pytest.mark.parametrize(
     ("signals", "told", "not_told"),
     [
-        ([signal.SIGTERM], "nothing was drawn: stopped by SIGTERM", "drawn: drawn.mp4"),
-        ([signal.SIGINT], "drawn: drawn.mp4", "nothing was drawn"),
-        ([signal.SIGINT, signal.SIGINT], "Ctrl-C again leaves it out", "drawn: drawn.mp4"),
+        ([signal.SIGTERM], "nothing was drawn: stopped by SIGTERM", "video: drawn.mp4"),
+        ([signal.SIGINT], "video: drawn.mp4", "nothing was drawn"),
+        ([signal.SIGINT, signal.SIGINT], "Ctrl-C again leaves it out", "video: drawn.mp4"),
     ],
 )
 def test_who_stops_a_run_is_not_kept_waiting_by_its_video(

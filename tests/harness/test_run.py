@@ -1,16 +1,27 @@
 import csv
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from harness.base.errors import HarnessError
+from harness.base.errors import HarnessError, UsageError
 from harness.run import main
 from harness.world.terrains import TERRAINS
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 from tests.support.complaint import complaint
+
+
+def raises(error: Exception) -> Callable[..., None]:
+    """A function that raises an error."""
+
+    def function(*_: object) -> None:
+        raise error
+
+    return function
+
 
 QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
 
@@ -27,6 +38,27 @@ def test_direct_run_writes_csv_and_manifest(tmp_path: Path) -> None:
     assert manifest["outcome"] == {"status": "complete", "reason": None}
     assert manifest["rows"] == 2
     assert manifest["last_row"]["Timestamp"] == 2
+
+
+def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.view.drawing.artist", raises(UsageError("no OpenGL here")))
+    hit = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "20", "--out"]
+    assert main([*hit, str(tmp_path / "a")]) == 0
+    told = capsys.readouterr().out.splitlines()
+    (log,) = (tmp_path / "a").glob("*.csv")
+    assert {path.name for path in log.parent.iterdir()} == {
+        log.with_suffix(end).name for end in (".csv", ".json", ".html")
+    }
+    (wrong,) = (line.removeprefix("went wrong: ") for line in told if line.startswith("went wrong: "))
+    assert wrong.startswith("hit ")
+    assert f"<strong>H{wrong[1:]}</strong>" in log.with_suffix(".html").read_text()
+    assert told[-3:-1] == [f"page: {log.with_suffix('.html')}", "there is no picture: no OpenGL here"]
+    assert main([*hit, str(tmp_path / "b"), "--fail-on", "hazard"]) == 1
+    assert capsys.readouterr().err == f"harness.run: {wrong}\n"
+    (manifest,) = (tmp_path / "b").glob("*.json")
+    assert json.loads(manifest.read_text())["outcome"] == {"status": "failed", "reason": wrong}
 
 
 def test_a_run_with_people_has_a_social_log_and_drives_as_without(
@@ -102,6 +134,8 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
             ["--direct", "--actor", "g=random", "--social-log", "/nowhere/s.csv"],
             "there is no folder /nowhere",
         ),
+        (["--out", "a"], "--out is the folder of the log too; leave out --log-dir"),
+        (["--fail-on", "rain"], "--fail-on"),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
     ],
 )

@@ -30,8 +30,9 @@ from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.health.rejections import BELOW_LIMIT
 from rover_metrics.health.watches import STANDS_STILL
-from rover_metrics.metrics_node import KEEPS_ORDER, MetricsNode
+from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, ROOM, MetricsNode
 from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
+from rover_metrics.ros.subscriptions import QUEUE
 from rover_metrics.topics import SENSORS, TRUTH
 from tests.rover_metrics.conftest import Rig
 
@@ -85,8 +86,9 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) 
     assert node.rows >= 1
 
 
-def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig) -> None:
-    node = rig.start()
+@pytest.mark.parametrize("simulated", [True, False])
+def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, simulated: bool) -> None:
+    node = rig.start(use_sim_time=simulated)
     assert not node.in_lock_step
     client = rig.simulator.create_client(SetBool, "/metrics_node/lock_step")
     rig.spin_until(client.service_is_ready)
@@ -94,7 +96,11 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig) -> None:
         future = client.call_async(SetBool.Request(data=waits))
         rig.spin_until(future.done)
         assert (future.result().success, node.in_lock_step) == (True, waits)
-        assert (future.result().message == KEEPS_ORDER) is (waits and HAS_EVENTS_EXECUTOR)
+        promise = KEEPS_ORDER + (HOLDS.format(ROOM) if simulated else "")
+        assert future.result().message == (promise if waits and HAS_EVENTS_EXECUTOR else "")
+    depths = [each.qos_profile.depth for each in node.subscriptions if each.topic_name in node.received]
+    assert min(depths) == (QUEUE if simulated else 1)
+    assert QUEUE > ROOM + 1
 
 
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason="no simulator waits for a node without it")

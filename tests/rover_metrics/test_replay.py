@@ -1,6 +1,7 @@
 """Recordings of every kind, whole and damaged, through the command replay. No ROS."""
 
 import csv
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -300,9 +301,10 @@ def test_existing_file_is_replaced_only_on_request(tmp_path: Path, capsys: Capsy
     assert main([str(bag), "-o", str(output), "--overwrite"]) == 0
     assert output.read_text().startswith("Timestamp,")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bag.mcap", "rows.csv"]
-    assert "is the recording itself" in complaint(
-        main, [str(bag), "-o", str(bag), "--overwrite"], capsys
-    )
+    os.mkfifo(pipe := tmp_path / "a.csv")
+    for wrong, told in ((bag, "is the recording itself"), (pipe, "is no file; name another")):
+        assert told in complaint(main, [str(bag), "-o", str(wrong), "--overwrite"], capsys)
+    assert pipe.is_fifo()
 
 
 def test_without_a_name_the_log_goes_where_the_nodes_go(

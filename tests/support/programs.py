@@ -3,8 +3,6 @@
 import argparse
 from collections.abc import Callable
 
-import tomllib
-
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
 from harness import call, check, robot, topics
@@ -16,7 +14,6 @@ from harness.tune import __main__ as tune
 from harness.validate import __main__ as validate
 from rover_metrics import dictionary, replay, social
 from rover_metrics.analysis import options as analyze
-from tests.support.documents import ROOT
 
 PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.run": run_parser,
@@ -35,7 +32,6 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "benchmarks": benchmarks._parser,
     "benchmarks.soak": soak._parser,
 }
-SCRIPTS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
 
 
 def module_of(words: list[str]) -> tuple[str, list[str]]:
@@ -43,6 +39,7 @@ def module_of(words: list[str]) -> tuple[str, list[str]]:
     if words[:2] == ["python", "-m"]:
         return words[2], words[3:]
     if words[0].startswith("rover-"):
-        script = getattr(programs, SCRIPTS[words[0]].rpartition(":")[2])
-        return script.args[0].removesuffix(".__main__"), words[1:]
+        words = ["rover", words[0].removeprefix("rover-"), *words[1:]]
+    if words[0] == "rover":
+        return programs.PROGRAMS[words[1]].module.removesuffix(".__main__"), words[2:]
     return "", words

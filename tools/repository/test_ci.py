@@ -119,7 +119,7 @@ def test_the_container_installs_the_wheel_and_compiles_what_it_casts_rays_with(f
 
 
 PACKAGE = "rover_metrics\trover_metrics\t(ros.ament_python)"
-VERBS = ("test", "test-jazzy", "test-cluster", "docs", "dist", "smoke")
+VERBS = ("test", "test-jazzy", "test-cluster", "test-clients", "docs", "dist", "smoke")
 
 
 @pytest.mark.parametrize(

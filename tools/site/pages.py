@@ -31,6 +31,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
             "fleets.md",
             "sensors.md",
             "worlds.md",
+            "extend.md",
             "social.md",
         ),
         *("gym.md", "driving.md", "looking.md", "ros.md"),

@@ -10,6 +10,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
+from harness.robots.spec import GRAVITY
 from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
@@ -19,7 +20,6 @@ from harness.world.solid import Color, Solid
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000
 EARTH = "0 0 -9.8"  # SDF's default
-LARGEST_GRAVITY = 100.0  # [m/s^2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,10 +121,10 @@ class _Reading:
         if root.findall("world")[1:]:
             self._left_out("all worlds of the file but the first")
         gravity = numbers(text_of(world, "gravity", EARTH), 3, "gravity")
-        if gravity[0] or gravity[1] or not -LARGEST_GRAVITY <= gravity[2] < 0.0:
+        if gravity[0] or gravity[1] or not GRAVITY[0] <= -gravity[2] <= GRAVITY[1]:
             raise UsageError(
-                f"{path}: gravity {gravity} is not straight down, or more than {LARGEST_GRAVITY:g} "
-                "m/s^2; rovers drive on nothing else"
+                f"{path}: gravity {gravity} is not straight down, or not {GRAVITY[0]:g} to "
+                f"{GRAVITY[1]:g} m/s^2; rovers drive on nothing else"
             )
         self._document.gravity = -gravity[2]
         self._scope(world, Frames("world"), place)

@@ -6,7 +6,7 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from harness.base.documents import read_bytes
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, how_many
 from rover_metrics.number import number
 
 MOST_BYTES = 64 * 2**20
@@ -85,5 +85,5 @@ def numbers(text: str, count: int, name: str) -> tuple[float, ...]:
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):
         shown = " ".join(words)[:60]
-        raise UsageError(f"{name} '{shown}' is not valid; give {count} finite numbers")
+        raise UsageError(f"{name} '{shown}' is not valid; give {how_many(count, 'finite number')}")
     return values

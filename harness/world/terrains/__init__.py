@@ -6,9 +6,13 @@ from harness.world.terrains.marsyard import Marsyard
 from harness.world.terrains.maze import Maze
 from harness.world.terrains.posts import Posts
 from harness.world.terrains.rocky import Rocky
+from rover_metrics.plugins import Table
 
-TERRAINS: dict[str, type[Terrain]] = {
-    terrain.name: terrain
-    for terrain in (Flat, Slope, Rolling, Gravel, Rocky, Washboard, Dunes, Posts, Maze, Marsyard)
-}
-WITH_HAZARDS = tuple(name for name, terrain in TERRAINS.items() if terrain.has_hazards)
+SHIPPED = (Flat, Slope, Rolling, Gravel, Rocky, Washboard, Dunes, Posts, Maze, Marsyard)
+TERRAINS = Table[type[Terrain]](
+    "terrains",
+    {terrain.name: terrain for terrain in SHIPPED},
+    lambda value: isinstance(value, type) and issubclass(value, Terrain),
+    "a subclass of harness.world.terrain.Terrain",
+)
+WITH_HAZARDS = tuple(name for name, terrain in TERRAINS.shipped.items() if terrain.has_hazards)

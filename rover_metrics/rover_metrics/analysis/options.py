@@ -22,7 +22,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     Words that make no sense end the program: one line that names the valid choices, exit code 2.
     """
     parser = _parser()
-    options = parser.parse_args(arguments)
+    options: argparse.Namespace = parser.parse_args(arguments)
     if options.plots is None:
         options.plots = ["comparison" if ALL in map(str.casefold, options.metrics) else "time_series"]
     if options.fixed_interval is None:
@@ -122,7 +122,17 @@ def _add_comparison(parser: argparse.ArgumentParser) -> None:
 def _add_output(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     folder = "folder for whatever is written; default: output"
-    add("-o", "--output", "--output-dir", type=Path, default=Path("output"), metavar="DIR", help=folder)
+    add(
+        "-o",
+        "--out",
+        "--output",
+        "--output-dir",
+        dest="output",
+        type=Path,
+        default=Path("output"),
+        metavar="DIR",
+        help=folder,
+    )
     add("--csv", action="store_true", help="write every number to CSV files in the output folder")
     add("--latex", action="store_true", help="write the tables for LaTeX (booktabs) there, one a file")
     add("--json", action="store_true", help="print JSON instead of tables")

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from rover_metrics.core.columns import COLUMNS, Column, Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.rotation import Quaternion, Vector3
+from rover_metrics.errors import ParameterError, unknown
+from rover_metrics.extended.further import FURTHER, Columns
 from rover_metrics.extended.imu_columns import ImuColumns
 from rover_metrics.extended.scan_columns import ScanColumns
 from rover_metrics.extended.settings import ExtendedSettings
@@ -29,6 +31,12 @@ def extended_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
     )
 
 
+def _further(name: str) -> type[Columns]:
+    if name not in FURTHER:
+        raise ParameterError(f"columns: {unknown('plug-in', name, FURTHER)} (docs/extend.md)")
+    return FURTHER[name]
+
+
 EXTENDED_COLUMNS = extended_columns(WHEELS)
 EXTENDED_HEADER: tuple[str, ...] = (*COLUMNS, *(column.header for column in EXTENDED_COLUMNS))
 
@@ -46,7 +54,10 @@ class ExtendedMetrics:
 
     def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings) -> None:
         self.truth = TruthColumns(settings.wheel_names)
-        self._headers = tuple(column.header for column in extended_columns(settings.wheel_names))
+        self._further = [_further(name)(settings) for name in settings.column_names]
+        own = extended_columns(settings.wheel_names)
+        columns = (*own, *(column for each in self._further for column in each.COLUMNS))
+        self._headers = tuple(column.header for column in columns)
         self.header = (*COLUMNS, *self._headers)
         self._metrics = metrics
         self._travel = TravelColumns()
@@ -66,6 +77,8 @@ class ExtendedMetrics:
         self._traffic.add(SCAN, stamp_ns, used=True)
         collides = used and self._metrics.clearance < self._metrics.thresholds.collision_threshold
         self._scans.add(stamp_ns, ranges, angles, collides=collides)
+        for each in self._further:
+            each.add_scan(stamp_ns, ranges, angles)
 
     def add_imu(
         self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None, *, used: bool
@@ -76,18 +89,24 @@ class ExtendedMetrics:
             self._imu.add(stamp_ns, acceleration, orientation)
             threshold = self._metrics.thresholds.rough_terrain_threshold
             self._travel.add_imu(stamp_ns, is_rough=math.hypot(*acceleration) > threshold)
+            for each in self._further:
+                each.add_imu(stamp_ns, acceleration, orientation)
 
     def add_pose(self, stamp_ns: int, position: Vector3 | None, *, used: bool) -> None:
         """Takes a true position in the world [m]; None for an array without one."""
         self._traffic.add(POSE, stamp_ns, used=used)
         if used and position is not None:
             self._travel.add_pose(stamp_ns, position, self._metrics.thresholds.distance_threshold)
+            for each in self._further:
+                each.add_pose(stamp_ns, position)
 
     def add_odometry(self, stamp_ns: int, velocity: Vector3, *, used: bool) -> None:
         """Takes the linear velocity by the wheels, in the base frame [m/s]."""
         self._traffic.add(ODOMETRY, stamp_ns, used=used)
         if used:
             self._travel.add_odometry(stamp_ns, math.hypot(*velocity))
+            for each in self._further:
+                each.add_odometry(stamp_ns, velocity)
 
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> Row:
         """Returns the row of the session so far, and of what there was since the row before.
@@ -100,6 +119,7 @@ class ExtendedMetrics:
             *self._imu.cells(),
             *self._traffic.cells(now_ns, reported_lost),
             *self.truth.cells(),
+            *(cell for each in self._further for cell in each.cells()),
         )
         twelve = self._metrics.row(now_ns // NANOSECONDS)
         return replace(twelve, extended=dict(zip(self._headers, cells, strict=True)))

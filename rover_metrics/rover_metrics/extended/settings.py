@@ -71,12 +71,25 @@ class ExtendedSettings:
         read_only=True,
     )
 
+    columns: str = parameter(
+        "",
+        "names of further columns, of plug-ins or as FILE.py:CLASS (docs/extend.md), after the extended "
+        "ones; fixed once the node runs",
+        valid="names of plug-ins with commas between them",
+        read_only=True,
+    )
+
     def __post_init__(self) -> None:
         require_ranges(self)
         names = self.wheel_names
         if not all(map(_WHEEL.fullmatch, names)) or len(set(names)) < len(names):
             valid = parameters_of(ExtendedSettings)["wheels"].constraint
             raise ParameterError(f"parameter wheels must be {valid}; '{self.wheels}' is not")
+
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """The further columns, in their order."""
+        return tuple(filter(None, self.columns.split(",")))
 
     @property
     def wheel_names(self) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from rclpy.qos import (
 )
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.ros.decoding import READERS, decoded
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
 from rover_metrics.topics import SENSORS, TRUTH, Message, Source
 
@@ -28,6 +29,9 @@ _MESSAGES = {
     source.message_type: resolve_name(source.message_type.replace("/msg/", ".msg:"))
     for source in (*SENSORS, *TRUTH)
 }
+
+
+QUEUE = 10  # messages that wait
 
 
 def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False) -> QoSProfile:
@@ -47,7 +51,12 @@ def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False)
 
 
 def subscribe(
-    node: Node, source: Source, callback: Callable[[Message], None], reception: Reception
+    node: Node,
+    source: Source,
+    callback: Callable[[Message], None],
+    reception: Reception,
+    *,
+    newest_only: bool = True,
 ) -> str:
     """Subscribes, opens the topic's account and returns the topic's resolved name.
 
@@ -57,14 +66,22 @@ def subscribe(
             standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Counts messages that were lost and publishers that are not heard.
+        newest_only: Whether of a topic that is best effort only the newest message waits; in simulation
+            time none has to be left out.
     """
     name = source.name.lstrip("/")
     topic: str = node.resolve_topic_name(name)
     wished = BEST_EFFORT if source.best_effort else RELIABLE
     parameter, reliability = declare_reliability(node, topic, wished)
-    qos = keep_last(1 if source.best_effort else 10, reliability)
+    qos = keep_last(1 if source.best_effort and newest_only else QUEUE, reliability)
     reception.listen(topic, may_be_missing=source.is_truth)
     message_type = _MESSAGES[source.message_type]
+    is_raw = source.message_type in READERS
+
+    def hear(data: bytes) -> None:
+        callback(decoded(source.message_type, message_type, data))
+
+    handler = hear if is_raw else callback
     events = SubscriptionEventCallbacks(
         incompatible_qos=lambda event: reception.remark(
             topic, NOT_HEARD, detail=_mend(event, reliability, parameter)
@@ -72,9 +89,9 @@ def subscribe(
         message_lost=lambda event: reception.remark(topic, LOST, event.total_count_change),
     )
     try:
-        node.create_subscription(message_type, name, callback, qos, event_callbacks=events)
+        node.create_subscription(message_type, name, handler, qos, raw=is_raw, event_callbacks=events)
     except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
-        node.create_subscription(message_type, name, callback, qos)
+        node.create_subscription(message_type, name, handler, qos, raw=is_raw)
     return topic
 
 

@@ -8,13 +8,15 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
+from harness.cli.files import Files
 from harness.cli.flags import flags_of
 from harness.cli.options import RunOptions, parse_run, with_name
-from harness.cli.run_parser import DEFAULT_LOG_DIR, Files, run_parser
+from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
 from harness.episode.metrics_feed import extended_settings
 from harness.spec import Run
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.run import PARTS
+from harness.view.drawing import BESIDE
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -88,7 +90,12 @@ def test_every_word_about_the_run_reaches_it() -> None:
         ("--record a.mcap --overwrite", "ros.overwrite", True),
         ("--log-dir logs", "ros.log_dir", Path("logs")),
         ("--direct --driver goal --goal-area 0,1,0,1", "direct", True),
-        ("--report a.html", "files.report", Path("a.html")),
+        ("--page a.html", "files.page", Path("a.html")),
+        ("--report a.html", "files.page", Path("a.html")),  # as it was called
+        ("--page", "files.page", BESIDE),
+        ("--out a --picture b.png", "files", Files(out=Path("a"), page=BESIDE, picture=Path("b.png"))),
+        ("--out a", "ros.log_dir", Path("a")),
+        ("--fail-on hazard,tipped_over", "files.fail_on", ("hazard", "tipped_over")),
         ("--video a.mp4", "files.video", Path("a.mp4")),
         ("--actor a=random --social-log s.csv", "files.social_log", Path("s.csv")),
         ("--namespace rover1", "ros.ros_args", ("--ros-args", "-r", "__ns:=/rover1", "--")),

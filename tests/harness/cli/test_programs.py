@@ -2,9 +2,10 @@
 
 import ast
 import importlib
+import os
 import re
+import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -28,11 +29,8 @@ WITHOUT = {
 def module_of(script: str) -> str:
     """Where the command of a script is, by what it would start."""
     place, _, name = OURS[script].partition(":")
-    started = getattr(importlib.import_module(place), name)
-    assert isinstance(started, partial)
-    assert started.func is programs.start
-    module: str = started.args[0]
-    return module
+    assert place == programs.__name__
+    return programs.PROGRAMS[name].module
 
 
 def runnable() -> set[str]:
@@ -65,18 +63,52 @@ def test_a_script_starts_its_module_under_its_own_name(
     assert re.search(rf'(begin|run)_program\("{re.escape(begun[0])}"', source)
 
 
-def test_a_mistake_is_told_under_the_modules_name(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_every_command_has_a_script() -> None:
+    assert {f"rover-{verb}" for verb in programs.PROGRAMS} == OURS.keys()
+
+
+@pytest.mark.parametrize(
+    ("typed", "told"),
+    [
+        ("rover-call --no-such-option", "rover-call: unrecognized arguments: --no-such-option;"),
+        ("rover call --no-such-option", "rover call: unrecognized arguments: --no-such-option;"),
+        ("rover run --robot r2d2", "rover run: robot 'r2d2' does not exist; available: "),
+        ("rover rnu", "rover: command 'rnu' does not exist; did you mean 'run'?"),
+    ],
+)
+def test_a_mistake_is_told_under_the_name_that_was_typed(
+    typed: str, told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(programs, "begin_program", lambda _: None)
-    monkeypatch.setattr(sys, "argv", ["rover-call", "--no-such-option"])
-    with pytest.raises(SystemExit) as left:
-        programs.call()
-    assert left.value.code == 2
-    assert capsys.readouterr().err.startswith("harness.call: unrecognized arguments: --no-such-option;")
+    monkeypatch.setattr(sys, "argv", typed.split())
+    try:
+        code: object = programs.call() if typed.startswith("rover-") else programs.rover()
+    except SystemExit as left:
+        code = left.code
+    assert code == 2
+    assert capsys.readouterr().err.startswith(told)
+
+
+def completed(line: str) -> list[str]:
+    """What a shell is offered for a line, as argcomplete's shell code asks for it."""
+    surroundings = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1"}
+    more = {"COMP_TYPE": "9", "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": "/dev/stdout"}
+    words = [sys.executable, "-c", "from harness.cli.programs import rover; rover()"]
+    told = subprocess.run(
+        words, env=os.environ | surroundings | more, stdout=subprocess.PIPE, check=True
+    )
+    return told.stdout.decode().split("\n")
+
+
+def test_a_shell_completes_commands_and_their_options() -> None:
+    assert [word.strip() for word in completed("rover va")] == ["validate"]
+    assert "--terrain" in completed("rover run --te")
+    assert set(completed("rover run --odom-tf ")) == {"ground_truth", "wheels", "none"}
 
 
 def test_nothing_is_loaded_before_a_program_is_ready() -> None:
     tree = ast.parse(Path(programs.__file__).read_text())
     loaded = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    assert loaded == {"functools", "harness.cli.edge"}
+    assert loaded - {"functools", "typing", "argcomplete.shell_integration"} == {
+        *("harness.base.version", "harness.cli.edge", "rover_metrics.errors")
+    }

@@ -56,7 +56,13 @@ def outcome(folder: Path) -> str:
     return "" if ended is None else str(ended["status"])
 
 
-def test_progress_is_shown_after_every_batch_and_the_log_is_marked_from_its_beginning(
+@pytest.fixture(autouse=True)
+def every_batch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shows the result of each, however fast they come."""
+    monkeypatch.setattr("harness.episode.result.SHOWN_EVERY", 0.0)
+
+
+def test_progress_is_shown_as_it_comes_and_the_log_is_marked_from_its_beginning(
     tmp_path: Path,
 ) -> None:
     shown: list[RunResult] = []

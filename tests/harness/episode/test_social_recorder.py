@@ -1,6 +1,7 @@
 """The social log of a run, against where rover and people were by the episode's own truth."""
 
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -72,10 +73,13 @@ def test_a_log_of_that_name_is_replaced_on_request_with_the_first_row(tmp_path: 
 
 
 def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
-    for name, told in (("log.txt", "does not end in .csv"), ("there.csv", "exists already")):
-        (tmp_path / "there.csv").touch()
+    (tmp_path / "there.csv").touch()
+    os.mkfifo(tmp_path / "pipe.csv")
+    wrong = {"log.txt": "does not end in .csv", "there.csv": "exists already", "pipe.csv": "is no file"}
+    for name, told in wrong.items():
+        overwrite = name == "pipe.csv"
         with pytest.raises(UsageError, match=told):
-            SocialRecorder(("a_actor", "b_actor"), tmp_path / name, tmp_path)
+            SocialRecorder(("a_actor", "b_actor"), tmp_path / name, tmp_path, overwrite=overwrite)
     log = SocialRecorder(("a_actor", "b_actor"), None, tmp_path / "there.csv")
     with pytest.raises(RunFailed, match="the social log: cannot create a log"):
         log.take(batch(1, 0.0))

@@ -250,7 +250,7 @@ WRONG_OPTIONS = [
     ({"terrain": ["flat", "mars"]}, "available: flat, "),
     ({"terrain": []}, "give at least 1"),
     ({"terrain": "a.sdf", "mesh_unit": "league"}, "mesh unit 'league' does not exist; available: m, "),
-    ({"robot": "curiosity"}, "available: leo"),
+    ({"robot": "curiosity"}, "available: "),
     ({"colour": 1}, "key 'colour' does not exist"),
     ({"difficulty": (0.8, 0.2)}, "give two numbers, the lower first"),
     ({"difficulty": [0.5, 1.5]}, "give 0 to 1"),

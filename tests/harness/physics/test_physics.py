@@ -49,6 +49,14 @@ def touches(simulation: Simulation, of: set[int], others: set[int]) -> list[floa
     return forces
 
 
+def test_models_of_other_options_are_joined_without_a_word(
+    capfd: pytest.CaptureFixture[str], recwarn: pytest.WarningsRecorder
+) -> None:
+    build_scenes(WORLD, FLEET, 0.005)
+    assert not recwarn.list
+    assert capfd.readouterr() == ("", "")
+
+
 def test_the_first_rover_is_the_model_of_a_single_one(pair: tuple[Simulation, Simulation]) -> None:
     """And what belongs to the second stands behind it, under names of its own."""
     alone = build_scene(WORLD, LEO, TIMESTEP_NS / 1e9).model

@@ -9,7 +9,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.ros.lock_step import CLOCKS, RemoteNodes
-from rover_metrics.metrics_node import KEEPS_ORDER
+from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER
 from rover_metrics.ros.guarded_node import CLOCK_QOS
 from tests.support.remote_nodes import Rig
 
@@ -111,9 +111,28 @@ def test_before_a_second_message_of_a_topic_its_queue_is_known_to_be_empty(rig: 
 
 def test_no_more_times_wait_for_a_node_than_its_queue_holds(rig: Rig) -> None:
     nodes = nodes_of(rig, "/a", keep_order="/a")
+    rig.bridge.executor.spin_once = lambda **_: None  # it is busy: no answer has come yet
+    began = rig.now
     for tick in range(CLOCKS):
         nodes.wait_for_clock(tick)
-    assert rig.asked_now() == []
+        assert rig.asked_now() == ["/a"] * (2 * (tick + 1) == CLOCKS)
+    assert rig.now == began
     nodes.wait_for_clock(CLOCKS)
-    assert rig.asked_now() == ["/a"]
+    assert (rig.asked_now(), rig.now > began) == ([], True)
     assert CLOCK_QOS.depth > CLOCKS + 1
+
+
+@pytest.mark.parametrize(("said", "holds"), [("", 1), (HOLDS.format(4), 4), (" or not", 0)])
+def test_as_many_messages_wait_as_a_node_says_that_its_queues_hold(
+    rig: Rig, said: str, holds: int
+) -> None:
+    rig.promise = KEEPS_ORDER + said
+    subject = rig.node("/a")
+    nodes = RemoteNodes([subject], rig.bridge)
+    assert subject.keeps_order == (holds > 0)
+    for number in range(1, 3 * holds):
+        rig.readers, rig.matched = [("/", "a")], 1
+        began = rig.now
+        nodes.make_room([rig.scan])
+        assert (rig.now > began) == (number > holds and (number - 1) % holds == 0)
+        nodes.wait_for_samples([rig.scan])

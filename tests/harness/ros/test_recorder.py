@@ -26,7 +26,8 @@ from harness.base.errors import RunFailed, UsageError
 from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.recorder import Recorder, full_definition, padding_of
+from harness.ros.cdr import padding_of
+from harness.ros.recorder import Recorder, full_definition
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 from tests.support.ros import Ros
@@ -220,18 +221,20 @@ def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
             status = Status(Level.WARN, name, message, (("key", "1.5"),))
             metrics.publish(0, lambda status=status: [status])  # type: ignore[misc]
         bridge.commands.receive("twist", Twist(linear=Vector3(x=0.25)))
+        bridge.stop_recording()
+        bridge.commands.receive("twist", Twist())
+        publish(bridge, 1)
     assert told == []
     store = get_typestore(Stores.LATEST)
     with AnyReader([tmp_path / "bag.mcap"]) as bag:
-        found = [(c.topic, t, c.msgtype, d) for c, t, d in bag.messages() if c.topic not in TOPICS]
+        everything = [(c.topic, t, c.msgtype, d) for c, t, d in bag.messages()]
+    found = [each for each in everything if each[0] not in TOPICS]
+    assert len(everything) == len(found) + len(TOPICS)  # nothing from behind `stop_recording`
     assert [(topic, time_ns) for topic, time_ns, _, _ in found] == [
         ("/rover/metrics", STEP_NS),
         ("/rover/metrics", STEP_NS),
         ("/cmd_vel", STEP_NS),
     ]
-    bridge.stop_recording()
-    assert [channel.record for channel in bridge.channels] == [None] * len(bridge.channels)
-    bridge.commands.receive("twist", Twist())  # into a file that is closed
     first, second, command = (store.deserialize_cdr(data, kind) for _, _, kind, data in found)
     assert [(m.status[0].name, m.status[0].message) for m in (first, second)] == [  # type: ignore[attr-defined]
         (f"harness: {name}", message) for name, message in names

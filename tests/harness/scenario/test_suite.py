@@ -225,7 +225,7 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
         (["--only", "terrain=a=b"], "no run has terrain=a=b"),
         (["--jobs", "0"], "0 jobs are not valid"),
         (["--junit", "."], "--junit . is a folder"),
-        (["--html", "no/a.html"], "create it first"),
+        (["--page", "no/a.html"], "create it first"),
     ],
 )
 def test_a_wrong_word_is_one_line_with_the_mend(

@@ -99,7 +99,7 @@ def test_all_but_the_truth_can_have_faults_and_every_factory_is_where_the_table_
     assert {topic.message_type for topic in topics} <= set(typestore().fielddefs)
     assert [topic.name for topic in topics if topic.best_effort] == ["rover/pose_array"]
     assert {topic.name: topic.depth for topic in topics if topic.depth != 10} == {"tf": 100}
-    for module, _, name in (row.factory.partition(":") for row in SENSORS):
+    for module, _, name in (str(row.factory).partition(":") for row in SENSORS):
         assert issubclass(getattr(import_module(module), name), Sensor)
 
 

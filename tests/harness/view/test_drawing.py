@@ -10,7 +10,7 @@ from PIL import Image
 
 from harness.base.errors import UsageError
 from harness.run import main
-from harness.view import drawing
+from harness.view import artist
 from harness.view.drawing import Drawing
 
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
@@ -58,17 +58,16 @@ def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
 ) -> None:
     av = pytest.importorskip("av", reason="the extra [video] is not installed")
     try:
-        found = drawing._working_environment("")
+        artist.artist("").__exit__()
     except UsageError as error:
         pytest.skip(str(error))
-    monkeypatch.setattr(drawing, "_working_environment", lambda _: found)
-    monkeypatch.setattr(drawing, "PROGRAM", (sys.executable, "-c", COARSE))
+    monkeypatch.setattr(artist, "PROGRAM", (sys.executable, "-c", COARSE, "--wait"))
     shown: list[tuple[int, int]] = []
     finish = Drawing.finish
 
-    def told(one: Drawing, show: Callable[[int, int], None]) -> list[Path]:
+    def told(one: Drawing, show: Callable[[int, int], None], beside: Path) -> list[Path]:
         show(0, 1)  # what the bar takes
-        return finish(one, lambda done, total: shown.append((done, total)))
+        return finish(one, lambda done, total: shown.append((done, total)), beside)
 
     monkeypatch.setattr(Drawing, "finish", told)
     words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "4", "--log-dir"]

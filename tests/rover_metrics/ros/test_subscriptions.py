@@ -58,7 +58,8 @@ class Subscriber:
     def declare_parameter(self, _: str, default: str, __: object) -> SimpleNamespace:
         return SimpleNamespace(value=default)
 
-    def create_subscription(self, *asked: object, event_callbacks: Any = None) -> None:  # noqa: ANN401
+    def create_subscription(self, *asked: object, raw: bool, event_callbacks: Any = None) -> None:  # noqa: ANN401
+        assert raw
         self.asked = asked
         if event_callbacks is not None and event_callbacks.message_lost and not self.tells_lost:
             raise UnsupportedEventTypeError

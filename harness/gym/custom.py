@@ -1,0 +1,160 @@
+"""Rewards, endings and observations of one's own: what their functions are given, and their tables."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike, NDArray
+
+from harness.base.errors import UsageError, find_named
+from harness.gym.observation import Part
+from rover_metrics.core import rotation
+from rover_metrics.plugins import Table
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from harness.gym.driven_rover import DrivenRover
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepTruth:
+    """What only the simulator knows after a step of 0.05 s.
+
+    Attributes:
+        time_s: Since the episode began [s].
+        position: Of the rover's model frame in the world [m].
+        yaw: Heading in the world [rad].
+        tilt: Angle between the rover's and the world's vertical [rad].
+        speed: Forwards [m/s].
+        goal: Where to drive: x, y in the world [m].
+        distance: To the goal, in the plane [m].
+        progress: By how much nearer it has come in this step [m].
+        hazard_s: Contact with hazards in this step [s].
+        scrape_s: Contact of anything but wheels with the ground in this step [s].
+        ending: Why the episode ends by the environment's own rules; "" if it does not.
+    """
+
+    time_s: float
+    position: tuple[float, float, float]
+    yaw: float
+    tilt: float
+    speed: float
+    goal: tuple[float, float]
+    distance: float
+    progress: float
+    hazard_s: float
+    scrape_s: float
+    ending: str
+
+
+RewardFn = Callable[[StepTruth, "NDArray[np.float32]"], Mapping[str, float]]
+TerminateFn = Callable[[StepTruth], bool]
+OWN = "own"  # what an ending and an observation of no name are called
+
+
+@dataclass(frozen=True)
+class Sight:
+    """An entry of the observation of somebody's own.
+
+    Attributes:
+        low, high: Smallest and largest value of each number.
+        of: The numbers after a step.
+    """
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    of: Callable[[StepTruth], ArrayLike]
+
+    def part(self, name: str) -> Part:
+        """Returns what the space of observations has of it."""
+        return Part(self.low, self.high, f"observed by {name}")
+
+
+REWARDS = Table[RewardFn]("rewards", {}, callable, "a function (truth, action) -> terms by name")
+OBSERVATIONS = Table[Sight](
+    "observations", {}, lambda value: isinstance(value, Sight), "a harness.gym.custom.Sight"
+)
+
+
+def truth_of(
+    driven: "DrivenRover", goal: tuple[float, float], time_s: float, before: float, ending: str
+) -> StepTruth:
+    """Returns the truth after a step.
+
+    Args:
+        driven: The rover.
+        goal: Where it drives [m].
+        time_s: Since the episode began [s].
+        before: The distance to the goal before the step [m].
+        ending: Why the episode ends by the environment's own rules; "" if it does not.
+    """
+    simulation = driven.simulation
+    x, y, z = simulation.position
+    distance = math.dist(goal, (x, y))
+    return StepTruth(
+        time_s=time_s,
+        position=(x, y, z),
+        yaw=rotation.yaw(simulation.orientation),
+        tilt=math.acos(max(-1.0, min(1.0, driven.upright))),
+        speed=float(simulation.velocity[0]),
+        goal=goal,
+        distance=distance,
+        progress=before - distance,
+        hazard_s=driven.hazard_s,
+        scrape_s=driven.scrape_s,
+        ending=ending,
+    )
+
+
+@dataclass(frozen=True)
+class Own:
+    """What a user makes of the steps of an environment.
+
+    Attributes:
+        reward: Gives the terms of the reward instead of the environment; None leaves it.
+        terminate: Whether the episode ends; None adds no ending.
+        sights: Further entries of the observation, by name.
+    """
+
+    reward: RewardFn | None
+    terminate: TerminateFn | None
+    sights: Mapping[str, Sight]
+
+    @property
+    def needs_truth(self) -> bool:
+        """Whether a step has to be looked at."""
+        return bool(self.reward or self.terminate or self.sights)
+
+    def seen(self, truth: StepTruth) -> dict[str, ArrayLike]:
+        """Returns the further entries of the observation."""
+        return {name: sight.of(truth) for name, sight in self.sights.items()}
+
+
+def own_of(reward: object, terminate: object, observe: object) -> Own:
+    """Returns what is asked for by values, or by the names of plug-ins or FILE.py:NAME.
+
+    Raises:
+        UsageError: There is no such plug-in, or a value is not what it should be.
+    """
+    sights = {} if observe is None else {_short(observe): _named("observe_fn", observe, OBSERVATIONS)}
+    return Own(_named("reward_fn", reward, REWARDS), _checked(terminate), sights)
+
+
+def _named(option: str, value: object, table: Table[Any]) -> Any:  # noqa: ANN401 - of the table's kind
+    if value is None or table.fits(value):
+        return value
+    if not isinstance(value, str):
+        raise UsageError(f"{option} {value!r} is not valid; give {table.form}, or the name of a plug-in")
+    return find_named(option, value, table)
+
+
+def _checked(terminate: object) -> Any:  # noqa: ANN401 - a TerminateFn or None
+    if terminate is None or callable(terminate):
+        return terminate
+    raise UsageError(f"terminate_fn {terminate!r} is not valid; give a function (truth) -> bool")
+
+
+def _short(observe: object) -> str:
+    return observe.rpartition(":")[2] if isinstance(observe, str) else OWN

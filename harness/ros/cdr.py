@@ -1,0 +1,184 @@
+"""Where numbers stand in a serialised message, and a template of one in which they are replaced.
+
+rclpy publishes bytes as they are; to convert and serialise a message object takes several times as long
+as to write what changes. The layout is that of XCDR1 in little endian: each number is aligned to its
+size, counted from behind the encapsulation header.
+"""
+
+import struct
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from rosbags.interfaces import Nodetype
+
+from harness.sensors.message_types import typestore
+
+HEADER = 4  # [B]: of the encapsulation
+LITTLE_ENDIAN = b"\x00\x01"  # its beginning, of XCDR1
+LETTERS = {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}
+LETTERS |= {"int8": "b", "int16": "h", "int32": "i", "int64": "q"}
+LETTERS |= {f"u{name}": letter.upper() for name, letter in LETTERS.items() if name.startswith("int")}
+MANY = 32  # numbers, from which on they are copied as an array
+
+
+class Place(NamedTuple):
+    """Numbers in a message, `length` of that format of struct from `start` on; None: no list of them."""
+
+    start: int
+    letter: str
+    length: int | None = None
+
+    @property
+    def end(self) -> int:
+        """Returns where the next field may begin."""
+        return self.start + struct.calcsize(f"<{self.format}")
+
+    @property
+    def format(self) -> str:
+        """Returns the format of all."""
+        return self.letter if self.length is None else f"{self.length}{self.letter}"
+
+
+def places(message: Any, kind: str) -> dict[str, Place]:  # noqa: ANN401 - of rclpy or of rosbags
+    """Returns where the numbers of a message are, by the paths of their fields.
+
+    Args:
+        message: A message object, whose texts and lists have the lengths that they shall have.
+        kind: Its type, as in sensor_msgs/msg/LaserScan.
+
+    Returns:
+        A place for each field that is a number, a list of numbers, or made of a few numbers in a row, as
+        transforms[0].transform; that of "" is empty, where the message ends.
+    """
+    walk = _Walk()
+    walk.field((Nodetype.NAME, kind), message, "")
+    return {**walk.found, "": Place(walk.at, "")}
+
+
+class _Walk:
+    """Goes through a message field by field."""
+
+    def __init__(self) -> None:
+        self.at, self.found = HEADER, dict[str, Place]()
+
+    def field(self, node: Any, value: Any, path: str) -> None:  # noqa: ANN401 - of rosbags
+        """Goes past a field and notes what is in it."""
+        what, detail = node
+        if what == Nodetype.NAME:
+            self._fields(typestore().fielddefs[detail][1], value, path)
+        elif what != Nodetype.BASE:
+            self._list(detail[0], value, path, counted=what == Nodetype.SEQUENCE)
+        elif detail[0] == "string":
+            self._align(4)
+            self.at += 4 + len(value.encode()) + 1
+        else:
+            self._numbers(LETTERS[detail[0]], None, path)
+
+    def _fields(self, fields: Sequence[tuple[str, Any]], value: Any, path: str) -> None:  # noqa: ANN401
+        names = [f"{path}.{name}".lstrip(".") for name, _ in fields]
+        for below, (name, node) in zip(names, fields, strict=True):
+            self.field(node, getattr(value, name), below)
+        parts = [self.found.get(below) for below in names]
+        row = [part for part in parts if part is not None and part.length is None]
+        if row and len(row) == len(parts) and all(a.end == b.start for a, b in pairwise(row)):
+            self.found[path] = Place(row[0].start, "".join(part.letter for part in row))
+
+    def _list(self, node: Any, value: Any, path: str, *, counted: bool) -> None:  # noqa: ANN401
+        if counted:
+            self._align(4)
+            self.at += 4
+        letter = LETTERS.get(node[1][0]) if node[0] == Nodetype.BASE else None
+        if letter is not None:
+            self._numbers(letter, len(value), path)
+            return
+        for index, one in enumerate(value):
+            self.field(node, one, f"{path}[{index}]")
+
+    def _numbers(self, letter: str, count: int | None, path: str) -> None:
+        if count != 0:  # an empty list is not padded
+            self._align(struct.calcsize(letter))
+        self.found[path] = Place(self.at, letter, count)
+        self.at = self.found[path].end
+
+    def _align(self, size: int) -> None:
+        self.at += -(self.at - HEADER) % size
+
+
+class Template:
+    """A message's bytes.
+
+    Args:
+        data: The message, serialised.
+        spots: Where numbers are replaced.
+    """
+
+    def __init__(self, data: bytes, spots: Sequence[Place]) -> None:
+        self._buffer = bytearray(data)
+        self._lengths = [(i, spot.length) for i, spot in enumerate(spots) if spot.length is not None]
+        self._writers = [self._writer(spot) for spot in spots]
+
+    def _writer(self, spot: Place) -> Callable[[Any], None]:
+        buffer, start, count = self._buffer, spot.start, spot.length
+        if count is not None and count > MANY:
+            view = np.frombuffer(buffer, f"<{spot.letter}", count, start)
+            return partial(view.__setitem__, slice(None))
+        pack_into = struct.Struct(f"<{spot.format}").pack_into
+        return lambda numbers: pack_into(buffer, start, *numbers)
+
+    def fits(self, values: Sequence[Sequence[Any]]) -> bool:
+        """Returns whether lists of numbers are as long as the message's."""
+        return all(len(values[index]) == count for index, count in self._lengths)
+
+    def filled(self, values: Sequence[Sequence[Any]]) -> bytes:
+        """Returns the message with these numbers, those of each place."""
+        for write, numbers in zip(self._writers, values, strict=True):
+            write(numbers)
+        return bytes(self._buffer)
+
+
+def type_name(kind: type) -> str:
+    """Returns the name of rclpy's class of a message, as in sensor_msgs/msg/LaserScan."""
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+
+
+def without_padding(written: bytes, kind: str, known: dict[int, list[int]] | None) -> bytes:
+    """Returns the bytes of a message with zeros where they carry nothing.
+
+    Args:
+        written: As DDS has them.
+        kind: The message's type.
+        known: Where that is in messages of each length, if those of one length are alike; is added to.
+    """
+    positions = None if known is None else known.get(len(written))
+    if positions is None:
+        positions = padding_of(written, kind)
+    if known is not None:
+        known[len(written)] = positions
+    buffer = bytearray(written)
+    for position in positions:
+        buffer[position] = 0
+    return bytes(buffer)
+
+
+def padding_of(data: bytes, kind: str) -> list[int]:
+    """Returns the positions of the bytes of a CDR message that align its fields and carry nothing.
+
+    DDS leaves in them whatever was in memory. They are the bytes that writing the same message into a
+    buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
+    rosbags does not write.
+    """
+    definition = typestore().get_msgdef(kind)
+    body = len(data) - 4  # behind the encapsulation header
+    # Not `deserialize_cdr`, which refuses what DDS leaves behind lists that are empty.
+    try:
+        message, _ = definition.deserialize_cdr_le(data[4:], 0, definition.cls, typestore())
+    except struct.error as error:
+        raise ValueError(f"no {kind}: {error}") from error
+    buffers = bytearray(body), bytearray(b"\xff" * body)
+    for buffer in buffers:
+        definition.serialize_cdr_le(memoryview(buffer), 0, message, typestore())
+    zeros, ones = (np.frombuffer(buffer, np.uint8) for buffer in buffers)
+    return [4 + i for i in np.flatnonzero(zeros != ones).tolist()]

@@ -1,0 +1,53 @@
+"""Columns of others, after the extended ones: what they must be, and their table."""
+
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from rover_metrics.core.columns import Cell, Column
+from rover_metrics.core.rotation import Quaternion, Vector3
+from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.plugins import Table
+
+
+class Columns:
+    """Base of somebody's columns: takes the samples that the metrics use, gives the cells of a row.
+
+    A class of columns takes what it needs and leaves the other methods as they are. Stamps are those of
+    the headers [ns].
+
+    Attributes:
+        COLUMNS: What they are called and mean, in their order.
+
+    Args:
+        settings: Of the extended columns: footprint, gravity, wheels.
+    """
+
+    COLUMNS: ClassVar[tuple[Column, ...]] = ()
+
+    def __init__(self, settings: ExtendedSettings) -> None:
+        self.settings = settings
+
+    def add_scan(self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float]) -> None:
+        """Takes a scan: ranges [m], the angle of the first and the step to the next [rad]."""
+
+    def add_imu(self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None) -> None:
+        """Takes a specific force [m/s^2] and an attitude as (x, y, z, w); None if the IMU has none."""
+
+    def add_pose(self, stamp_ns: int, position: Vector3) -> None:
+        """Takes a true position in the world [m]."""
+
+    def add_odometry(self, stamp_ns: int, velocity: Vector3) -> None:
+        """Takes the linear velocity by the wheels, in the base frame [m/s]."""
+
+    def cells(self) -> tuple[Cell, ...]:
+        """Returns the cells of a row, one a column; None is an empty one."""
+        raise NotImplementedError
+
+
+FURTHER = Table[type[Columns]](
+    "columns",
+    {},
+    lambda value: isinstance(value, type) and issubclass(value, Columns),
+    "a subclass of rover_metrics.extended.further.Columns",
+)

@@ -1,0 +1,153 @@
+"""Tables that others can add to, without a fork: what ships, installed plug-ins, and FILE.py:NAME.
+
+An installed package adds to a table by an entry point of the group rover_harness.TABLE; a file's value
+is named where a name of the table is, e.g. `--terrain moon.py:Moon`. docs/extend.md has the contract of
+each table.
+"""
+
+import hashlib
+import importlib.util
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Generic, TypeVar
+
+from rover_metrics.errors import RoverMetricsError, printable
+
+GROUP = "rover_harness."
+KINDS = (  # the tables there are
+    *("terrains", "soils", "drivers", "sensors", "faults", "columns"),
+    *("expectations", "rewards", "observations"),
+)
+FILE = ".py:"  # in the name of a value in a file
+T = TypeVar("T")
+
+
+class PluginError(RoverMetricsError):
+    """A plug-in that cannot be loaded, or is not what its table holds; the message names it."""
+
+
+class Table(Mapping[str, T], Generic[T]):
+    """Values by name; those that ship come first, the others are loaded when they are asked for.
+
+    Args:
+        name: Of the table, e.g. "terrains": its entry points are those of rover_harness.terrains.
+        shipped: The values of this project.
+        fits: Whether a value of somebody else is one of the kind.
+        form: What it must be, for whoever wrote it.
+
+    Attributes:
+        name, shipped, fits, form: As given.
+
+    Raises:
+        PluginError: Of a look-up: the plug-in of that name cannot be used.
+    """
+
+    def __init__(
+        self, name: str, shipped: Mapping[str, T], fits: Callable[[Any], bool], form: str
+    ) -> None:
+        self.name, self.shipped = name, shipped
+        self.fits, self.form = fits, form
+        self._loaded: dict[str, T] = {}
+
+    def __getitem__(self, name: str) -> T:
+        if name in self.shipped:
+            return self.shipped[name]
+        if name not in self._loaded:
+            self._loaded[name] = self._found(name)
+        return self._loaded[name]
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.shipped
+        yield from (name for name in sorted(_installed(self.name)) if name not in self.shipped)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def loaded(self) -> Mapping[str, T]:
+        """Returns the plug-ins that have been asked for, by name."""
+        return self._loaded
+
+    def source(self, name: str) -> tuple[str, str] | None:
+        """Returns where a plug-in comes from and the SHA-256 of its file; None for what ships."""
+        if name in self.shipped:
+            return None
+        point = _installed(self.name).get(name)
+        if point is None:
+            return name.rpartition(":")[0], _hash(Path(name.rpartition(":")[0]))
+        file = getattr(sys.modules.get(point.module), "__file__", None)
+        return _package(point), _hash(Path(file)) if file else ""
+
+    def _found(self, name: str) -> T:
+        point = _installed(self.name).get(name)
+        if point is None and FILE not in name:
+            raise KeyError(name)
+        where = f"{self.name}: '{name}'" + ("" if point is None else f" of {_package(point)}")
+        try:
+            value = _in_file(name) if point is None else point.load()
+        except Exception as error:  # whatever a stranger's module raises
+            reason = printable(f"{type(error).__name__}: {error}")
+            raise PluginError(f"{where} cannot be loaded: {reason}") from error
+        if not self.fits(value):
+            raise PluginError(f"{where} is not {self.form} (docs/extend.md)")
+        fitting: T = value
+        return fitting
+
+
+def installed(tables: Iterable[Table[Any]]) -> Iterator[str]:
+    """Yields a line for each plug-in of the installed packages: what it is, or why it cannot be used.
+
+    Args:
+        tables: Those that are loaded; plug-ins of others are only loaded, not checked.
+    """
+    known = {table.name: table for table in tables}
+    for kind in KINDS:
+        table = known.get(kind) or Table[Any](kind, {}, lambda _: True, "")
+        yield from (_line(table, name, point) for name, point in sorted(_installed(kind).items()))
+
+
+def _line(table: Table[Any], name: str, point: EntryPoint) -> str:
+    try:
+        value = table[name]
+    except PluginError as error:
+        return str(error)
+    about = getattr(value, "summary", "") or getattr(value, "meaning", "")
+    return f"{table.name}: {name}, {about or str(value.__doc__).partition('.')[0]} ({_package(point)})"
+
+
+@cache
+def _installed(table: str) -> dict[str, EntryPoint]:
+    """The entry points of a table, by name."""
+    return {point.name: point for point in entry_points(group=GROUP + table)}
+
+
+def _package(point: EntryPoint) -> str:
+    return f"{point.dist.name} {point.dist.version}" if point.dist else point.module
+
+
+def _in_file(name: str) -> Any:  # noqa: ANN401 - whatever the file has there
+    path, _, wanted = name.rpartition(":")
+    return getattr(_module(Path(path).resolve()), wanted)
+
+
+@cache
+def _module(path: Path) -> ModuleType:
+    """The module of a file; under the same name in every process, so that its values can be sent."""
+    name = f"rover_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise FileNotFoundError(f"there is no file {path}")
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,0 +1,130 @@
+"""Plug-ins: a package with one of each thing, installed, and the same things out of its file."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from harness.run import main
+from rover_metrics.plugins import KINDS, PluginError, Table
+from tests.support.complaint import complaint
+from tests.support.documents import ROOT
+
+PACKAGE = ROOT / "examples/plugin"
+PARTS = PACKAGE / "my_rover_parts.py"
+NAMES = {
+    "terrains": "crater",
+    "soils": "regolith",
+    "drivers": "weave",
+    "sensors": "inclinometer",
+    "faults": "halved",
+    "columns": "climb",
+}
+INSTALLED = (
+    "--terrain crater --soil regolith --driver weave --sensors inclinometer --columns climb "
+    "--fault inclinometer:halved"
+)
+OF_FILE = (
+    "--terrain {0}:Crater --soil {0}:REGOLITH --driver {0}:Weave --sensors {0}:INCLINOMETER "
+    "--columns {0}:Climb --fault inclinometer:{0}:HALVED"
+)
+SCENARIO = """about: near the middle
+terrain: crater
+driver: weave
+duration: 2
+expect:
+  from_origin: {max: 5.0}
+"""
+IN_GYM = """
+import gymnasium, harness.gym
+own = {"terrain": "crater", "reward_fn": "calm", "observe_fn": "heading"}
+env = gymnasium.make("RoverHarness/PointNav-v0", **own)
+seen, _ = env.reset(seed=1)
+_, reward, _, _, info = env.step(env.action_space.sample())
+terms = info["reward_terms"]
+print(list(terms), abs(reward - sum(terms.values())) < 1e-9, seen["heading"].shape)
+"""
+
+
+@pytest.fixture(scope="module")
+def surroundings(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, str]:
+    """The environment of a process in which the package is installed."""
+    folder = tmp_path_factory.mktemp("installed")
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*pip, "--target", str(folder), str(PACKAGE)], check=True)
+    return os.environ | {"PYTHONPATH": str(folder)}
+
+
+def said(words: list[str], surroundings: Mapping[str, str]) -> str:
+    """What a program says."""
+    done = subprocess.run(words, env=surroundings, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def logged(folder: Path) -> tuple[bytes, dict[str, dict[str, str]]]:
+    """The log of a run and the plug-ins in its manifest."""
+    (log,) = folder.glob("*.csv")
+    return log.read_bytes(), json.loads(log.with_suffix(".json").read_text())["plugins"]
+
+
+def test_an_installed_package_adds_to_each_table_and_a_file_gives_the_same_bytes(
+    surroundings: Mapping[str, str], tmp_path: Path
+) -> None:
+    run = [sys.executable, "-m", "harness.run"]
+    listed = said([*run, "--list"], surroundings)
+    assert all(f" {kind}: " in listed for kind in KINDS)
+    assert all(f" {kind}: {name}, " in listed for kind, name in NAMES.items())
+    quick = ["--direct", "--duration", "2", "--log-dir"]
+    said([*run, *INSTALLED.split(), *quick, str(tmp_path / "installed")], surroundings)
+    assert main([*OF_FILE.format(PARTS).split(), *quick, str(tmp_path / "file")]) == 0
+    (one, sources), (other, of_file) = logged(tmp_path / "installed"), logged(tmp_path / "file")
+    assert one == other
+    assert one.splitlines()[0].endswith(b",Climb [m]")
+    assert sources.keys() == {f"{kind} {name}" for kind, name in NAMES.items()}
+    assert {source["from"] for source in sources.values()} == {"my-rover-parts 0.1"}
+    hashes = [source["sha256"] for source in (*sources.values(), *of_file.values())]
+    assert len(set(hashes)) == 1
+
+
+def test_scenarios_and_environments_take_plugins(
+    surroundings: Mapping[str, str], tmp_path: Path
+) -> None:
+    file = tmp_path / "a.scenario.yaml"
+    file.write_text(SCENARIO)
+    told = said([sys.executable, "-m", "harness.scenario", str(file)], surroundings)
+    assert "1 of 1 scenario passed" in told
+    pytest.importorskip("gymnasium", reason="the extra [gym] is not installed")
+    told = said([sys.executable, "-c", IN_GYM], surroundings)
+    assert told.split("\n")[0] == "['progress', 'tilt', 'effort'] True (2,)"
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--terrain", f"{PARTS}:Weave"], "is not a subclass of harness.world.terrain.Terrain"),
+        (["--driver", "none.py:Mine"], "drivers: 'none.py:Mine' cannot be loaded: FileNotFoundError"),
+        (["--driver", f"{PARTS}:Mine"], "has no attribute 'Mine'"),
+        (["--columns", "none"], "columns 'none' does not exist; available: none"),
+    ],
+)
+def test_a_plugin_that_does_not_fit_is_one_line(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert told in complaint(main, ["--direct", *words], capsys)
+
+
+def test_a_file_that_breaks_is_named_and_loaded_anew(tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    table = Table[int]("numbers", {"one": 1}, lambda value: isinstance(value, int), "a number")
+    file.write_text("raise RuntimeError('two\\nlines')")
+    with pytest.raises(PluginError, match=r"cannot be loaded: RuntimeError: two[?]lines$"):
+        table[f"{file}:two"]
+    file.write_text("two = 2")
+    assert table[f"{file}:two"] == 2
+    assert (list(table), table["one"], table.source("one")) == (["one"], 1, None)
+    assert "three" not in table
