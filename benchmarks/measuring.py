@@ -61,3 +61,8 @@ def timed(
         return clock() - start
 
     return run
+
+
+def against(ratio: float, goal: float) -> str:
+    """Returns a ratio as a cell; one that is less than it must be says so."""
+    return f"**{ratio:.2f}**" + (f" (short of {goal:.2f})" if ratio < goal else "")

@@ -1,6 +1,7 @@
 """The benchmarks by name. Each is a module of this package with `measure(effort) -> Table`."""
 
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, replace
 from importlib import import_module
 
 from benchmarks.measuring import Effort, Table
@@ -15,13 +16,14 @@ class Benchmark:
     takes_minutes: bool = False  # whether it is left out unless asked for
 
     def measure(self, effort: Effort) -> Table:
-        """Its table; one that says why where something that it needs is not installed."""
+        """Its table, with the load at its start; it says why if something that it needs is missing."""
         try:
             module = import_module(f"benchmarks.{self.name}")
         except ImportError as error:
             return Table(title=self.name, columns=("skipped",), rows=((str(error),),))
+        load, _, _ = os.getloadavg()
         table: Table = module.measure(effort)
-        return table
+        return replace(table, title=f"{table.title}; load average {load:.1f}")
 
 
 BENCHMARKS = {
