@@ -211,7 +211,12 @@ def _one_drive(times: int) -> float:
     return sum(_physics(*_prepared[0], time.perf_counter) for _ in range(times))
 
 
-def _vector(robot: str, count: int, actions: NDArray[np.float32], **workers: Any) -> Callable[[], float]:
+def _vector(
+    robot: str,
+    count: int,
+    actions: NDArray[np.float32],
+    **workers: Any,  # noqa: ANN401 - of the vector
+) -> Callable[[], float]:
     """All in the same place with the same actions, so that their physics costs what that of one does."""
     envs: Any = gymnasium.make_vec(ID, num_envs=count, robot=robot, **workers, **PLAIN)
     envs.reset(seed=[0] * count)
