@@ -33,6 +33,7 @@ BENCHMARKS = {
         Benchmark("growth", "what a scan costs with map size, cell size and beams"),
         Benchmark("sensors", "optional lidars and depth camera: rays a second, runs with each"),
         Benchmark("runs", "physics alone, episode with sensors, run through ROS 2: speed"),
+        Benchmark("ticks", "where the time of an episode goes: MuJoCo, sensors, driver"),
         Benchmark("lockstep", "lock-step in one process and across two: speed, messages, losses"),
         Benchmark("obstacles", "steps per second against the number of obstacles"),
         Benchmark("soil", "physics on soil against rigid ground, the same drive"),
