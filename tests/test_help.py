@@ -6,24 +6,43 @@ from collections.abc import Callable
 import pytest
 
 from harness import robot
+from harness.course import __main__ as course
 from tests.support.programs import PARSERS
 
 
-def of_robot(command: str) -> argparse.ArgumentParser:
-    """The parser of a command of harness.robot."""
-    (commands,) = (a for a in robot._parser()._actions if isinstance(a, argparse._SubParsersAction))
-    parser: argparse.ArgumentParser = commands.choices[command]
-    return parser
+def commands_of(program: str, parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """The parsers of a program's commands."""
+    (commands,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    return {f"{program} {name}": own for name, own in commands.choices.items()}
 
 
-COMMANDS = {f"harness.robot {name}": lambda name=name: of_robot(name) for name in ("new", "check")}
+MANY = {"harness.robot": robot._parser(), "harness.course": course._parser()}
+COMMANDS = {
+    name: lambda own=own: own
+    for program, parser in MANY.items()
+    for name, own in commands_of(program, parser).items()
+}
 PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {**PARSERS, **COMMANDS}
-del PROGRAMS["harness.robot"]  # has commands, no options
+PROGRAMS = {name: parser for name, parser in PROGRAMS.items() if name not in MANY}
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "summary"),
+    "wait_for_topic",
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
     *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
-    *("seeds", "seed", "only", "junit", "csv", "json", "out"),
+    *(
+        "seeds",
+        "seed",
+        "only",
+        "junit",
+        "csv",
+        "json",
+        "out",
+        "entry",
+        "track",
+        "nonce",
+        "receipt",
+        "folder",
+    ),
 }
 
 

@@ -162,6 +162,7 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
         (bool(ros.ros_args) and not given.namespace, "--ros-args"),
         (bool(given.namespace), "--namespace"),
         (ros.record is not None, "--record"),
+        (ros.truth_map, "--truth-map"),
         (ros.frames.odom_tf != FrameOptions().odom_tf, "--odom-tf"),
         (ros.frames.odom_tf_3d, "--odom-tf-3d"),
         (ros.frames.map_tf, "--map-tf"),

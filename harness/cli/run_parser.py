@@ -23,7 +23,7 @@ from rover_metrics.extended.settings import Settings
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 IN_SENSORS = ("noise", "lidar_beams", "imu_rate", "sensors")
-IN_RUN = ("log_dir", "rate", "wait_for", "wait_for_topic", "record", "overwrite")
+IN_RUN = ("log_dir", "rate", "wait_for", "wait_for_topic", "record", "overwrite", "truth_map")
 
 
 def _choices() -> dict[str, str]:

@@ -4,9 +4,15 @@ from functools import partial
 from pathlib import Path
 
 from harness.base.errors import find_named
-from harness.drivers.base import Driver, DriverContext, Observation
+from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals
+from harness.drivers.beeline import Beeline
+from harness.drivers.dwa import Dwa
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
+from harness.drivers.from_file import PREFIX as IN_FILE
+from harness.drivers.from_file import driver_in
+from harness.drivers.gap import Gap
 from harness.drivers.goal import Goal
+from harness.drivers.mppi import Mppi
 from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
@@ -21,6 +27,7 @@ __all__ = [
     "Goal",
     "Observation",
     "PolicyDriver",
+    "TakesGoals",
     "find_driver",
     "sensed_by",
     "takes_goals",
@@ -34,6 +41,10 @@ SHIPPED: dict[str, type[Driver]] = {
     "figure8": Figure8,
     "cmd_vel": CmdVel,
     "goal": Goal,
+    "beeline": Beeline,
+    "gap": Gap,
+    "dwa": Dwa,
+    "mppi": Mppi,
     "roam": Roam,
     "ram": Ram,
     "reverse_into": ReverseInto,
@@ -50,17 +61,19 @@ DRIVERS = Table[type[Driver]](
 
 
 def find_driver(name: str) -> type[Driver]:
-    """Returns the driver of that name or, of `policy:FILE`, of a file; UsageError without such a one."""
+    """Returns the driver of that name, or of `policy:FILE` or `python:FILE:CLASS`, else UsageError."""
     if name.startswith(PREFIX):
         file = Path(name.removeprefix(PREFIX))
         read_policy(file)
         return driver_of(file)
+    if name.startswith(IN_FILE):
+        return driver_in(name)
     return find_named("driver", name, DRIVERS)
 
 
 def takes_goals(name: str) -> bool:
     """Returns whether the driver of that name goes to goals that it is given; UsageError without it."""
-    return issubclass(find_driver(name), Goal | PolicyDriver)
+    return issubclass(find_driver(name), TakesGoals)
 
 
 def sensed_by(name: str) -> frozenset[type[Sample]]:

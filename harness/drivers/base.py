@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,15 @@ class Driver(Protocol):
 
     def command(self, observation: Observation) -> Twist:
         """Returns the twist for the next control period."""
+        ...
+
+
+@runtime_checkable
+class TakesGoals(Protocol):
+    """A driver that goes where it is told, by /goal_pose or by a plan."""
+
+    def head_for(self, x: float, y: float, yaw: float, /) -> None:
+        """Takes the next goal: a position in the world [m] and a heading there [rad]."""
         ...
 
 

@@ -31,6 +31,7 @@ from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
 from harness.world.berths import Member, berth
 from harness.world.files import check_terrain, file_world, is_terrain_file
 from harness.world.geodesy import Datum
+from harness.world.grading import GradedMap, Limits, graded
 from harness.world.route import RouteProgress, check_target, marks
 from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
@@ -83,6 +84,17 @@ def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
     return pedestrians(
         (*of_terrain(world.terrain, world.resource_path), *world.actors), world.resource_path
     )
+
+
+@lru_cache(maxsize=1)
+def graded_world(run: Run, number: int = 0) -> GradedMap:
+    """Returns the world of a run, graded for one of its rovers."""
+    from harness.robots.model import tip_limit  # noqa: PLC0415 - loads MuJoCo
+
+    rover = find_rover(run.rovers[number].robot)
+    span = max(rover.length, rover.width)
+    limits = Limits(rover.slope_limit, rover.step_limit, tip_limit(rover), span)
+    return graded(world_of(run), limits)
 
 
 def follows_route(driver: str) -> bool:

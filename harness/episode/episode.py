@@ -22,9 +22,9 @@ from harness.drivers import (
     CmdVel,
     Driver,
     DriverContext,
-    Goal,
     Observation,
     PolicyDriver,
+    TakesGoals,
     find_driver,
     takes_goals,
 )
@@ -174,8 +174,8 @@ class Episode:
             self._driver.obey(twist)
 
     def head_for(self, place: Place) -> None:
-        """Gives the driver `goal`, or a policy, its next goal; other drivers choose their own."""
-        if isinstance(self._driver, Goal | PolicyDriver):
+        """Gives a driver that takes goals its next one; other drivers choose their own."""
+        if isinstance(self._driver, TakesGoals):
             self._goals.append(place)
             self._driver.head_for(place.x, place.y, place.yaw)
 

@@ -26,7 +26,7 @@ def keep_evidence(
         result: What the run came to; without a log it leaves no manifest.
         recorder: Has watched the run.
         page: The page's file; its folder is made, files of the same names are replaced.
-        reason: Why the run did not pass, for page and manifest.
+        reason: Why the run did not pass, for page and manifest; "" of one that passed.
         more: Other files to copy there; None for one that there is not.
 
     Returns:
@@ -46,7 +46,7 @@ def keep_evidence(
         log_path=log,
         report=page,
         recording=next((path for path in others if path.suffix == RECORDING), None),
-        failure=result.failure or reason,
+        failure=result.failure or reason or None,
     )
     write_whole(page, render(kept_result, recorder), "the page")
     if log is None:

@@ -214,3 +214,14 @@ def at_origin(model: mujoco.MjModel) -> mujoco.MjData:
     data.qpos[:], data.qpos[3] = 0.0, 1.0
     mujoco.mj_kinematics(model, data)
     return data
+
+
+def tip_limit(rover: RoverSpec) -> float:
+    """Returns the tilt at which a rover tips over the nearest way, as if it were rigid [rad]."""
+    model, data = compiled_alone(rover)
+    mujoco.mj_comPos(model, data)
+    x, y, z = data.subtree_com[ROOT_ID].tolist()
+    wheels = np.array([data.joint(name).xanchor for name in rover.wheel_joints])
+    (front, left), (rear, right) = wheels[:, :2].max(axis=0), wheels[:, :2].min(axis=0)
+    arm = min(front - x, x - rear, left - y, y - right)
+    return math.atan2(arm, z - float(wheels[:, 2].mean()) + rover.wheel_radius)

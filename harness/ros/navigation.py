@@ -12,26 +12,31 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
 
 from harness import samples
 from harness.base.sim_time import NANOSECONDS
 from harness.drivers import takes_goals
-from harness.episode.assembly import world_of
+from harness.episode.assembly import graded_world, world_of
 from harness.episode.stream import RoverOrders
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.channel import open_channel
+from harness.ros.channel import Channel, open_channel
+from harness.ros.optional_messages import grid_map
 from harness.samples import Place
+from harness.sensors.message_types import GRID_MAP
 from harness.sensors.table import Topic
 from harness.spec.run import Run
+from harness.world.grading import GradedMap
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.occupancy import OccupancyMap, occupancy
 from rover_metrics.core import rotation
 from rover_metrics.errors import shown
 
 FRAMES = ("map", "odom", "world")
+GRADED = Topic("map/truth", GRID_MAP, depth=1, latched=True)
 MAP = Topic("map", "nav_msgs/msg/OccupancyGrid", depth=1, latched=True)
 
 
@@ -43,14 +48,20 @@ class Navigation:
         run: What is driven.
         number: The rover's place in the run.
         source: Is told where the rover goes.
+        truth_map: Whether there is /map/truth too.
 
     Attributes:
         map: /map.
+        graded: /map/truth, if it is asked for.
     """
 
-    def __init__(self, bridge: Bridge, run: Run, number: int, source: RoverOrders) -> None:
-        self._bridge, self._run, self._rover, self._source = bridge, run, run.rovers[number], source
+    def __init__(
+        self, bridge: Bridge, run: Run, number: int, source: RoverOrders, *, truth_map: bool = False
+    ) -> None:
+        self._bridge, self._run, self._source = bridge, run, source
+        self._number, self._rover = number, run.rovers[number]
         self.map = open_channel(bridge, MAP, self._message)
+        self.graded = open_channel(bridge, GRADED, self._graded) if truth_map else None
         bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)
         if samples.GoalPose not in bridge.channels_of:  # else it publishes that itself
             bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
@@ -61,10 +72,27 @@ class Navigation:
         rover = find_rover(self._rover.robot)
         return occupancy(world_of(self._run), rover.slope_limit, rover.step_limit)
 
+    @property
+    def maps(self) -> list[Channel]:
+        """Returns the topics with maps."""
+        return [self.map, *filter(None, [self.graded])]
+
     def look_around(self) -> None:
-        """Publishes /map, once, if somebody listens or records."""
-        if self.map.published == 0 and (self.map.record or self.map.publisher.get_subscription_count()):
-            self.map.publish(self.occupancy)
+        """Publishes each map, once, if somebody listens or records."""
+        for channel in self.maps:
+            is_wanted = channel.record or channel.publisher.get_subscription_count()
+            if channel.published == 0 and is_wanted:
+                is_graded = channel is self.graded
+                channel.publish(graded_world(self._run, self._number) if is_graded else self.occupancy)
+
+    def _graded(self, graded: GradedMap) -> bytes:
+        """The world graded for this rover; `traversability` is 1 where no limit is near, 0 at one."""
+        layers = graded.layers | {"traversability": np.clip(1.0 - graded.layers["danger"], 0.0, 1.0)}
+        rows, columns = layers["danger"].shape
+        half = 0.5 * graded.resolution
+        middle = (graded.corner[0] + half * columns, graded.corner[1] + half * rows, 0.0)
+        turned = {name: layer.T.astype(np.float32) for name, layer in layers.items()}
+        return grid_map(self._bridge.time_ns, "map", graded.resolution, middle, turned)
 
     def _message(self, grid: OccupancyMap) -> OccupancyGrid:
         message = OccupancyGrid()

@@ -6,7 +6,7 @@ float32. The time is 0: all points of a cloud are of its stamp.
 """
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from operator import attrgetter
 
 import numpy as np
@@ -150,38 +150,58 @@ def lens_info(message: CameraInfo, lens: Lens) -> Fill:
 def grid_map_fill(options: HeightScanOptions) -> Fill:
     """Returns a filler of GridMaps of absolute heights, in odom, which is the world, as bytes.
 
-    A GridMap counts its rows against x and its columns against y, and stores column after column.
-
     With axes `rover` the pose of the map is turned with the rover, which readers that know only its
     position leave out; with axes `world` it is not.
     """
-    rows, columns = options.cells
+
+    def fill(scan: HeightScan) -> bytes:
+        heights = np.asarray(scan.heights + np.float32(scan.z), np.float32)
+        place = (scan.x, scan.y, scan.yaw)
+        return grid_map(scan.stamp_ns, ODOM, options.resolution, place, {LAYER: heights})
+
+    return fill
+
+
+def grid_map(
+    stamp_ns: int,
+    frame: str,
+    resolution: float,
+    place: tuple[float, float, float],
+    layers: Mapping[str, NDArray[np.float32]],
+) -> bytes:
+    """Returns a GridMap as bytes; it counts rows against x, columns against y, stores column by column.
+
+    Args:
+        stamp_ns: Simulation time.
+        frame: Of its pose.
+        resolution: Side length of a cell [m].
+        place: x, y of its middle [m], yaw [rad].
+        layers: By name, rows with +x, columns with +y.
+    """
+    rows, columns = next(iter(layers.values())).shape
     dimensions = [
         made("std_msgs/msg/MultiArrayDimension", "column_index", columns, rows * columns),
         made("std_msgs/msg/MultiArrayDimension", "row_index", rows, rows),
     ]
     layout = made("std_msgs/msg/MultiArrayLayout", dimensions, 0)
-    lengths = rows * options.resolution, columns * options.resolution
-
-    def fill(scan: HeightScan) -> bytes:
-        stamp = made("builtin_interfaces/msg/Time", *divmod(scan.stamp_ns, NANOSECONDS))
-        turned = (0.0, 0.0, float(np.sin(scan.yaw / 2)), float(np.cos(scan.yaw / 2)))
-        pose = made(
-            "geometry_msgs/msg/Pose",
-            made("geometry_msgs/msg/Point", scan.x, scan.y, 0.0),
-            made("geometry_msgs/msg/Quaternion", *turned),
-        )
-        heights = np.asarray(scan.heights[::-1, ::-1].ravel(order="F") + np.float32(scan.z), np.float32)
-        message = made(
-            GRID_MAP,
-            made("std_msgs/msg/Header", stamp, ODOM),
-            made("grid_map_msgs/msg/GridMapInfo", options.resolution, *lengths, pose),
-            [LAYER],
-            [LAYER],
-            [made("std_msgs/msg/Float32MultiArray", layout, heights)],
-            0,
-            0,
-        )
-        return bytes(typestore().serialize_cdr(message, GRID_MAP))
-
-    return fill
+    x, y, yaw = place
+    turned = (0.0, 0.0, float(np.sin(yaw / 2)), float(np.cos(yaw / 2)))
+    pose = made(
+        "geometry_msgs/msg/Pose",
+        made("geometry_msgs/msg/Point", x, y, 0.0),
+        made("geometry_msgs/msg/Quaternion", *turned),
+    )
+    stamp = made("builtin_interfaces/msg/Time", *divmod(stamp_ns, NANOSECONDS))
+    lengths = rows * resolution, columns * resolution
+    arrays = (np.asarray(v[::-1, ::-1].ravel(order="F"), np.float32) for v in layers.values())
+    message = made(
+        GRID_MAP,
+        made("std_msgs/msg/Header", stamp, frame),
+        made("grid_map_msgs/msg/GridMapInfo", resolution, *lengths, pose),
+        [*layers],
+        [next(iter(layers))],
+        [made("std_msgs/msg/Float32MultiArray", layout, values) for values in arrays],
+        0,
+        0,
+    )
+    return bytes(typestore().serialize_cdr(message, GRID_MAP))

@@ -90,9 +90,10 @@ class RoverNodes:
         self.faults = injector(run, number)
         self.hosted: HostedMetrics | None = None
 
-    def navigate(self, orders: RoverOrders) -> None:
+    def navigate(self, orders: RoverOrders, *, truth_map: bool = False) -> None:
         """Serves what a navigation stack asks for, and hands its orders on."""
-        self.navigation = Navigation(self.bridge, self.run, self.number, orders)
+        of = self.bridge, self.run, self.number, orders
+        self.navigation = Navigation(*of, truth_map=truth_map)
 
     def host_metrics(self, executor: Executor, outputs: Outputs) -> None:
         """Starts a MetricsNode on the bridge's executor and waits until DDS has connected it.

@@ -62,7 +62,7 @@ def run_through_ros(
         if recorder is not None:
             for rover in session.rovers:
                 metrics = rover.hosted.node.publisher if rover.hosted else None
-                recorder.tap(rover.bridge, metrics, [rover.navigation.map])
+                recorder.tap(rover.bridge, metrics, rover.navigation.maps)
         return session.drive(stop, show, started)
 
 
@@ -88,7 +88,7 @@ class _Session:
         self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
         for rover, orders in zip(self.rovers, source.rovers, strict=True):
             self._executor.add_node(rover.bridge)
-            rover.navigate(orders)
+            rover.navigate(orders, truth_map=options.truth_map)
         resets = [(r.bridge, orders.reset) for r, orders in zip(self.rovers, source.rovers, strict=True)]
         self._controls = Controls(resets)
         for rover, output in zip(self.rovers, outputs, strict=True) if options.host_metrics else ():

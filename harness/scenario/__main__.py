@@ -36,6 +36,9 @@ FILES = {
     "page": "write a page: what failed, and cells side by side",
     "csv": "write every cell's numbers",
     "json": "write the same, and every run",
+    "runs": "write a CSV with a row a run",
+    "latex": "write the tables for LaTeX (booktabs)",
+    "plot": "draw a box plot of each quantity: .png, .pdf or .svg",
 }
 FORMERLY = {"page": ("--html",)}  # names of options from before all commands called them the same
 
@@ -68,7 +71,8 @@ def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
         counted(console, "driving scenarios") as show,
     ):
         compare = not options.update_baseline
-        attempts = run_all(cases, workers, options.out, show, compare=compare, resume=options.resume)
+        how = {"compare": compare, "resume": options.resume, "keep": options.keep}
+        attempts = run_all(cases, workers, options.out, show, **how)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
     if options.update_baseline:
@@ -126,6 +130,9 @@ def _parser() -> argparse.ArgumentParser:
         default=OUT,
         metavar="DIR",
         help="gets log, manifest and page of each run that does not pass (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--keep", action="store_true", help="keep log and manifest of runs that pass there too"
     )
     parser.add_argument(
         "--resume",

@@ -1,8 +1,8 @@
 """What was heard of topics, and what their quantities were over time."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,21 @@ from rover_metrics.topics import stamp_ns
 SAMPLED_NS = NANOSECONDS // 20  # between two values of a rate
 
 Integers = NDArray[np.int64]
+Read = Callable[[Any], Iterable[Any]]
+
+
+class Reader(NamedTuple):
+    """What takes out of messages of these types what is judged."""
+
+    types: Sequence[str]
+    read: Read
 
 
 @dataclass
 class Arrivals:
     """The messages of one topic that were heard.
+
+    `read` takes what is judged out of each message, into `read_values`.
 
     `times` is when each was heard since the start [ns], `clock` what /clock showed its listeners then,
     `stamps` those of their headers, or `clock` where there is none; `numbers` are by `paths` into each.
@@ -32,6 +42,8 @@ class Arrivals:
     clock: list[int] = field(default_factory=list)
     stamps: list[int] = field(default_factory=list)
     numbers: dict[str, list[list[float]]] = field(default_factory=dict)
+    read: Read | None = None
+    read_values: list[Any] = field(default_factory=list)
 
     def take(self, message: Any, time_ns: int, clock_ns: int) -> None:  # noqa: ANN401 - of any type
         """Takes a message.
@@ -44,6 +56,8 @@ class Arrivals:
         self.times.append(time_ns)
         self.clock.append(clock_ns)
         self.stamps.append(stamp_ns(message) if hasattr(message, "header") else clock_ns)
+        if self.read is not None:
+            self.read_values += self.read(message)
         for path in self.paths:
             self.numbers.setdefault(path, []).append(numbers_at(message, path))
 

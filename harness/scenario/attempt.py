@@ -18,12 +18,20 @@ from harness.spec.ros import RosOptions
 SCRATCH = "rover-scenario-"
 
 
-def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | None = None) -> Attempt:
+def attempt(
+    case: Case,
+    folder: Path,
+    *,
+    compare: bool = True,
+    scratch: Path | None = None,
+    keep: bool = False,
+) -> Attempt:
     """Drives and judges a run.
 
     Args:
         case: The run.
         folder: Gets log, manifest, page and recording of a run that does not pass.
+        keep: Whether it gets those of one that passes, too.
         compare: Whether it is compared with its baseline, if it has one.
         scratch: Folder for its log while it is driven, removed by the caller; where it does not exist,
             as on another machine, the system's.
@@ -33,15 +41,15 @@ def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | N
         with TemporaryDirectory(
             prefix=SCRATCH, dir=scratch if scratch and scratch.is_dir() else None
         ) as own:
-            return drive(case, folder, compare, Path(own))
+            return drive(case, folder, compare, Path(own), keep=keep)
     except Interrupted:
         raise
     except HarnessError as error:
         return Attempt(case, error=str(error))
 
 
-def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
-    if _is_of_truth(case):
+def _direct(case: Case, folder: Path, compare: bool, own: Path, *, keep: bool) -> Attempt:
+    if _is_of_truth(case) and not keep:
         watch = Watch(case)
         found = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
         if found.passed:
@@ -51,16 +59,18 @@ def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
     outputs = Outputs(log_dir=own, observers=(watch,), settings=watch.settings)
     (result,) = run_direct(case.run, (outputs,), RosOptions(log_dir=own), StopRequest())
     found = watch.judged(result, {})
-    return found if found.passed else replace(found, kept=watch.keep(result, folder, found.breaches[0]))
+    if found.passed and not keep:
+        return found
+    return replace(found, kept=watch.keep(result, folder, next(iter(found.breaches), "")))
 
 
 def _is_of_truth(case: Case) -> bool:
     """Whether the truth alone can say that a run passes: that takes neither a log nor every sensor."""
-    only_truth = all(quantity_of(name) is not None for name in case.scenario.expect)
+    only_truth = all(quantity_of(name) is not None for name in case.scenario.quantities)
     return only_truth and not case.scenario.has_baseline and case.expected_failure is None
 
 
-def _through_ros(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
+def _through_ros(case: Case, folder: Path, compare: bool, own: Path, *, keep: bool) -> Attempt:
     try:  # only here: no other scenario needs ROS 2
         from harness.scenario.trial import ScenarioTrial  # noqa: PLC0415
     except ImportError as error:
@@ -74,4 +84,6 @@ def _through_ros(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
         except HarnessError as error:
             return Attempt(case, error=str(error), kept=trial.keep(folder, str(error)))
         found = trial.findings
-        return found if found.passed else replace(found, kept=trial.keep(folder, found.breaches[0]))
+        if found.passed and not keep:
+            return found
+        return replace(found, kept=trial.keep(folder, next(iter(found.breaches), "")))

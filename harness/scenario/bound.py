@@ -86,3 +86,18 @@ class Bound(Value):
             )
         if self.over not in OF_ONE_VALUE:
             raise ValueError(f"a baseline holds one value; give over: {', '.join(OF_ONE_VALUE)}")
+
+
+class Measure(Bound):
+    """What is measured of a quantity without a limit; of `always` it is the highest value."""
+
+    over: Over = "mean"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        limits = {"min", "max", "relative", "absolute", "share"} & self.model_fields_set
+        if limits or self.over == "share":
+            raise ValueError("what is measured has no limits; what shall keep some belongs to 'expect'")
+        if self.window is not None and not self.window[0] < self.window[1]:
+            raise ValueError(f"window {list(self.window)} does not begin before it ends")
+        return self

@@ -7,7 +7,7 @@ those of `python -m rover_metrics.analyze`.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import count, groupby
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from harness.scenario.topic import COUNT, topic_quantity
 from harness.scenario.verdict import CONFIDENCE, Attempt, Verdict, outcome_of, wilson
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
-from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
+from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm, smallest_p
 from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent
 
 
@@ -46,13 +46,15 @@ class Cell:
 class Row:
     """A quantity in a cell: values by run, NaN where there was none, and how they differ.
 
-    `difference` is from the first cell; None in that one.
+    `difference` is from `reference`, the first cell, or with `compare:` the first with the same other
+    values of the matrix; None in that one.
     """
 
     cell: Cell
     values: tuple[float, ...]
     summary: Summary
     difference: Comparison | None
+    reference: Cell
 
 
 @dataclass(frozen=True)
@@ -78,13 +80,34 @@ class Comparisons:
     cells: tuple[Cell, ...]
     quantities: tuple[Compared, ...]
 
+    @property
+    def differences(self) -> list[Comparison]:
+        """Returns all comparisons that have been tested."""
+        every = (row.difference for quantity in self.quantities for row in quantity.rows)
+        return [each for each in every if each is not None and each.p is not None]
+
+    @property
+    def power(self) -> str:
+        """Returns why no difference can be told with so few runs, whatever they show; "" if one can."""
+        tested, alpha = self.differences, 1.0 - CONFIDENCE
+        if not tested:
+            return ""
+        least, paired = min(each.smallest_p or 1.0 for each in tested), tested[0].paired
+        if len(tested) * least <= alpha * (1.0 + 1e-9):
+            return ""
+        enough = next(n for n in count(2) if len(tested) * smallest_p(n, n, paired=paired) <= alpha)
+        return (
+            f"{tested[0].n[0]} seeds cannot give p (Holm) < {alpha:.2g} in {len(tested)} comparisons, "
+            f"whatever they show: it takes {enough}."
+        )
+
 
 def comparisons_of(verdict: Verdict) -> Comparisons:
     """Returns the cells of a scenario, and what each quantity came to in them."""
     cells = tuple(_cells(verdict.attempts))
     quantities = [
         _compared(title_of(name, bound), bound, index, cells)
-        for index, (name, bound) in enumerate(verdict.attempts[0].case.scenario.bounds)
+        for index, (name, bound) in enumerate(verdict.attempts[0].case.scenario.measured)
     ]
     return Comparisons(verdict, cells, tuple(_adjusted(quantities)))
 
@@ -119,17 +142,32 @@ def _cells(attempts: Sequence[Attempt]) -> Iterator[Cell]:
 
 def _compared(title: str, bound: Bound, index: int, cells: Sequence[Cell]) -> Compared:
     values = [_values(cell, index) for cell in cells]
+    own_name = cells[0].attempts[0].case.scenario.compare
+    references = [_reference(cell, cells, own_name) for cell in cells]
     units = (one.measured[index].unit for cell in cells for one in cell.attempts if one.measured)
     rows = [
         Row(
             cell,
             tuple(own.tolist()),
             summarise_independent(own[np.isfinite(own)], Kind.LEVEL, CONFIDENCE),
-            _difference(title, (cells[0], cell), (values[0], own)) if cell is not cells[0] else None,
+            None if cells[at] is cell else _difference(title, (cells[at], cell), (values[at], own)),
+            cells[at],
         )
-        for cell, own in zip(cells, values, strict=True)
+        for cell, own, at in zip(cells, values, references, strict=True)
     ]
     return Compared(title, bound, next(units, ""), tuple(rows))
+
+
+def _reference(cell: Cell, cells: Sequence[Cell], name: str) -> int:
+    """The place of the cell that another one is compared with."""
+    if not name:
+        return 0
+    others = [pair for pair in cell.values if pair[0] != name]
+    return next(
+        place
+        for place, each in enumerate(cells)
+        if [pair for pair in each.values if pair[0] != name] == others
+    )
 
 
 def _values(cell: Cell, index: int) -> Floats:

@@ -11,13 +11,15 @@ from harness.scenario.case import scenario_name
 from harness.scenario.comparison import comparisons_of
 from harness.scenario.junit import junit_of
 from harness.scenario.page.page import render
-from harness.scenario.tables import HOW, WIDE, csv_of, json_of, sheets
+from harness.scenario.tables import HOW, WIDE, csv_of, json_of, latex_of, runs_of, sheets
 from harness.scenario.verdict import Verdict
 from rover_metrics.sheet.render import terminal
 
+TEXTS = {"csv": csv_of, "json": json_of, "runs": runs_of, "latex": latex_of}
+
 
 def write_outputs(verdicts: Sequence[Verdict], files: Mapping[str, Path]) -> None:
-    """Writes what is asked for by junit, page, csv and json; all but JUnit the same bytes each time.
+    """Writes what is asked for by name; all but JUnit the same bytes each time.
 
     Raises:
         HarnessError: One cannot be written.
@@ -27,7 +29,11 @@ def write_outputs(verdicts: Sequence[Verdict], files: Mapping[str, Path]) -> Non
     several = [comparisons_of(verdict) for verdict in verdicts] if files.keys() - {"junit"} else []
     if "page" in files:
         write_whole(files["page"], render(several, files["page"]), "the page")
-    for name, text_of in (("csv", csv_of), ("json", json_of)):
+    if "plot" in files:
+        from harness.scenario.box_plot import box_plots  # noqa: PLC0415 - loads matplotlib
+
+        box_plots(several, files["plot"])
+    for name, text_of in TEXTS.items():
         if name in files:
             write_whole(files[name], text_of(several), "the numbers")
 

@@ -23,6 +23,7 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "matrix": spec.Matrix,
     "goal": spec.Goal,
     "expect": bound.Bound,
+    "measure": bound.Measure,
     **steps.EVENTS,
     "launch": steps.Launch,
     "expected_to_fail": spec.ExpectedFailure,
@@ -76,5 +77,6 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
         case "union_tag_not_found":
             return f"{keys}: an event needs one of the keys {', '.join(steps.EVENTS)}"
         case "value_error" | "beside":
-            return f"{keys}: {error['ctx'].get('message') or error['ctx']['error']}"
+            told = error["ctx"].get("message") or error["ctx"]["error"]
+            return f"{keys}: {told}" if keys else str(told)
     return not_valid(error, keys, part.model_fields.get(str(location[-1])))

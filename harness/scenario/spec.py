@@ -1,11 +1,13 @@
 """What a *.scenario.yaml says: values that are checked as they are read, and their JSON schema."""
 
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
     BeforeValidator,
+    ConfigDict,
     Field,
     create_model,
     model_validator,
@@ -13,8 +15,12 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from harness.base.errors import unknown
-from harness.scenario.bound import Bound, Point, Share, Text
+from harness.scenario.bound import Bound, Measure, Point, Share, Text
+from harness.scenario.map import FORM as MAPS
+from harness.scenario.map import MAP
 from harness.scenario.mission import OF_TARGET
+from harness.scenario.pose import FORM as POSES
+from harness.scenario.pose import POSE
 from harness.scenario.quantities import GOAL, ROUTE, TARGETS, check_name, names
 from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
@@ -22,12 +28,16 @@ from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 from harness.world.targets.placing import target_names
 
+GROUP = r"[?]P<.+?>"  # the name of a group, which JSON schemas do not know
 SCHEMA: dict[str, Any] = {
     "propertyNames": {
         "anyOf": [
             {"enum": list(names())},
             {"pattern": f"^{PATTERN}$"},
-            {"pattern": f"^{OF_TARGET.pattern.replace('?P<name>', '').replace('?P<what>', '')}$"},
+            *(
+                {"pattern": f"^{re.sub(r'[?]P<.+?>', '', form.pattern)}$"}
+                for form in (OF_TARGET, POSES, MAPS)
+            ),
         ]
     }
 }
@@ -55,6 +65,10 @@ def _from_0_on(seeds: object) -> object:
 
 _Bounds = Annotated[tuple[Bound, ...], Field(min_length=1)]
 Bounds = Annotated[_Bounds, BeforeValidator(_one_or_several, json_schema_input_type=Bound | _Bounds)]
+_Measures = Annotated[tuple[Measure, ...], Field(min_length=1)]
+Measures = Annotated[
+    _Measures, BeforeValidator(_one_or_several, json_schema_input_type=Measure | _Measures)
+]
 _Seeds = Annotated[tuple[Seed, ...], Field(min_length=1)]
 _Count = Annotated[int, Field(ge=1, le=MOST_RUNS)]
 Seeds = Annotated[_Seeds, BeforeValidator(_from_0_on, json_schema_input_type=_Count | _Seeds)]
@@ -133,10 +147,17 @@ class Scenario(RunKeys):
         launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
         expect: A bound, or a list of them, for each quantity.
+        measure: How to sum up quantities that have no limits.
+        compare: A name of the matrix: its first value is what the others are compared with, within each
+            combination of all other values.
         same_bytes: Whether the log must be that of the baseline, byte for byte.
         expected_to_fail: Why runs are known to fail.
         pass_rate: How many of the runs must pass.
     """
+
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": [name]} for name in ("expect", "measure")]}
+    )
 
     about: Text
     duration: Length = 30.0
@@ -148,8 +169,12 @@ class Scenario(RunKeys):
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()
     expect: dict[Annotated[str, AfterValidator(_known)], Bounds] = Field(
-        min_length=1, json_schema_extra=SCHEMA
+        default={}, min_length=1, validate_default=False, json_schema_extra=SCHEMA
     )
+    measure: dict[Annotated[str, AfterValidator(_known)], Measures] = Field(
+        default={}, min_length=1, validate_default=False, json_schema_extra=SCHEMA
+    )
+    compare: str = ""
     same_bytes: bool = False
     expected_to_fail: tuple[ExpectedFailure, ...] = ()
     pass_rate: PassRate | None = None
@@ -170,9 +195,20 @@ class Scenario(RunKeys):
         return tuple((name, bound) for name, some in self.expect.items() for bound in some)
 
     @property
+    def measured(self) -> tuple[tuple[str, Bound], ...]:
+        """Returns every bound, and what is measured without one, with the name of its quantity."""
+        more = ((name, one) for name, some in self.measure.items() for one in some)
+        return (*self.bounds, *more)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Returns the quantities of which something is expected or measured, each once."""
+        return tuple(dict.fromkeys(name for name, _ in self.measured))
+
+    @property
     def needs_ros(self) -> bool:
         """Whether nodes are started or topics heard."""
-        return bool(self.launch) or any(name.startswith(TOPIC) for name in self.expect)
+        return bool(self.launch) or any(name.startswith((TOPIC, POSE, MAP)) for name in self.quantities)
 
     @property
     def has_baseline(self) -> bool:
@@ -190,19 +226,34 @@ class Scenario(RunKeys):
             yield _mistake((name,), f"give one of {name} and matrix: {name}")
         if self.seeds is not None and "seed" in self.model_fields_set:
             yield _mistake(("seed",), "give one of seed and seeds")
+        if not self.measured:
+            yield _mistake((), "key 'expect' is missing, or 'measure'")
+        lists = {name: values for name, values in self.matrix if len(values) > 1}
+        if self.compare and self.compare not in lists:
+            known = ", ".join(lists) or "none has several values"
+            yield _mistake(("compare",), f"'{self.compare}' is no list of matrix; available: {known}")
         late = f"after the run of {self.duration:g} s"
-        for name, bound in self.bounds:
-            if bound.window is not None and bound.window[1] > self.duration:
-                yield _mistake(("expect", name), f"a window to {bound.window[1]:g} s ends {late}")
-            if name.startswith(GOAL) and self.goal is None:
-                yield _mistake(("expect", name), "it needs a goal, e.g. goal: {at: [5, 0]}")
-            if problem := self._problem_of_mission(name) or _problem_of_topic(name, bound):
-                yield _mistake(("expect", name), problem)
+        yield from self._problems_of_quantities()
         for index, event in enumerate(self.events):
             if event.at >= self.duration:
                 yield _mistake(("events", index), f"an event at {event.at:g} s is {late}")
             if problem := self._problem_of_event(event):
                 yield _mistake(("events", index), problem)
+
+    def _problems_of_quantities(self) -> Iterator[PydanticCustomError]:
+        late = f"after the run of {self.duration:g} s"
+        for name, bound in self.measured:
+            if bound.window is not None and bound.window[1] > self.duration:
+                yield _mistake(
+                    (self._part_of(name), name), f"a window to {bound.window[1]:g} s ends {late}"
+                )
+            if name.startswith(GOAL) and self.goal is None:
+                yield _mistake((self._part_of(name), name), "it needs a goal, e.g. goal: {at: [5, 0]}")
+            if problem := self._problem_of_mission(name) or _problem_of_topic(name, bound):
+                yield _mistake((self._part_of(name), name), problem)
+
+    def _part_of(self, name: str) -> str:
+        return "expect" if name in self.expect else "measure"
 
     def _problem_of_mission(self, name: str) -> str | None:
         given = self.run_values()

@@ -13,7 +13,7 @@ from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
-from harness.scenario.arrivals import Arrivals
+from harness.scenario.arrivals import Arrivals, Reader
 from harness.scenario.topic import AGE, TopicQuantity, check_messages
 from harness.sensors.message_types import read_message
 
@@ -27,6 +27,7 @@ class Subscriptions:
         bridge: Subscribes.
         wanted: What is expected of each topic.
         inputs: Topics from whose stamps latencies count.
+        readers: What takes out of the messages of a topic what is judged, and of which types.
         now: Tells simulation time since the start, and that of the listeners' clock [ns].
         record: Returns what records the messages of a topic that the bridge does not publish itself.
 
@@ -39,13 +40,14 @@ class Subscriptions:
         bridge: Bridge,
         wanted: Mapping[str, Sequence[TopicQuantity]],
         inputs: Collection[str],
+        readers: Mapping[str, Reader],
         *,
         now: Callable[[], tuple[int, int]],
         record: Record,
     ) -> None:
         self._bridge, self._now, self._record = bridge, now, record
-        self._wanted, self._inputs = wanted, inputs
-        self._missing = {*wanted, *inputs}
+        self._wanted, self._inputs, self._readers = wanted, inputs, readers
+        self._missing = {*wanted, *inputs, *readers}
         self._problem: str | None = None
         self.heard: dict[str, Arrivals] = {}
 
@@ -80,9 +82,15 @@ class Subscriptions:
         for quantity in wanted:
             if problem := check_messages(quantity, name):
                 raise UsageError(problem)
-        arrivals = Arrivals(sorted({q.path for q in wanted if q.path}))
+        reader = self._readers.get(topic)
+        if reader is not None and name not in reader.types:
+            known = ", ".join(reader.types)
+            raise UsageError(f"{topic} is of the type {name}; judged can be one of {known}")
+        paths = sorted({q.path for q in wanted if q.path})
+        arrivals = Arrivals(paths, read=None if reader is None else reader.read)
         # Their content counts only where something is expected of it, or of their stamps.
         is_read = topic in self._inputs or any(q.path or q.what == AGE for q in wanted)
+        is_read |= reader is not None
         is_made = not hasattr(kind, "get_fields_and_field_types")  # for bytes alone
         record: list[Callable[[Any], object]] = []
         take = partial(self._take, arrivals, record, name if is_read and is_made else None)

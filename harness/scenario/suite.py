@@ -23,6 +23,7 @@ def run_all(
     *,
     compare: bool = True,
     resume: bool = False,
+    keep: bool = False,
 ) -> list[Attempt]:
     """Runs all, and returns the attempts in the order of the cases.
 
@@ -32,6 +33,7 @@ def run_all(
         folder: For what runs leave that do not pass.
         show: Told how many of how many are done.
         compare: Whether they are compared with their baselines.
+        keep: Whether the logs of runs that pass are kept too.
         resume: Whether to go on where the same suite was stopped.
 
     Raises:
@@ -44,7 +46,7 @@ def run_all(
         progress.begin()
     show(len(done), len(cases))
 
-    def keep(index: int, outcome: Attempt) -> None:
+    def note(index: int, outcome: Attempt) -> None:
         progress.keep(index, outcome)
         done[index] = outcome
         show(len(done), len(cases))
@@ -52,9 +54,9 @@ def run_all(
     left = {index: case for index, case in enumerate(cases) if index not in done}
     # A worker that is killed leaves its files: they are below a folder of this process.
     with TemporaryDirectory(prefix=SCRATCH) as scratch:
-        work = partial(_attempt, folder=folder, compare=compare, scratch=Path(scratch))
+        work = partial(_attempt, folder=folder, compare=compare, scratch=Path(scratch), keep=keep)
         try:
-            work_off(left, work, workers, keep, name=lambda index: cases[index].name, mend=KEPT)
+            work_off(left, work, workers, note, name=lambda index: cases[index].name, mend=KEPT)
         except Interrupted as error:
             kept = f"; {KEPT}" if progress.exists else ""
             error.args = (f"{error} after {len(done)} of {len(cases)} runs{kept}",)
@@ -63,5 +65,5 @@ def run_all(
     return [done[index] for index in range(len(cases))]
 
 
-def _attempt(case: Case, *, folder: Path, compare: bool, scratch: Path) -> Attempt:
-    return attempt(case, folder / case.folder, compare=compare, scratch=scratch)
+def _attempt(case: Case, *, folder: Path, compare: bool, scratch: Path, keep: bool) -> Attempt:
+    return attempt(case, folder / case.folder, compare=compare, scratch=scratch, keep=keep)

@@ -2,20 +2,23 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from harness.base.version import __version__
 from harness.scenario.case import Cell as Values
-from harness.scenario.case import scenario_name
+from harness.scenario.case import cell_name, scenario_name
 from harness.scenario.comparison import Cell, Compared, Comparisons, Row
 from harness.scenario.spec import Matrix
 from harness.scenario.verdict import Attempt, outcome_of, reasons_of
 from rover_metrics.log.files import json_safe
-from rover_metrics.sheet.render import csv_text
+from rover_metrics.sheet.render import csv_text, latex
 from rover_metrics.sheet.sheet import Sheet, interval_text, number, probability
 
 HOW = (
-    "A run is one observation. Interval: Student's. The difference is that from the first cell; "
+    "A run is one observation. Interval: Student's. The difference is that from the first cell, with "
+    "`compare` from the first one that is alike but for it; "
     "g: Hedges' standardised difference; delta: Cliff's, -1 to 1; p: exact permutation or Mann-Whitney "
     "U, where both cells drove in the same worlds exact sign flips or Wilcoxon, run by run; "
     "Holm: adjusted for all comparisons of the scenario."
@@ -26,7 +29,11 @@ PASSED = "passed"
 
 def sheets(compared: Comparisons) -> list[Sheet]:
     """Returns the tables of a scenario: how many runs pass in each cell, then each quantity."""
-    return [_passed(compared), *map(_quantity, compared.quantities)]
+    name = compared.verdict.attempts[0].case.scenario.compare
+    of_quantity = partial(_two_way, name=name) if name else _quantity
+    tables = [_passed(compared), *map(of_quantity, compared.quantities)]
+    tables[-1] = replace(tables[-1], caption=compared.power)  # said once
+    return tables
 
 
 def _passed(compared: Comparisons) -> Sheet:
@@ -58,6 +65,77 @@ def _quantity(quantity: Compared) -> Sheet:
         for row in quantity.rows
     )
     return Sheet.of(rows, quantity.heading, spare=SPARE)
+
+
+def _two_way(quantity: Compared, name: str) -> Sheet:
+    """Returns a quantity by what is compared, a row for each combination of the other values."""
+
+    def split(cell: Cell) -> tuple[str, str]:
+        own = tuple(pair for pair in cell.values if pair[0] == name)
+        return cell_name(tuple(p for p in cell.values if p[0] != name)) or "all", cell_name(own)
+
+    compared = [(row, row.difference) for row in quantity.rows if row.difference is not None]
+    others = {split(row.cell)[1] for row, _ in compared}
+    rows = (
+        {
+            "within": split(row.cell)[0] + ("" if len(others) == 1 else f": {split(row.cell)[1]}"),
+            split(row.reference)[1]: number(_mean_of(quantity, row.reference)),
+            next(iter(others)) if len(others) == 1 else "other": number(row.summary.mean),
+            "difference": number(difference.difference),
+            "95 % interval": interval_text(difference.interval),
+            "g": number(difference.hedges_g),
+            "delta": number(difference.cliffs_delta),
+            "p (Holm)": probability(difference.p_holm),
+            "n": str(difference.n[1]),
+        }
+        for row, difference in compared
+    )
+    return Sheet.of(rows, quantity.heading, spare=SPARE)
+
+
+def _mean_of(quantity: Compared, cell: Cell) -> float | None:
+    return next(row.summary.mean for row in quantity.rows if row.cell is cell)
+
+
+def latex_of(several: Sequence[Comparisons]) -> str:
+    """Returns the tables for LaTeX; each caption says seeds, runs and test."""
+    texts = []
+    for place, compared in enumerate(several):
+        for index, sheet in enumerate(sheets(compared)):
+            caption = f"{_design(compared)} {HOW} {sheet.caption}".strip()
+            texts.append(latex(replace(sheet, caption=caption, file=f"scenario_{place}_{index}")))
+    return "\n".join(texts)
+
+
+def _design(compared: Comparisons) -> str:
+    """What was driven: seeds, runs in each cell, tests."""
+    attempts = compared.verdict.attempts
+    seeds = sorted({attempt.case.run.seed for attempt in attempts})
+    is_range = seeds == list(range(seeds[0], seeds[-1] + 1)) and len(seeds) > 2
+    words = f"{seeds[0]} to {seeds[-1]}" if is_range else ", ".join(map(str, seeds))
+    tests = " and ".join(sorted({each.test for each in compared.differences if each.test})) or "none"
+    return f"Seeds {words}; n = {len(compared.cells[0].attempts)} runs in each cell; test: {tests}."
+
+
+def runs_of(several: Sequence[Comparisons]) -> str:
+    """Returns a CSV with a row a run: its cell, seed and outcome, and a column a quantity."""
+    records = [
+        {
+            "scenario": scenario_name(compared.verdict.path),
+            **_values(attempt.case.cell),
+            "seed": attempt.case.run.seed,
+            "outcome": outcome_of(attempt).value,
+            "simulated_s": attempt.simulated_s,
+            **{
+                quantity.heading: one.value
+                for quantity, one in zip(compared.quantities, attempt.measured, strict=False)
+            },
+            "log": next((str(path) for path in attempt.kept if path.suffix == ".csv"), None),
+        }
+        for compared in several
+        for attempt in compared.verdict.attempts
+    ]
+    return csv_text(records, list(dict.fromkeys(name for record in records for name in record)))
 
 
 def csv_of(several: Sequence[Comparisons]) -> str:

@@ -29,6 +29,7 @@ from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
 from harness.scenario.arrivals import topic_series
 from harness.scenario.case import Case, plan
+from harness.scenario.judged import judged_series, readers
 from harness.scenario.series import Series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
@@ -123,9 +124,16 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
             self._files.mkdir()
             trial = at_end.enter_context(self._trial)
             trial.bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-            inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
+            inputs = {bound.of for _, bound in self.case.scenario.measured if bound.of is not None}
             hear, wanted = self._recording.hear, self._wanted()
-            self._topics = Subscriptions(trial.bridge, wanted, inputs, now=self._now, record=hear)
+            self._topics = Subscriptions(
+                trial.bridge,
+                wanted,
+                inputs,
+                readers(self.case.scenario.quantities),
+                now=self._now,
+                record=hear,
+            )
             self._await_nodes()
             if not trial.nodes.subjects:  # who answers after it has been published has heard it
                 trial.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
@@ -248,7 +256,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
         """What is expected of each topic."""
         wanted: dict[str, list[TopicQuantity]] = {}
-        for name in self.case.scenario.expect:
+        for name in self.case.scenario.quantities:
             quantity = topic_quantity(name)
             if quantity is not None:
                 wanted.setdefault(quantity.topic, []).append(quantity)
@@ -274,8 +282,10 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     def _heard(self) -> dict[str, Series]:
         """The quantities of topics over time."""
         topics, known = self._topics, self._topics.known
-        pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.bounds]
-        return {
+        pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.measured]
+        rows = {topic: arrivals.read_values for topic, arrivals in topics.heard.items()}
+        judged = judged_series(self.case, rows, self._watch.path)
+        return judged | {
             bound.label(name): topic_series(quantity, bound.of, topics.heard, known, self._trial.now_ns)
             for name, quantity, bound in pairs
             if quantity is not None

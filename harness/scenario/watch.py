@@ -26,6 +26,7 @@ from harness.scenario.baseline import (
 from harness.scenario.case import Case
 from harness.scenario.judge import Breach, judge, judge_against, value_of
 from harness.scenario.mission import MissionAccount
+from harness.scenario.poses import TruePath
 from harness.scenario.quantities import LOG, ROUTE, RUN, SAMPLED, TARGETS, quantity_of
 from harness.scenario.series import Series, TruthSeries
 from harness.scenario.verdict import Attempt, Measured
@@ -49,6 +50,7 @@ class Watch:
     Attributes:
         truth: Its quantities of the truth; an Observer of its own.
         page: What a page shows of it.
+        path: Its true poses.
 
     Raises:
         UsageError: There is no baseline of it.
@@ -57,16 +59,18 @@ class Watch:
     def __init__(self, case: Case, *, compare: bool = True) -> None:
         self._case, goal = case, case.scenario.goal
         self._baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
-        names = [name for name in case.scenario.expect if quantity_of(name) is not None]
+        names = [name for name in case.scenario.quantities if quantity_of(name) is not None]
         is_mission = any(name.startswith((ROUTE, *TARGETS)) for name in names)
         mission = _mission(case.run) if is_mission else None
         self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius), mission)
-        self.page = RunRecorder()
+        self.page, self.path = RunRecorder(), TruePath()
 
     @property
     def settings(self) -> Settings:
         """What the log is to hold: the extended columns where one is expected of, by the parameters."""
-        columns = [name.removeprefix(LOG) for name in self._case.scenario.expect if name.startswith(LOG)]
+        columns = [
+            name.removeprefix(LOG) for name in self._case.scenario.quantities if name.startswith(LOG)
+        ]
         settings = Settings()
         if not set(columns) <= set(COLUMNS):
             run = self._case.run
@@ -78,6 +82,7 @@ class Watch:
         """Takes the next batch."""
         self.truth.take(batch)
         self.page.take(batch)
+        self.path.take(batch)
 
     def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Attempt:
         """Returns what a run with these quantities of topics came to; its log is read.
@@ -92,7 +97,7 @@ class Watch:
             check_comparable(recorded, self._baseline)
         measured = (
             Measured(value_of(bound, one), "" if bound.share else one.unit)
-            for name, bound in self._case.scenario.bounds
+            for name, bound in self._case.scenario.measured
             for one in [series[bound.label(name)]]
         )
         return Attempt(
@@ -114,7 +119,7 @@ class Watch:
         Args:
             result: What the run came to.
             folder: Is made; what an earlier run has left in it goes.
-            reason: Why the run did not pass.
+            reason: Why the run did not pass; "" if it did.
             more: Other files to copy there.
         """
         if (folder / PAGE).exists():

@@ -90,4 +90,9 @@ class RosOptions(Value):
     overwrite: Annotated[bool, Option("")] = Field(
         default=False, description="let --record and --social-log replace a file"
     )
+    truth_map: Annotated[bool, Option("")] = Field(
+        default=False,
+        description="publish /map/truth (grid_map_msgs/GridMap): slope, step, roughness, tip margin and "
+        "danger for this rover (docs/scenarios.md)",
+    )
     frames: FrameOptions = FrameOptions()

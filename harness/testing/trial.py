@@ -152,6 +152,11 @@ class Trial(LeavesEvidence):
         self.nodes = Nodes(self.bridge, self.executor, self._programs, time_jumps=jumps)
 
     @property
+    def episode(self) -> Episode:
+        """The present episode."""
+        return self._episode
+
+    @property
     def time(self) -> float:
         """Simulated seconds since the start, whatever faults do to /clock."""
         return self.now_ns / NANOSECONDS

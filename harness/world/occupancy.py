@@ -47,7 +47,7 @@ class OccupancyMap:
         if not (abs(x) < half_x and abs(y) < half_y):  # so that NaN is not
             return False
         row, column = int((y + half_y) / self.resolution), int((x + half_x) / self.resolution)
-        middles_x, middles_y = (_middles(half, self.resolution) for half in self.half_size)
+        middles_x, middles_y = (middles(half, self.resolution) for half in self.half_size)
         inside = np.hypot(middles_y[:, None] - y, middles_x - x) <= radius
         inside[row, column] = True
         return bool((self.cells[inside] == FREE).all())
@@ -65,16 +65,17 @@ def occupancy(
         resolution: Side length of a cell [m].
     """
     ground = world.ground
-    centred = _middles(ground.half_size[0], resolution), _middles(ground.half_size[1], resolution)
+    centred = middles(ground.half_size[0], resolution), middles(ground.half_size[1], resolution)
     blocked = _on_cells(_impassable(ground, slope_limit, step_limit), ground, centred, resolution)
-    middles = centred[0] + ground.middle[0], centred[1] + ground.middle[1]
+    places = centred[0] + ground.middle[0], centred[1] + ground.middle[1]
     for obstacle in world.obstacles:
         x, y, _ = obstacle.position
         level = ground.height_at(x, y)
         if obstacle.kind is ObstacleKind.DECK or bottom(obstacle) - level > HEADROOM:
             continue
         if obstacle.kind is ObstacleKind.HAZARD or top(obstacle) - level > step_limit:
-            _cover(blocked, obstacle, middles, resolution)
+            window, inside = covered(obstacle, places, resolution)
+            blocked[window] |= inside
     at_edge_x, at_edge_y = (
         np.abs(places) > half - EDGE_MARGIN
         for places, half in zip(centred, ground.half_size, strict=True)
@@ -84,7 +85,8 @@ def occupancy(
     return OccupancyMap(cells, resolution, ground.half_size, ground.middle)
 
 
-def _middles(half_size: float, resolution: float) -> Places:
+def middles(half_size: float, resolution: float) -> Places:
+    """Returns the middles of rows or columns from the middle of the map [m]."""
     count = math.ceil(2 * half_size / resolution - 1e-9)
     return np.asarray((np.arange(count) + 0.5) * resolution - half_size)
 
@@ -124,8 +126,16 @@ def _on_cells(
     return cells
 
 
-def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], resolution: float) -> None:
-    """Marks the cells that an obstacle's outline overlaps: no axis separates the two convex shapes."""
+def covered(
+    obstacle: Obstacle, middles: tuple[Places, ...], resolution: float
+) -> tuple[tuple[NDArray[np.intp], ...], Mask]:
+    """Returns a window of cells, and which of them an obstacle overlaps: no axis separates the two.
+
+    Args:
+        obstacle: A convex shape, seen from above.
+        middles: Of the columns and of the rows, in the world [m].
+        resolution: Side length of a cell [m].
+    """
     corners = outline(obstacle)
     low, high = corners.min(axis=0) - resolution / 2, corners.max(axis=0) + resolution / 2
     columns, rows = (np.nonzero((low[i] <= middles[i]) & (middles[i] <= high[i]))[0] for i in (0, 1))
@@ -136,4 +146,5 @@ def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], re
     reach_of_cell = (np.abs(outward_x) + np.abs(outward_y)) * resolution / 2
     x, y = middles[0][columns] - corners[:, :1], middles[1][rows] - corners[:, 1:]
     beyond = (outward_x * x)[:, None] + (outward_y * y)[:, :, None]  # by edge, row, column
-    blocked[np.ix_(rows, columns)] |= (beyond <= reach_of_cell[:, None]).all(axis=0)
+    inside: Mask = np.asarray((beyond <= reach_of_cell[:, None]).all(axis=0))
+    return np.ix_(rows, columns), inside

@@ -83,6 +83,10 @@ class RoughnessMap:
         self._x, _, self._y, _ = ground.bounds()  # of the first vertex
         self._vertices_per_metre = 1.0 / ground.cell
 
+    def on_vertices(self) -> Field:
+        """Returns the mean square residual at each vertex of the ground [m^2]."""
+        return self._squares
+
     def mean_square(self, x: float, y: float) -> float:
         """Returns the mean square residual [m^2] at the vertex nearest to a point in the world [m]."""
         rows, columns = self._squares.shape

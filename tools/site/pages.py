@@ -27,6 +27,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         *(
             "testing.md",
             "scenarios.md",
+            "course.md",
             "missions.md",
             "fleets.md",
             "sensors.md",

@@ -36,7 +36,7 @@ def render(several: Sequence[Comparisons], page: Path) -> str:
         "bad": [*_bad(verdicts, page)],
         "overview": Sheet.of(_line(number, verdict) for number, verdict in enumerate(verdicts)),
         "scenarios": scenarios,
-        "how": HOW,
+        "how": " ".join([HOW, *dict.fromkeys(filter(None, (each.power for each in several)))]),
         "figures": named(plots),
     }
     return fill("suite", content, package="harness.scenario.page")

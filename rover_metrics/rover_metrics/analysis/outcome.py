@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -15,8 +15,11 @@ from rover_metrics.analysis.statistics.correlation import Correlation, combine, 
 from rover_metrics.analysis.statistics.series import rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study, Unit
+from rover_metrics.errors import printable
+from rover_metrics.extended.traffic_columns import TrafficColumns
 from rover_metrics.log.files import json_safe
 
+HEALTH = frozenset(printable(column.header) for column in TrafficColumns.COLUMNS)
 _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neighbours say little new
 
 
@@ -171,4 +174,15 @@ def _comparisons(study: Study) -> tuple[Comparison, ...]:
     ]
     if study.options.ranked:
         comparisons.sort(key=lambda item: -item.effect)
+        comparisons = [_untested(item) if _says_nothing(item) else item for item in comparisons]
     return with_holm(comparisons)
+
+
+def _says_nothing(item: Comparison) -> bool:
+    """Whether it is a column that is the same in all logs, or of the recording's health."""
+    return (item.hedges_g is None and not item.difference) or item.code in HEALTH
+
+
+def _untested(item: Comparison) -> Comparison:
+    """Without a test: it would only make the others' adjusted p-values larger."""
+    return replace(item, test=None, p=None, smallest_p=None)

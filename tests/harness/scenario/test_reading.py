@@ -28,7 +28,7 @@ FILES = [
     ("\0", ":", "not valid YAML"),
     ("about: 2026-13-01", ":", "month must be in 1..12"),
     (HEAD, ":", "key 'expect' is missing"),
-    (HEAD + "pass_rate: {min: 1, q: 1}\n", ":", "key 'expect' is missing"),
+    (HEAD + "pass_rate: {min: 1, q: 1}\n", ":3:21:", "key 'q' does not exist"),
     (HEAD + "expect: {}\n", ":3:1:", "give at least 1"),
 ]
 PARTS = [

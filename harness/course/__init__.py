@@ -1,0 +1,13 @@
+"""The Course: seven tracks of fifty seeds, a score that every machine reproduces, and its receipt.
+
+    python -m harness.course run gap --track rocky --out results
+    python -m harness.course verify results/gap.json
+
+docs/course.md has the rules.
+"""
+
+from harness.course.entry import Entry, find_entry
+from harness.course.receipt import read_receipt
+from harness.course.tracks import TRACKS
+
+__all__ = ["TRACKS", "Entry", "find_entry", "read_receipt"]

@@ -1,0 +1,73 @@
+"""Shortest ways on the truth: what an entry's time and path are compared with."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.base.errors import UsageError
+from harness.course.task import Point
+from harness.robots import RoverSpec
+from harness.world.grid import STEPS, distances, travel
+from harness.world.occupancy import FREE, occupancy
+from harness.world.world import World
+
+RESOLUTION = 0.1  # [m] of a cell
+
+Lengths = NDArray[np.float64]
+
+
+class Planner:
+    """Ways of a rover through a world whose hazards, steps and slopes are known.
+
+    Args:
+        world: What is driven through.
+        rover: Its half width, slope and step limit say where it passes.
+        slope_limit: Steepest slope of a way [rad]; None for the rover's own.
+
+    Attributes:
+        clearance: Distance of each cell from what the rover cannot drive on [m], shape (rows, columns).
+    """
+
+    def __init__(self, world: World, rover: RoverSpec, slope_limit: float | None = None) -> None:
+        limit = rover.slope_limit if slope_limit is None else slope_limit
+        cells = occupancy(world, limit, rover.step_limit, RESOLUTION)
+        (x, y), (half_x, half_y) = cells.middle, cells.half_size
+        self._corner = x - half_x, y - half_y
+        self.clearance: Lengths = RESOLUTION * distances(cells.cells != FREE)
+        self._cost = np.where(self.clearance > 0.5 * rover.width, 1.0, np.inf)
+
+    def lengths(self, start: Point) -> Lengths:
+        """Returns the length of the shortest way from a point to each cell [m]; inf without one."""
+        cells = np.array([self.cell(start)], np.int64)
+        return np.asarray(RESOLUTION * travel(self._cost, cells, np.zeros(1), STEPS))
+
+    def length(self, points: tuple[Point, ...]) -> float:
+        """Returns the length of the shortest way through points [m].
+
+        Raises:
+            UsageError: There is none.
+        """
+        legs = [float(self.lengths(a)[self.cell(b)]) for a, b in pairwise(points)]
+        if not math.isfinite(math.fsum(legs)):
+            raise UsageError("there is no way to the goal; give another world")
+        return math.fsum(legs)
+
+    def cell(self, point: Point) -> tuple[int, int]:
+        """Returns row and column of the cell that a point lies in, or of the nearest at the edge."""
+        column, row = (int((at - low) / RESOLUTION) for at, low in zip(point, self._corner, strict=True))
+        rows, columns = self.clearance.shape
+        return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
+
+    def middle(self, row: int, column: int) -> Point:
+        """Returns the middle of a cell in the world [m], to a millimetre."""
+        x, y = self._corner
+        return round(x + (column + 0.5) * RESOLUTION, 3), round(y + (row + 0.5) * RESOLUTION, 3)
+
+    def is_open(self, start: Point, end: Point) -> bool:
+        """Returns whether the straight line between two points leads through free cells only."""
+        count = max(1, math.ceil(math.dist(start, end) / (0.5 * RESOLUTION)))
+        shares = (step / count for step in range(count + 1))
+        line = ((start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])) for s in shares)
+        return all(self._cost[self.cell(point)] == 1.0 for point in line)

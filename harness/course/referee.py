@@ -1,0 +1,146 @@
+"""Watches an episode and says when it is over and how it went: an observer of its batches."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.base.sim_time import NANOSECONDS
+from harness.course.planner import RESOLUTION
+from harness.course.task import Point, Task
+from harness.episode.batch import Batch
+from harness.samples import ActorPoses, JointStates, Pose
+from harness.truth.traversal import Truth
+from harness.world.actors.free_space import FreeSpace
+from harness.world.world import World
+from rover_metrics.core import rotation
+
+REACHED, CONTACT, TIPPED, LATE = "reached", "contact", "tipped", "time"
+RISK_DISTANCE = 0.5  # [m], RoboTerrain's, from the rover's middle to the nearest hazard or person
+SAME_PLACE = RESOLUTION  # [m] the rover moves between two looks for hazards
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What an episode came to, unrounded.
+
+    Attributes:
+        ending: "reached", "contact", "tipped", "time", or why the drive ended by itself.
+        goals: How many were reached.
+        time: From the clock's start to the end [s].
+        energy: Work of the wheels' motors, braking counted as driving [J].
+        risk: Time with a hazard or a person nearer than RISK_DISTANCE [s].
+        tilt_p95: 95th percentile of the tilt over time [rad].
+        truth: Totals of the drive.
+    """
+
+    ending: str
+    goals: int
+    time: float
+    energy: float
+    risk: float
+    tilt_p95: float
+    truth: Truth
+
+
+class Referee:
+    """Takes the batches of an episode until it is over.
+
+    Args:
+        task: What is asked.
+        world: Where.
+
+    Attributes:
+        ending: Why the episode is over; "" while it goes on.
+        goals: How many goals have been reached.
+    """
+
+    def __init__(self, task: Task, world: World) -> None:
+        self._task, self._space = task, FreeSpace(world.ground, world.obstacles)
+        self._radii = [person.spec.options.radius for person in world.people]
+        self.ending, self.goals = "", 0
+        self._truth, self._began_ns = Truth(), 0 if task.rule.begins_at == 0.0 else None
+        start = world.start[:2]
+        self._start: Point = (start[0], start[1])
+        self._energy, self._joints_ns = 0.0, 0
+        self._risk_batches, self._looked_at, self._is_near = 0, (math.inf, math.inf), False
+        self._people: ActorPoses | None = None
+        self._tilts: list[float] = []
+        self._before_ns = self._period_ns = 0
+
+    @property
+    def goal(self) -> Point | None:
+        """The goal to be reached next [m]; None if there is none left."""
+        return self._task.goals[self.goals] if self.goals < len(self._task.goals) else None
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch, unless it is over."""
+        if self.ending:
+            return
+        self._truth, time_ns = batch.truth, batch.truth.time_ns
+        self._period_ns, self._before_ns = time_ns - self._before_ns, time_ns
+        self._sense(batch)
+        x, y, _ = batch.truth.position
+        if self._began_ns is None and math.dist(self._start, (x, y)) >= self._task.rule.begins_at:
+            self._began_ns = time_ns
+        self._risk_batches += self._is_at_risk(x, y)
+        if self.goal is not None and math.dist(self.goal, (x, y)) <= self._task.rule.radius:
+            self.goals += 1
+        self.ending = self._ending()
+
+    def drive(self, failure: str = "") -> Drive:
+        """Returns what the episode came to; `failure` is why it ended before the referee ended it."""
+        ending = self.ending or failure or LATE
+        tilts = np.sort(np.array(self._tilts or [0.0]))
+        return Drive(
+            ending=ending,
+            goals=self.goals,
+            time=self._time,
+            energy=self._energy,
+            risk=self._risk_batches * self._period_ns / NANOSECONDS,
+            tilt_p95=float(tilts[math.ceil(0.95 * len(tilts)) - 1]),
+            truth=self._truth,
+        )
+
+    @property
+    def _time(self) -> float:
+        if self._began_ns is None:
+            return 0.0
+        return (self._truth.time_ns - self._began_ns) / NANOSECONDS
+
+    def _ending(self) -> str:
+        rule = self._task.rule
+        if rule.touch_ends and self._truth.hazard_contact_s > 0.0:
+            return CONTACT
+        if self._truth.tipped_over:
+            return TIPPED
+        if self.goal is None:
+            return REACHED
+        return LATE if self._time >= rule.limit else ""
+
+    def _sense(self, batch: Batch) -> None:
+        """Sums up energy and tilt."""
+        for tick in batch.ticks:
+            for sample in tick.samples:
+                if isinstance(sample, JointStates):
+                    power = math.fsum(
+                        abs(e * v) for e, v in zip(sample.effort, sample.velocity, strict=True)
+                    )
+                    self._energy += power * (sample.stamp_ns - self._joints_ns) / NANOSECONDS
+                    self._joints_ns = sample.stamp_ns
+                elif isinstance(sample, Pose):
+                    upright = max(-1.0, min(1.0, rotation.upright(sample.orientation)))
+                    self._tilts.append(math.acos(upright))
+                elif isinstance(sample, ActorPoses):
+                    self._people = sample
+
+    def _is_at_risk(self, x: float, y: float) -> bool:
+        """Whether a hazard or a person is near; hazards are looked for where the rover has moved."""
+        if math.dist(self._looked_at, (x, y)) > SAME_PLACE:
+            self._looked_at = (x, y)
+            near = self._space.blocked(np.array([[x, y]]), RISK_DISTANCE)
+            self._is_near = near is not None
+        people = () if self._people is None else zip(self._people.position, self._radii, strict=True)
+        return self._is_near or any(
+            math.dist(place[:2], (x, y)) - radius < RISK_DISTANCE for place, radius in people
+        )

@@ -1,0 +1,78 @@
+"""What an episode of a track asks: a run, where to go in it, and how that is scored."""
+
+from dataclasses import dataclass
+
+from harness.spec.run import Run
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """How a track is judged.
+
+    Attributes:
+        limit: Time for all goals [s].
+        radius: Distance at which a goal counts as reached [m].
+        fastest: Multiple of the optimal time from which on a success scores less.
+        slowest: Multiple beyond which it scores no less.
+        begins_at: Distance from the start at which the clock starts [m].
+        touch_ends: Whether a contact with a hazard ends the episode, without success.
+        penalties: Whether contact, scraping and energy take from the score.
+    """
+
+    limit: float = 60.0
+    radius: float = 0.5
+    fastest: float = 1.0
+    slowest: float = 4.0
+    begins_at: float = 0.0
+    touch_ends: bool = False
+    penalties: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """One episode of a track.
+
+    Attributes:
+        run: The world and the rover; its driver obeys commands.
+        goals: In their order, in the world [m].
+        shortest: Length of the shortest way through all goals [m].
+        optimal: Time that it takes at best [s].
+        rule: How it is judged.
+    """
+
+    run: Run
+    goals: tuple[Point, ...]
+    shortest: float
+    optimal: float
+    rule: Rule
+
+
+@dataclass(frozen=True)
+class WorldFile:
+    """A file that a task needs, by value, so that a worker on another machine has it too.
+
+    Attributes:
+        name: Of the file, without a folder.
+        text: Its content.
+        length: Of the shortest way that is published for it [m]; None if none is.
+    """
+
+    name: str
+    text: bytes
+    length: float | None = None
+
+
+@dataclass(frozen=True)
+class Case:
+    """What identifies an episode: its track, its seed and, where the world is a file, that file."""
+
+    track: str
+    seed: int
+    world: WorldFile | None = None
+
+    @property
+    def name(self) -> str:
+        """What the episode is called in messages."""
+        return f"{self.track} {self.seed}" + (f" ({self.world.name})" if self.world else "")

@@ -1,0 +1,41 @@
+"""Messages that the truth judges: estimated poses and maps."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from harness.episode.assembly import graded_world
+from harness.scenario import maps, poses
+from harness.scenario.arrivals import Reader
+from harness.scenario.case import Case
+from harness.scenario.map import map_quantity
+from harness.scenario.pose import pose_quantity
+from harness.scenario.series import Series
+
+
+def readers(names: Iterable[str]) -> dict[str, Reader]:
+    """Returns what takes out of the messages of each topic what these quantities need."""
+    found: dict[str, Reader] = {}
+    for name in names:
+        if (pose := pose_quantity(name)) is not None:
+            found |= dict.fromkeys(pose.topics, Reader(poses.TYPES, poses.rows_of))
+        if (grid := map_quantity(name)) is not None:
+            found[grid.topic] = Reader(maps.TYPES, maps.grids_of)
+    return found
+
+
+def judged_series(case: Case, read: Mapping[str, Any], path: poses.TruePath) -> dict[str, Series]:
+    """Returns the quantities of poses and maps that a scenario expects something of.
+
+    Args:
+        case: The run.
+        read: What was taken out of the messages of each topic, in the order of their arrival.
+        path: The true poses.
+    """
+    found: dict[str, Series] = {}
+    for name in case.scenario.quantities:
+        if (pose := pose_quantity(name)) is not None:
+            found[name] = poses.pose_series(pose, read, path)
+        if (grid := map_quantity(name)) is not None:
+            truth = graded_world(case.run)  # kept
+            found[name] = maps.map_series(grid, read.get(grid.topic, ()), truth)
+    return found

@@ -1,0 +1,97 @@
+"""The track BARN against BARN's own tables and files."""
+
+import csv
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.base.errors import UsageError
+from harness.course.attempt import attempt
+from harness.course.entry import find_entry
+from harness.course.task import Case
+from harness.course.tracks.barn import Barn, generated, is_passable
+from harness.course.tracks.barn_files import read_worlds
+from harness.episode.assembly import world_of
+from harness.world.world import World, terrain_hash
+
+DATA = Path(__file__).parents[4] / "shared/data/barn"
+needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="BARN's tables are not there")
+
+
+def world(case: Case, folder: Path) -> World:
+    return world_of(Barn().task(case, folder).run)
+
+
+def places(built: World) -> set[tuple[float, float]]:
+    return {(round(o.position[0], 3), round(o.position[1], 3)) for o in built.obstacles}
+
+
+@needs_data
+def test_worlds_that_ship_are_those_of_the_tables(tmp_path: Path) -> None:
+    told: dict[str, set[tuple[float, float]]] = defaultdict(set)
+    with (DATA / "cylinders.csv").open() as file:
+        for row in csv.DictReader(file):
+            told[row["world"]].add((float(row["x"]), float(row["y"])))
+    for case in Barn().cases(50)[::7]:
+        assert case.world is not None
+        assert places(world(case, tmp_path)) == told[case.world.name[5:-4]]
+
+
+@needs_data
+def test_files_tables_and_what_ships_are_one_world(tmp_path: Path) -> None:
+    of_files = [w.name for w in read_worlds(DATA / "sdf") if w.name.startswith("barn")]
+    assert of_files == ["barn_0.world", "barn_60.world", "barn_150.world", "barn_294.world"]
+    file = next(case for case in Barn().cases(50, DATA / "sdf") if case.world.name == "barn_60.world")  # type: ignore[union-attr]
+    table = next(case for case in Barn().cases(100, DATA) if case.world.name == "barn_60.sdf")  # type: ignore[union-attr]
+    shipped = Barn().cases(50)[10]
+    assert terrain_hash(world(table, tmp_path)) == terrain_hash(world(shipped, tmp_path))
+    assert places(world(file, tmp_path)) == places(world(shipped, tmp_path))
+    lengths = [Barn().task(case, tmp_path).shortest for case in (table, shipped)]
+    assert lengths[0] == pytest.approx(lengths[1], abs=1e-3)
+
+
+def test_a_success_scores_by_barns_formula() -> None:
+    result = attempt(Barn().cases(2)[1], entry=find_entry("goal"))
+    assert result.is_success
+    best = result.shortest / 2.0
+    assert result.score == pytest.approx(best / np.clip(result.time, 2 * best, 8 * best), abs=1e-6)
+    assert result.shortest == pytest.approx(12.5007)
+
+
+def test_a_touch_ends_the_episode_without_a_score() -> None:
+    result = attempt(Barn().cases(1)[0], entry=find_entry("straight"))
+    assert (result.ending, result.score, result.spl) == ("contact", 0.0, 0.0)
+    assert 0.0 < result.hazard_s <= 0.05
+
+
+def test_unseen_worlds_are_passable_and_of_the_same_kinds() -> None:
+    shipped = [len(case.world.text) for case in Barn().cases(50)]  # type: ignore[union-attr]
+    unseen = [Barn().unseen(seed) for seed in range(12)]
+    assert unseen == [Barn().unseen(seed) for seed in range(12)]
+    sizes = [len(case.world.text) for case in unseen]  # type: ignore[union-attr]
+    assert 0.8 * min(shipped) < min(sizes) < max(sizes) < 1.2 * max(shipped)
+    wall = np.zeros((30, 30), np.int64)
+    wall[15] = 1
+    assert is_passable(np.zeros((30, 30), np.int64))
+    assert not is_passable(wall)
+    assert (generated(3, 0)[:, 0] == 1).all()
+
+
+@pytest.mark.parametrize(
+    ("files", "named"),
+    [
+        ({}, "0 worlds"),
+        ({"cylinders.csv": "world,x\n1,2\n"}, "world, x, y"),
+        ({"cylinders.csv": "world,x,y\n1,2,nan\n"}, "finite"),
+        ({"world_1.world": "", "path_1.npy": "no"}, "path_1.npy"),
+    ],
+)
+def test_folders_that_hold_no_worlds_are_named(
+    files: dict[str, str], named: str, tmp_path: Path
+) -> None:
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    with pytest.raises(UsageError, match=named):
+        read_worlds(tmp_path)

@@ -1,0 +1,63 @@
+"""The leader board: ranks and differences of the receipts, and a page that Chromium draws offline."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from harness.base.errors import UsageError
+from harness.course.__main__ import main
+from harness.course.board import board_of, page_of, paired_of, read_folder
+from harness.course.entry import find_entry
+from harness.course.receipt import read_receipt, receipt_of, write_receipt
+from tests.support.browser import NEEDS_CHROMIUM, Visit
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+
+@pytest.fixture(scope="module")
+def folder(kept: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Receipts of `straight`, and of one that is named like markup and scores 0.1 more everywhere."""
+    made, content = tmp_path_factory.mktemp("board"), read_receipt(kept)
+    write_receipt(content, made / "straight.json")
+    better = {
+        name: [one.__class__(**{**vars(one), "score": one.score + 0.1}) for one in track.episodes]
+        for name, track in content.tracks.items()
+    }
+    receipt = receipt_of(find_entry("goal"), better)
+    write_receipt(receipt.but(entry="<b>better</b>"), made / "better.json")
+    return made
+
+
+def test_the_best_stands_first_and_differences_are_paired(folder: Path) -> None:
+    receipts = read_folder(folder)
+    assert [row[0] for row in board_of(receipts).rows] == ["<b>better</b>", "straight"]
+    assert [row[3] for row in paired_of(receipts).rows] == ["0.100", "0.100"]
+
+
+def test_names_are_text_and_the_page_is_the_same_bytes(folder: Path) -> None:
+    page = page_of(read_folder(folder))
+    assert "<b>better</b>" not in page
+    assert page == page_of(read_folder(folder))
+
+
+def test_folders_without_receipts_are_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no receipt"):
+        read_folder(tmp_path)
+    (tmp_path / "other.json").write_text(json.dumps({"format": 2}))
+    with pytest.raises(UsageError, match=r"other\.json"):
+        read_folder(tmp_path)
+
+
+@NEEDS_CHROMIUM
+def test_every_plot_is_drawn_without_a_complaint_or_a_request(folder: Path, browser: "Browser") -> None:
+    assert main(["board", str(folder)]) == 0
+    file = folder / "board.html"
+    visit = Visit(browser, file)
+    assert visit.page.locator(".plot .main-svg").count() >= 2
+    empty = "[...document.querySelectorAll('.plot')].filter((p) => !p.querySelector('.trace, .points'))"
+    assert visit.page.evaluate(f"{empty}.length") == 0
+    assert visit.said == []
+    assert [url for url in visit.asked_for if not url.startswith("data:")] == [file.as_uri()]

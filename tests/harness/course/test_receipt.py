@@ -1,0 +1,110 @@
+"""Receipts: every figure again, what was changed is found, wrong entries in one line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.base.errors import UsageError
+from harness.course.__main__ import main
+from harness.course.drive import unseen_seed
+from harness.course.entry import find_entry
+from harness.course.receipt import read_receipt
+
+DRIVER = """
+from harness.drivers.beeline import Beeline
+class Mine(Beeline):
+    pass
+"""
+
+
+def test_verifying_gets_every_figure(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["verify", str(kept), "--jobs", "1", "--seed", "1"]) == 0
+    assert "every figure is the same" in " ".join(capsys.readouterr().out.split())
+
+
+def changed(kept: Path, folder: Path, change: dict[str, Any]) -> Path:
+    content = json.loads(kept.read_text())
+    for track in content["tracks"].values():
+        for episode in track["episodes"]:
+            episode.update(change)
+    (folder / "changed.json").write_text(json.dumps(content))
+    return folder / "changed.json"
+
+
+def test_a_figure_that_was_changed_is_found(
+    kept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = changed(kept, tmp_path, {"energy": 1.0})
+    assert main(["verify", str(path), "--jobs", "1", "--seed", "1"]) == 1
+    assert "energy was 1.0" in capsys.readouterr().out
+
+
+def test_a_score_that_is_not_of_its_episodes_is_refused(kept: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="figures of track barn"):
+        read_receipt(changed(kept, tmp_path, {"score": 1.0}))
+
+
+def test_a_receipt_is_of_one_version_and_one_entry(
+    kept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = json.loads(kept.read_text())
+    for key, value in (("version", "0.0.1"), ("entry_hash", "0")):
+        (path := tmp_path / "other.json").write_text(json.dumps(content | {key: value}))
+        assert main(["verify", str(path)]) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def own_entry(folder: Path, said: str = "driver: mine.py:Mine\nlock: requirements.txt\n") -> Path:
+    folder.mkdir(exist_ok=True)
+    (folder / "entry.yaml").write_text(said)
+    (folder / "mine.py").write_text(DRIVER)
+    (folder / "requirements.txt").write_text("")
+    return folder
+
+
+def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Path, kept: Path) -> None:
+    entry = own_entry(tmp_path / "own")
+    words = ["--track", "rocky", "--seeds", "2", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(["run", str(entry), *words]) == 0
+    receipt, baseline = read_receipt(tmp_path / "own.json"), read_receipt(kept)
+    assert receipt.tracks["rocky"] == baseline.tracks["rocky"]
+    assert receipt.entry_hash != baseline.entry_hash
+    (entry / "mine.py").write_text(DRIVER + "# changed")
+    assert main(["verify", str(tmp_path / "own.json"), "--entry", str(entry)]) == 2
+
+
+@pytest.mark.parametrize(
+    ("said", "named"),
+    [
+        ("driver: mine.py:Mine\n", "lock"),
+        ("driver: mine.py:Mine\nlock: none.txt\n", "none.txt"),
+        ("driver: mine.py:Yours\nlock: requirements.txt\n", "Yours"),
+        ("driver: other.py:Mine\nlock: requirements.txt\n", "other.py"),
+        ("policy: none.npz\nlock: requirements.txt\n", "none.npz"),
+        ("launch: [python3, node.py]\nlock: requirements.txt\n", "node"),
+        ("lock: requirements.txt\n", "driver, policy and launch"),
+        ("drivers: mine.py\nlock: requirements.txt\n", "driver"),
+    ],
+)
+def test_wrong_entries_are_one_line_before_anything_runs(
+    said: str, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", str(own_entry(tmp_path / "own", said)), "--out", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert named in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_unseen_seeds_depend_on_the_entry_and_the_nonce(tmp_path: Path) -> None:
+    entry, other = find_entry("straight"), find_entry(str(own_entry(tmp_path / "own")))
+    seeds = {
+        unseen_seed(one, nonce, track, number)
+        for one in (entry, other)
+        for nonce in ("a", "b")
+        for track in ("barn", "rocky")
+        for number in (0, 1)
+    }
+    assert len(seeds) == 16
+    assert min(seeds) > 50

@@ -1,0 +1,111 @@
+"""Scores, summaries and ways against closed forms and other libraries."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.ndimage import distance_transform_edt
+from scipy.sparse import lil_array
+from scipy.sparse.csgraph import dijkstra
+
+from harness.course.referee import Drive
+from harness.course.score import penalty, score, spl
+from harness.course.summary import difference, mean_of
+from harness.course.task import Rule, Task
+from harness.spec.run import Run
+from harness.truth.traversal import Truth
+from harness.world.grid import STEPS, distances, travel
+from tests.harness.course.conftest import driven
+
+TASK = Task(run=Run(), goals=((10.0, 0.0),), shortest=10.0, optimal=20.0, rule=Rule())
+DRIVE = Drive("reached", 1, 20.0, 0.0, 0.0, 0.0, Truth(path_length=10.0))
+
+
+@pytest.mark.parametrize(
+    ("time", "expected"), [(1.0, 1.0), (20.0, 1.0), (40.0, 0.5), (80.0, 0.25), (500.0, 0.25)]
+)
+def test_score_is_the_share_of_the_optimal_time_within_its_limits(time: float, expected: float) -> None:
+    assert score(TASK, replace(DRIVE, time=time), 1.0) == expected
+
+
+def test_what_is_not_reached_scores_nothing() -> None:
+    for ending in ("contact", "tipped", "time", "left the map"):
+        lost = replace(DRIVE, ending=ending)
+        assert score(TASK, lost, 1.0) == spl(TASK, lost) == 0.0
+
+
+def test_penalties_halve_the_score_and_multiply() -> None:
+    assert penalty(TASK, DRIVE, weight=50.0) == 1.0
+    touched = replace(DRIVE, truth=Truth(hazard_contact_s=1.0))
+    scraped = replace(touched, truth=replace(touched.truth, scrape_s=10.0))
+    wasteful = replace(scraped, energy=6.0 * 50.0 * TASK.shortest)
+    products = [penalty(TASK, drive, weight=50.0) for drive in (touched, scraped, wasteful)]
+    assert products == pytest.approx([0.5, 0.25, 0.125])
+    free = replace(TASK, rule=Rule(penalties=False))
+    assert penalty(free, wasteful, weight=50.0) == 1.0
+
+
+def test_spl_is_habitats() -> None:
+    assert spl(TASK, replace(DRIVE, truth=Truth(path_length=20.0))) == 0.5
+    assert spl(TASK, replace(DRIVE, truth=Truth(path_length=5.0))) == 1.0
+
+
+def test_intervals_are_scipys() -> None:
+    values = [0.2, 0.3, 0.5, 0.1, 0.4]
+    mean = mean_of(values)
+    low, high = stats.t.interval(0.95, 4, np.mean(values), stats.sem(values))
+    assert (mean.low, mean.high) == pytest.approx((low, high), abs=1e-6)
+    assert mean_of([0.0, 0.0]).low is None
+
+
+def test_entries_are_paired_by_their_episodes() -> None:
+    (first,) = driven("straight", "rocky")
+    many = [replace(first, seed=seed, score=0.1 * seed) for seed in range(5)]
+    better = [replace(one, score=one.score + 0.2) for one in reversed(many[1:])]
+    paired = difference(many, better)
+    assert paired is not None
+    assert paired.mean == pytest.approx(0.2)
+    assert difference(many, [replace(one, world_hash="other") for one in better]) is None
+
+
+def test_distances_are_scipys() -> None:
+    occupied = np.random.default_rng(1).random((37, 52)) < 0.03
+    assert np.allclose(distances(occupied), distance_transform_edt(~occupied), rtol=0.0, atol=1e-12)
+
+
+def test_ways_are_those_of_scipys_dijkstra() -> None:
+    rng = np.random.default_rng(2)
+    cost = np.where(rng.random((14, 17)) < 0.25, np.inf, 1.0 + rng.random((14, 17)))
+    cost[3, 4] = 1.0
+    rows, columns = cost.shape
+    graph = lil_array((cost.size, cost.size))
+    for row, column in np.ndindex(*cost.shape):
+        for down, right in STEPS.tolist():
+            r, c = row + down, column + right
+            if not (0 <= r < rows and 0 <= c < columns) or not np.isfinite(
+                cost[r, c] + cost[row, column]
+            ):
+                continue
+            if abs(down) + abs(right) == 3:  # a knight's move crosses the two cells between
+                a, b = (row + round(down / 3), column + round(right / 3)), (r, c)
+                crossed = (a, (b[0] - round(down / 3), b[1] - round(right / 3)))
+                if not all(np.isfinite(cost[cell]) for cell in crossed):
+                    continue
+            length = math.hypot(down, right) * 0.5 * (cost[r, c] + cost[row, column])
+            graph[row * columns + column, r * columns + c] = length
+    expected = dijkstra(graph.tocsr(), indices=3 * columns + 4).reshape(cost.shape)
+    found = travel(cost, np.array([[3, 4]]), np.zeros(1), STEPS)
+    reached = np.isfinite(cost)
+    assert np.allclose(found[reached], expected[reached], rtol=1e-12)
+
+
+def test_tracks_are_driven_by_what_listeners_get() -> None:
+    straight, goal = driven("straight", "rocky", (1, 2)), driven("goal", "rocky", (1, 2))
+    for first, second in zip(straight, goal, strict=True):
+        assert first.world_hash == second.world_hash
+        assert first.shortest >= math.dist((0.0, 0.0), (0.0, 9.0))
+        assert first.optimal == second.optimal
+    assert all(a != b for a, b in pairwise([*straight, *goal]))

@@ -1,0 +1,115 @@
+"""The map of what the lidar has seen, and who drives by it: against places that are known."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from harness.drivers import DRIVERS
+from harness.drivers.base import DriverContext, Observation
+from harness.drivers.dwa import turned
+from harness.drivers.local_map import CELL, LocalMap
+from harness.drivers.mppi import STEPS, blended
+from harness.robots import find_rover
+from harness.samples import LaserScan
+from harness.sensors.lidar_spec import LidarSpec
+
+ROVER = find_rover("jackal")
+BEARINGS = LidarSpec(beams=720).bearings(ROVER.lidar_yaw)
+DISC = 0.2  # [m] radius of what stands around
+
+
+def context() -> DriverContext:
+    return DriverContext(ROVER, (50.0, 50.0), BEARINGS, np.random.default_rng(0))
+
+
+def scan(pose: tuple[float, float, float], discs: list[tuple[float, float]]) -> NDArray[np.float32]:
+    """Ranges to discs of 0.2 m, by the closed form of a ray and a circle."""
+    x, y, yaw = pose
+    x, y = x + ROVER.lidar_x * math.cos(yaw), y + ROVER.lidar_x * math.sin(yaw)
+    angles = BEARINGS + yaw
+    ranges = np.full(len(angles), np.inf)
+    for at_x, at_y in discs:
+        along = (at_x - x) * np.cos(angles) + (at_y - y) * np.sin(angles)
+        aside = (at_x - x) * np.sin(angles) - (at_y - y) * np.cos(angles)
+        hit = (np.abs(aside) < DISC) & (along > 0.0)
+        chord = np.sqrt(np.where(hit, DISC**2 - aside**2, 0.0))
+        ranges = np.where(hit, np.minimum(ranges, along - chord), ranges)
+    return ranges.astype(np.float32)
+
+
+def seen(pose: tuple[float, float, float], discs: list[tuple[float, float]]) -> Observation:
+    return Observation(0, *pose, ranges=scan(pose, discs))
+
+
+def test_what_was_seen_stays_until_a_beam_crosses_it() -> None:
+    known, there = LocalMap(context()), (12.0, 7.5)
+    known.see(seen((10.0, 7.0, 0.3), [there]))
+    known.plan((10.0, 7.0), (14.0, 8.0))
+    towards = there[0] - DISC, there[1] - 0.03
+    assert known.clearance[known.cell(towards)] <= 2 * CELL
+    known.see(Observation(0, 9.0, 6.0, 2.0, ranges=None))
+    known.plan((9.0, 6.0), (14.0, 8.0))
+    assert known.clearance[known.cell(towards)] <= 2 * CELL
+    known.see(seen((9.0, 6.0, 2.0), []))
+    known.plan((9.0, 6.0), (14.0, 8.0))
+    assert known.clearance[known.cell(towards)] > 100.0
+
+
+def test_the_way_leads_around_a_wall() -> None:
+    wall = [(2.0, y) for y in np.arange(-1.5, 1.6, 0.3)]
+    known = LocalMap(context())
+    known.see(seen((0.0, 0.0, 0.0), wall))
+    known.plan((0.0, 0.0), (4.0, 0.0))
+    around = 2 * math.hypot(2.0, 1.5 + DISC)
+    assert 4.0 < around < known.to_go[known.cell((0.0, 0.0))] < 2.0 * around
+
+
+@pytest.mark.parametrize("name", ["beeline", "goal", "gap", "dwa", "mppi"])
+def test_a_driver_reaches_its_goal_and_stands_there(name: str) -> None:
+    driver: Any = DRIVERS[name](context())
+    driver.head_for(3.0, 1.0, 0.0)
+    x = y = yaw = 0.0
+    for period in range(400):
+        pose = x, y, yaw
+        twist = driver.command(Observation(period, *pose, ranges=scan(pose, []), readings={}))
+        yaw += 0.05 * twist.angular
+        x, y = x + 0.05 * twist.linear * math.cos(yaw), y + 0.05 * twist.linear * math.sin(yaw)
+    assert math.dist((x, y), (3.0, 1.0)) < 0.3
+    assert abs(twist.linear) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "touches"), [("beeline", True), ("gap", False), ("dwa", False), ("mppi", False)]
+)
+def test_who_looks_drives_around_what_stands_in_the_way(name: str, touches: bool) -> None:
+    driver: Any = DRIVERS[name](context())
+    assert (LaserScan in driver.senses) != touches
+    driver.head_for(5.0, 0.0, 0.0)
+    post, x, y, yaw, nearest = (2.5, 0.05), 0.0, 0.0, 0.0, math.inf
+    for period in range(400):
+        pose = x, y, yaw
+        twist = driver.command(Observation(period, *pose, ranges=scan(pose, [post]), readings={}))
+        yaw += 0.05 * twist.angular
+        x, y = x + 0.05 * twist.linear * math.cos(yaw), y + 0.05 * twist.linear * math.sin(yaw)
+        nearest = min(nearest, math.dist((x, y), post))
+    assert (nearest < DISC + 0.5 * ROVER.width) == touches
+    assert math.dist((x, y), (5.0, 0.0)) < 0.3
+
+
+def test_a_direction_is_turned_as_by_sine_and_cosine() -> None:
+    turn: Callable[..., tuple[float, float]] = turned.py_func  # type: ignore[attr-defined]
+    for angle in (-0.4, 0.0, 0.1, 0.3):
+        found = turn(math.cos(1.0), math.sin(1.0), angle)
+        assert found == pytest.approx((math.cos(1.0 + angle), math.sin(1.0 + angle)), abs=1e-4)
+
+
+def test_plans_are_blended_by_their_weights() -> None:
+    plans = np.random.default_rng(3).normal(size=(50, STEPS, 2))
+    costs = np.random.default_rng(4).uniform(0.0, 2.0, 50)
+    weights = (1.0 + (costs - costs.min()) / 0.35) ** -4
+    expected = (weights[:, None, None] * plans).sum(axis=0) / weights.sum()
+    assert np.allclose(blended(plans, costs), expected)

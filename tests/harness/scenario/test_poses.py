@@ -1,0 +1,152 @@
+"""Poses against the truth: evo, closed forms, and a run through ROS whose truth is published."""
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness.base.errors import UsageError
+from harness.scenario import trajectory
+from harness.scenario.case import plan
+from harness.scenario.pose import pose_quantity
+from harness.scenario.poses import Row, TruePath, chained, pose_series, rows_of
+
+Poses = trajectory.Poses
+
+
+def walk(seed: int, count: int = 400) -> tuple[Poses, Poses, Poses]:
+    """Times, a smooth true path, and an estimate that drifts and is turned."""
+    rng, times = np.random.default_rng(seed), np.linspace(0.0, 0.05 * (count - 1), count)
+    yaw: Poses = np.cumsum(rng.normal(0.0, 0.03, count))
+    steps = 0.03 * np.column_stack([np.cos(yaw), np.sin(yaw)])
+    truth = np.column_stack([np.cumsum(steps, axis=0), yaw])
+    drift = np.cumsum(rng.normal(0.0, 0.002, (count, 3)), axis=0)
+    return times, truth, truth + drift + (0.3, -0.2, 0.1)
+
+
+def tum(path: Path, times: Poses, poses: Poses) -> str:
+    quaternions = Rotation.from_euler("z", poses[:, 2:]).as_quat()
+    flat = np.zeros(len(times))
+    np.savetxt(path, np.column_stack([times, poses[:, :2], flat, quaternions]), fmt="%.12f")
+    return str(path)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_errors_are_those_of_evo(seed: int, tmp_path: Path) -> None:
+    pytest.importorskip("evo", reason="evo is not installed")
+    times, truth, estimate = walk(seed)
+    files = [tum(tmp_path / "truth.txt", times, truth), tum(tmp_path / "estimate.txt", times, estimate)]
+
+    def evo(program: str, *words: str) -> float:
+        out = tmp_path / f"{len(list(tmp_path.iterdir()))}.zip"
+        command = [
+            str(Path(sys.executable).with_name(program)),
+            "tum",
+            *files,
+            *words,
+            "--save_results",
+            str(out),
+        ]
+        subprocess.run(command, check=True, capture_output=True, env={"HOME": str(tmp_path)})
+        with zipfile.ZipFile(out) as results:
+            return float(json.loads(results.read("stats.json"))["rmse"])
+
+    moved = trajectory.aligned(estimate, truth)
+    rpe = ("evo_rpe", "--delta", "1", "--delta_unit", "m", "--pairs_from_reference")
+    assert trajectory.ate(estimate, truth) == pytest.approx(evo("evo_ape"), abs=1e-6)
+    assert trajectory.ate(moved, truth) == pytest.approx(evo("evo_ape", "--align"), abs=1e-6)
+    assert trajectory.rpe(estimate, truth) == pytest.approx(evo(*rpe), abs=1e-6)
+    angle = ("evo_ape", "--pose_relation", "angle_rad")
+    assert trajectory.yaw_error(estimate, truth) == pytest.approx(evo(*angle), abs=1e-6)
+    assert trajectory.yaw_error(moved, truth) == pytest.approx(evo(*angle, "--align"), abs=1e-6)
+
+
+def test_a_filter_that_knows_its_errors_has_a_nees_of_three() -> None:
+    rng, truth = np.random.default_rng(1), np.zeros((20_000, 3))
+    square = np.diag([0.04, 0.01, 0.0025])
+    estimate = truth + rng.multivariate_normal(np.zeros(3), square, len(truth))
+    said = np.broadcast_to(square, (len(truth), 3, 3))
+    assert trajectory.nees(estimate, truth, said) == pytest.approx(3.0, rel=0.03)
+    assert trajectory.nees(estimate, truth, said / 4.0) == pytest.approx(12.0, rel=0.03)
+    assert np.isnan(trajectory.nees(estimate, truth, 0.0 * said))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_alignment_undoes_any_move_and_truth_is_interpolated_at_stamps(seed: int) -> None:
+    times, truth, _ = walk(seed)
+    away = np.column_stack(
+        [trajectory.turned(truth[:, :2], 2.0) + np.array([5.0, -3.0]), truth[:, 2] + 2.0]
+    )
+    assert trajectory.ate(trajectory.aligned(away, truth), truth) < 1e-9
+    between = trajectory.at_times(times, truth, times[:-1] + 0.025)
+    assert between == pytest.approx(0.5 * (truth[1:] + truth[:-1]))
+    assert np.isnan(trajectory.at_times(times, truth, np.array([-1.0]))).all()
+
+
+def test_a_frame_is_chained_through_what_was_told_last() -> None:
+    def row(stamp: int, parent: str, child: str, x: float) -> Row:
+        pose = np.eye(4)
+        pose[0, 3] = x
+        return Row(stamp, parent, child, pose)
+
+    fixed = [row(0, "base_footprint", "base_link", 0.5)]
+    moving = [row(1, "odom", "base_footprint", 1.0), row(2, "map", "odom", 10.0)]
+    moving += [row(3, "odom", "base_footprint", 2.0), row(4, "map", "odom", 20.0)]
+    found = list(chained(fixed, moving, "map", "base_link"))
+    assert [(each.stamp_ns, each.pose[0, 3]) for each in found] == [(3, 12.5)]
+
+
+def test_what_cannot_be_measured_says_why() -> None:
+    stamp = SimpleNamespace(sec=1, nanosec=0)
+    place = SimpleNamespace(x=float("nan"), y=0.0, z=0.0)
+    turn = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
+    pose = SimpleNamespace(position=place, orientation=turn)
+    message = SimpleNamespace(header=SimpleNamespace(stamp=stamp, frame_id="map"), pose=pose)
+    truth = TruePath([0.5, 1.5], [(0.0, 0.0, 0.0)] * 2)
+    asked = pose_quantity("pose./slam/pose.ate")
+    assert asked is not None
+    assert "1 of 1 poses" in pose_series(asked, {"/slam/pose": [*rows_of(message)]}, truth).nothing
+    assert "no pose" in pose_series(asked, {}, truth).nothing
+    place.x = 0.0
+    for name, words in (("nees", "no covariance"), ("rpe_1m", "shorter")):
+        asked = pose_quantity(f"pose./slam/pose.{name}")
+        assert asked is not None
+        assert words in pose_series(asked, {"/slam/pose": [*rows_of(message)]}, truth).nothing
+
+
+SCENARIO = """
+about: Published truth has no error, odometry has some.
+terrain: rocky
+driver: figure8
+duration: 6
+expect:
+  pose./odom_ground_truth.ate: {max: 1.0e-9}
+  pose.odom->base_footprint.ate: {max: 1.0e-4}  # between two samples of the truth
+  pose.odom->base_footprint.yaw: {max: 1.0e-4}
+  pose./odometry/wheels.ate: {min: 1.0e-4, max: 2.0}
+  pose./odometry/wheels.rpe_1m: {min: 1.0e-4, max: 0.5}
+"""
+
+
+def test_poses_of_topics_and_frames_are_judged_through_ros(tmp_path: Path, ros_domain: int) -> None:
+    pytest.importorskip("rclpy", reason="ROS 2 is not installed")
+    from harness.scenario.attempt import attempt  # noqa: PLC0415
+
+    del ros_domain
+    (tmp_path / "p.scenario.yaml").write_text(SCENARIO)
+    (case,) = plan([tmp_path / "p.scenario.yaml"])
+    found = attempt(case, tmp_path / "out")
+    assert (found.error, found.breaches) == (None, ())
+
+
+@pytest.mark.parametrize("name", ["pose./odom.speed", "pose.odom.ate", "pose./a->b.ate"])
+def test_a_wrong_name_is_refused_with_the_right_ones(name: str, tmp_path: Path) -> None:
+    (tmp_path / "p.scenario.yaml").write_text(SCENARIO.replace("pose./odom_ground_truth.ate", name))
+    with pytest.raises(UsageError, match="rpe_1m"):
+        plan([tmp_path / "p.scenario.yaml"])
