@@ -150,7 +150,9 @@ class ProcessVectorEnv(ManyRovers):
         if np.shape(actions) != self._shared.actions.shape:
             raise InvalidAction(f"actions of shape {np.shape(actions)} are not valid; give two each")
         self._shared.actions[:] = actions
-        self._ask("accept", [()] * len(self._parts))
+        is_sure = self._begun and self._mode is not AutoresetMode.DISABLED
+        if not (is_sure and np.isfinite(actions).all()):  # else nobody can refuse: one call less
+            self._ask("accept", [()] * len(self._parts))
 
     def step_each(self, rewards: NDArray[np.float64], terminated: Flags, truncated: Flags) -> list[Info]:
         """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
@@ -231,8 +233,9 @@ def _serve(
 def _answer(envs: RoverVectorEnv, shared: Shared, what: str, args: list[Any]) -> Sequence[Any]:
     if what == "render":
         return envs.render()
-    if what == "accept":
+    if what != "reset":
         envs.accept(shared.actions)
+    if what == "accept":
         return ()
     if what == "step":
         for flags in (shared.terminated, shared.truncated):

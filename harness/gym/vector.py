@@ -97,7 +97,22 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]], ABC):
 
     def _batched(self, infos: Sequence[Info]) -> Info:
         """The infos of all environments as Gymnasium has them: an array for a key, and who has it."""
-        return reduce(lambda batched, one: self._add_info(batched, one[1], one[0]), enumerate(infos), {})
+        first = infos[0]
+        if "final_obs" in first or any(info.keys() != first.keys() for info in infos):
+            return reduce(lambda all_, one: self._add_info(all_, one[1], one[0]), enumerate(infos), {})
+        batched: Info = {}  # the same in a tenth of the time
+        for key, value in first.items():
+            values = [info[key] for info in infos]
+            if isinstance(value, dict):
+                batched[key] = self._batched(values)
+            elif type(value) in {int, float, bool}:
+                batched[key] = np.array(values, type(value))
+            elif isinstance(value, np.ndarray | np.number):
+                batched[key] = np.array(values, value.dtype)
+            else:
+                batched[key] = np.fromiter(values, object, len(values))
+            batched[f"_{key}"] = np.ones(len(values), np.bool_)
+        return batched
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
         if seed is None:

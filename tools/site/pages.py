@@ -43,7 +43,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         *("terrains.md", "reference/scenario_file.md", "models.md", "api.md", "reference/python.md"),
         "limits.md",
     ),
-    "Explanation": ("design.md", "physics.md", "guarantees.md", "benchmarks.md"),
+    "Explanation": ("design.md", "physics.md", "performance.md", "guarantees.md", "benchmarks.md"),
     "Project": ("contributing.md", "changelog.md", "security.md", "conduct.md"),
 }
 
