@@ -19,7 +19,7 @@ test: setup $(COLLECTED)  ## the whole test suite, in random order
 golden: setup  ## what a change does to whole runs, field by field; ARGS=--accept keeps it, ARGS="-k 07-" drives one of them
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --tb=short tests/golden $(ARGS)
 
-test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
+test-jazzy: setup  ## ROS 2 Jazzy: rover_metrics, on Python 3.10 where there is one, then what speaks ROS of the harness
 	tools/test_jazzy.sh $(ARGS)
 
 test-cluster:  ## sweeps and scenarios on a real local Ray and a real local Dask cluster: same bytes, killed workers

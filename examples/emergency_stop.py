@@ -1,5 +1,6 @@
 """A node that is not part of the harness: it stops the rover before something, or when it is blind."""
 
+import contextlib
 import math
 
 import rclpy
@@ -45,11 +46,9 @@ class EmergencyStop(Node):
 
 def main() -> None:
     """Runs the node until Ctrl-C."""
-    try:
-        with rclpy.init():
-            rclpy.spin(EmergencyStop())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+    rclpy.init()
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(EmergencyStop())
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from harness.cli.edge import begin_program, run_program
 
@@ -25,13 +26,14 @@ from rich.text import Text
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import check
-from harness.episode.direct import run_direct
-from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
 from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE
 from harness.spec.run import Run
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
+
+if TYPE_CHECKING:
+    from harness.episode.fingerprint import Fingerprint
 
 DEFAULT_DURATION = 20.0  # [s]
 SHORTEST_DURATION = 5.0  # [s]: two seeds may need that long to show different rows
@@ -49,7 +51,7 @@ class Finding:
     """
 
     run: str
-    found: Fingerprint | None
+    found: "Fingerprint | None"
     verdict: str
     passed: bool
 
@@ -71,6 +73,9 @@ def _prove(options: argparse.Namespace, console: Console) -> int:
 
 
 def _check(run: Run, stop: StopRequest, console: Console, *, with_ros: bool) -> Iterator[Finding]:
+    from harness.episode.direct import run_direct  # noqa: PLC0415 - not for --help
+    from harness.episode.fingerprint import direct_in_fresh_process, fingerprint  # noqa: PLC0415
+
     def working(on: str) -> Text:
         return Text(f"{run.rover.robot} on {run.world.terrain}: {on}")
 
@@ -87,7 +92,7 @@ def _check(run: Run, stop: StopRequest, console: Console, *, with_ros: bool) -> 
         yield _judged(f"seed {other.seed}", fingerprint(run_direct, other, stop), reference, equal=False)
 
 
-def _judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool = True) -> Finding:
+def _judged(run: str, found: "Fingerprint", reference: "Fingerprint", *, equal: bool = True) -> Finding:
     """Compares a run with the reference, to which it must be equal, or else different."""
     if found.lost:
         return Finding(run, found, f"LOST {found.lost} messages", passed=False)
@@ -97,7 +102,9 @@ def _judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool
     return Finding(run, found, "SAME AS REFERENCE" if any(same) else "different", passed=not any(same))
 
 
-def _ros_finding(run: Run, stop: StopRequest, reference: Fingerprint) -> Finding:
+def _ros_finding(run: Run, stop: StopRequest, reference: "Fingerprint") -> Finding:
+    from harness.episode.fingerprint import fingerprint  # noqa: PLC0415 - not for --help
+
     try:
         # As in harness.run, the one import of rclpy: everything else works where there is none.
         from harness.ros.session import run_through_ros  # noqa: PLC0415

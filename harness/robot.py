@@ -27,14 +27,11 @@ from rich.console import Console
 
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.episode.direct import run_unlogged
 from harness.robots import find_rover
 from harness.robots.spec import schema
 from harness.robots.urdf.folder import Written, write_folder
 from harness.samples import JointStates, Pose
 from harness.spec.run import Run
-from harness.validate.checkup import check_up
-from harness.validate.suite import print_table
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 
@@ -78,6 +75,10 @@ def _print(written: Written, console: Console) -> None:
 
 
 def _check(options: argparse.Namespace, console: Console) -> int:
+    from harness.episode.direct import run_unlogged  # noqa: PLC0415 - not for --help
+    from harness.validate.checkup import check_up  # noqa: PLC0415
+    from harness.validate.suite import print_table  # noqa: PLC0415
+
     rover = find_rover(options.rover)
     run = Run.of(robot=options.rover, terrain="flat", driver="figure8", duration=SHOWN)
     with Drawing(options.picture, None, lidar=False, backend=keep_opengl_out()) as drawing:

@@ -22,6 +22,7 @@ from rich.console import Console
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.files import check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
+from harness.base.loading import loading
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
 from harness.episode.assembly import actor_names, check_world, world_of
@@ -60,7 +61,8 @@ def _command(options: RunOptions, console: Console) -> int:
     drawing = Drawing(files.picture, files.video, lidar=files.picture_lidar, backend=backend)
     recorders = [RunRecorder() for _ in run.rovers] if files.page is not None else []
     logs = _social(options)
-    drive = _loaded(options)
+    with loading():
+        drive = _loaded(options)
     with StopRequest() as stop, drawing:
         drawn = _prepared(options, console, drawing)
         outputs = [

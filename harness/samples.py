@@ -168,6 +168,32 @@ class Transforms:
 
 
 @plain_value
+class SoilState:
+    """What soil does to each wheel now, in the order of RoverSpec.wheel_joints.
+
+    Attributes:
+        sinkage: Depth of the lowest point below the ground without ruts [m], 0 in the air.
+        slip_angle: Between the wheel's plane and its way over the ground, positive to the left [rad].
+        pull: Force of the soil along the wheel's heading, drawbar pull where positive [N].
+        side_force: Force of the soil to the left of the wheel [N].
+        stuck: Whether the wheels have turned for a second without getting on.
+        ruts: x, y of the wheel in the world and how deep its rut is there [m]; not published.
+    """
+
+    sinkage: tuple[float, ...]
+    slip_angle: tuple[float, ...]
+    pull: tuple[float, ...]
+    side_force: tuple[float, ...]
+    stuck: bool
+    ruts: tuple[Vector3, ...] = ()
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Returns the values that are published, in their order."""
+        return (*self.sinkage, *self.slip_angle, *self.pull, *self.side_force, self.stuck)
+
+
+@plain_value
 class TruthState:
     """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
 
@@ -182,6 +208,7 @@ class TruthState:
             turns faster than it moves, 0 while it stands (harness.truth.wheels).
         roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
             around the wheels, of the squared height above the mean of the 0.3 m around.
+        soil: What soil does to the wheels; None on rigid ground.
     """
 
     stamp_ns: int
@@ -193,12 +220,14 @@ class TruthState:
     path_length: float
     slip: tuple[float, ...]
     roughness: float
+    soil: SoilState | None = None
 
     @property
     def traversal(self) -> tuple[float, ...]:
         """Returns the values of /rover/truth/traversal, in its order."""
         touched = (self.contact_force, self.rock_contact, self.scrape)
-        return (*touched, self.speed, self.path_length, *self.slip, self.roughness)
+        soil = () if self.soil is None else self.soil.values
+        return (*touched, self.speed, self.path_length, *self.slip, self.roughness, *soil)
 
 
 @plain_value

@@ -11,7 +11,7 @@ from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
 from harness.drivers import takes_goals
-from harness.episode.assembly import check, fleet, gravity, people
+from harness.episode.assembly import check, fleet, gravity, has_soil, people
 from harness.episode.metrics_feed import extended_settings
 from harness.robots import find_rover
 from harness.spec.fleet import parse_rovers
@@ -120,7 +120,8 @@ def _settings(run: Run, number: int, values: Mapping[str, Any], *, extended: boo
     """The settings of a rover's metrics: of its model for the extended columns, then those of a file."""
     settings = Settings()
     if extended:
-        of_rover = extended_settings(find_rover(run.rovers[number].robot), gravity(run, number))
+        rover, soil = find_rover(run.rovers[number].robot), has_soil(run)
+        of_rover = extended_settings(rover, gravity(run, number), soil=soil)
         settings = replace(settings, extended_columns=True, extended=of_rover)
     return settings.updated(values)
 

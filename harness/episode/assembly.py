@@ -21,7 +21,6 @@ from harness.robots import RoverSpec, find_rover
 from harness.sensors.choice import chosen
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
-from harness.soil.soils import Soil, find_soil
 from harness.spec.route import Route
 from harness.spec.rover import CMD_VEL, RoverSetup, Start
 from harness.spec.run import Run
@@ -33,6 +32,7 @@ from harness.world.files import check_terrain, file_world, is_terrain_file
 from harness.world.geodesy import Datum
 from harness.world.grading import GradedMap, Limits, graded
 from harness.world.route import RouteProgress, check_target, marks
+from harness.world.soil_map import check_soil, soils_on
 from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 
@@ -42,8 +42,7 @@ def check(run: Run) -> None:
     for rover in run.rovers:
         find_rover(rover.robot)
     check_terrain(run.world)
-    if run.world.soil:
-        find_soil(run.world.soil)
+    check_soil(run.world.soil, run.world.terrain)
     people(run.world)
     target_names(run.world.targets)
     for rover in run.rovers:
@@ -72,11 +71,16 @@ def world_of(run: Run) -> World:
     """Returns the world, built once and then shared; a UsageError says why there can be none."""
     world = _terrain_world(run)
     if run.world.soil:
-        world = _of_soil(world, find_soil(run.world.soil))
+        world = _of_soil(world, run.world.soil, run.world.terrain, modified_ns(Path(run.world.soil)))
     targets = run.world.targets
     if targets:
         world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
     return _peopled(world, run.rover.start, people(run.world))
+
+
+def has_soil(run: Run) -> bool:
+    """Returns whether the ground of a run gives way."""
+    return bool(run.world.soil)
 
 
 def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
@@ -205,8 +209,8 @@ def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int, _modified_ns: int
 
 
 @lru_cache(maxsize=2)
-def _of_soil(world: World, soil: Soil) -> World:
-    return replace(world, soil=soil)
+def _of_soil(world: World, soil: str, terrain: str, _modified_ns: int) -> World:
+    return replace(world, soil=soils_on(soil, world.ground, terrain))
 
 
 @lru_cache(maxsize=2)  # of a long way, each step is looked at

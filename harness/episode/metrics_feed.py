@@ -20,13 +20,16 @@ if TYPE_CHECKING:
     from rover_metrics.core.columns import Row
 
 
-def extended_settings(rover: RoverSpec, gravity: float | None = None) -> ExtendedSettings:
-    """Returns the rover's footprint and where its lidar is, and gravity [m/s^2]: its model's if None."""
+def extended_settings(
+    rover: RoverSpec, gravity: float | None = None, *, soil: bool = False
+) -> ExtendedSettings:
+    """Returns the rover's footprint, lidar and wheels, gravity [m/s^2] (None: its model's), and soil."""
     return ExtendedSettings(
         footprint=Footprint.rectangle(rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, rover.lidar_y, rover.lidar_yaw),
         gravity=rover.gravity if gravity is None else gravity,
         wheels=",".join(rover.wheel_names),
+        soil=soil,
     )
 
 

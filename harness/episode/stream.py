@@ -12,13 +12,16 @@ the consumer, and an empty message at the end, or instead of any of these the er
 
 import contextlib
 import multiprocessing
+import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from multiprocessing.connection import Connection
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from harness.base.errors import HarnessError, RunFailed
 from harness.base.interrupt import held_back
+from harness.base.loading import loading
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.assembly import check_world, world_of
 from harness.episode.batch import Batch, EpisodeInfo
@@ -107,7 +110,7 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
             target=_simulate, args=(remote, run, frame_options, world), daemon=True
         )
         try:
-            with held_back():
+            with held_back(), _nothing_of_the_program():
                 self._process.start()
         except BaseException:  # a signal arrived meanwhile, and nobody will leave this context
             if self._process.pid is not None:
@@ -164,6 +167,16 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
         return received
 
 
+@contextlib.contextmanager
+def _nothing_of_the_program() -> Iterator[None]:
+    """Keeps the child from importing the program's main module again, which takes as long as its own."""
+    program, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = program
+
+
 def _built_world(run: Run) -> World | None:
     """Returns the world of a file, which takes seconds to build and little to hand over; else None."""
     if not is_terrain_file(run.world.terrain):
@@ -187,10 +200,11 @@ def _simulate(connection: Connection, *of: Any) -> None:  # noqa: ANN401 - argum
 def _stream(
     connection: Connection, run: Run, frame_options: FrameOptions | None, world: World | None
 ) -> None:
-    # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
-    from harness.episode.episode import episodes_of  # noqa: PLC0415
+    with loading():
+        # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
+        from harness.episode.episode import episodes_of  # noqa: PLC0415
 
-    episodes = episodes_of(run, frame_options, world)
+        episodes = episodes_of(run, frame_options, world)
     connection.send(tuple(Begun(episode.info, episode.description) for episode in episodes))
     size = 1 if any(rover.driver == CMD_VEL for rover in run.rovers) else TOGETHER
     unsent: list[tuple[Batch, ...]] = []

@@ -38,6 +38,8 @@ class Variation:
     payload: float = 0.0
     motor_strength: float = 1.0
     latency: float = 0.0
+    soil_stiffness: float = 1.0
+    soil_friction: float = 1.0
 
     @property
     def late_periods(self) -> int:
@@ -46,8 +48,15 @@ class Variation:
 
 
 def draw_variation(randomisation: Randomisation, rng: np.random.Generator) -> Variation:
-    """Returns a draw; each field takes one number from the generator, wherever its bounds are."""
-    return Variation(**{name: rng.uniform(*bounds) for name, bounds in randomisation})
+    """Returns a draw; each field takes one number from the generator, wherever its bounds are.
+
+    But for those of soil, which take none while they do not vary: most episodes have none.
+    """
+    drawn = {}
+    for name, (low, high) in randomisation:
+        is_given = not name.startswith("soil") or low != high
+        drawn[name] = rng.uniform(low, high) if is_given else low
+    return Variation(**drawn)
 
 
 class Course:
@@ -75,11 +84,11 @@ class Course:
         self._alike: tuple[Start, Variation] | None = None  # what the last state at time zero is of
         self._settled: list[State] = []
 
-    def camera_of(self, simulation: Simulation, seed: int) -> RangeSensor | None:
+    def camera_of(self, simulation: Simulation, lidar: Lidar, seed: int) -> RangeSensor | None:
         """Returns the rover's depth camera in an episode, with the seed of its noise; None without."""
         if self.camera is None or self._frames is None:
             return None
-        run, scene, surroundings = self.run.but(seed=seed), simulation.scene, self.lidar.surroundings
+        run, scene, surroundings = self.run.but(seed=seed), simulation.scene, lidar.surroundings
         made = installed(run, 0, self._frames, scene, surroundings, self.camera)
         return RangeSensor(simulation, made, TICKS_PER_CONTROL)
 
@@ -88,7 +97,18 @@ class Course:
         scene, model = self.scene, copy.copy(self.scene.model)
         if variation != Variation(latency=variation.latency):
             _vary(model, variation)
-        return replace(scene, model=model, world=starting_at(scene.world, start))
+        world = starting_at(scene.world, start)
+        if world.soil is not None:
+            world = replace(
+                world, soil=world.soil.but(variation.soil_stiffness, variation.soil_friction)
+            )
+        return replace(scene, model=model, world=world)
+
+    def lidar_of(self, simulation: Simulation) -> Lidar:
+        """Returns the lidar of an episode; ground that gives way is its own."""
+        if simulation.physics.bed is None:
+            return self.lidar
+        return Lidar(simulation.model, self.lidar.spec)
 
     def settled(self, scene: Scene, alike: tuple[Start, Variation]) -> Simulation:
         """Returns a simulation at time zero; where the last one was alike, it settles no second time.

@@ -19,6 +19,7 @@ from harness.sensors.base import EpisodeParts
 from harness.sensors.ranging import RangeReading
 from harness.sensors.suite import SensorSuite
 from harness.spec.rover import IMU_RATE
+from harness.truth.soil import SoilWheels
 from harness.world.world import Start
 
 SENSED = (LaserScan, Imu, Pose, Odometry)
@@ -42,6 +43,7 @@ class DrivenRover:
             much older as the variation's latency says.
         hazard_s: Contact of the rover with hazards in the last control period [s].
         scrape_s: Contact of anything but wheels with the ground in the last control period [s].
+        soil: What soil does to the wheels; None on rigid ground.
 
     Raises:
         UsageError: The rover cannot stand there.
@@ -52,14 +54,16 @@ class DrivenRover:
         scene = course.varied(start, variation)
         self.simulation = course.settled(scene, (start, replace(variation, latency=0.0)))
         self._base = base_controller(scene.rover, TICK)
-        parts = EpisodeParts(simulation=self.simulation, lidar=course.lidar)
+        lidar = course.lidar_of(self.simulation)
+        parts = EpisodeParts(simulation=self.simulation, lidar=lidar)
         noise = sensor_noise(course.run.rover.noise, noise_seed, course.lidar.spec)
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
-        self._camera = course.camera_of(self.simulation, noise_seed)
+        self._camera = course.camera_of(self.simulation, lidar, noise_seed)
         self._late: deque[Readings] = deque(maxlen=1 + variation.late_periods)
         sensors = [scene.model.sensor(index) for index in range(scene.model.nsensor)]
         self._hazard = int(scene.model.sensor(HAZARD_CONTACT).adr[0])
         self._scrapes = [int(s.adr[0]) for s in sensors if s.name.startswith(SCRAPE_CONTACT)]
+        self._soil = None if self.simulation.physics.bed is None else SoilWheels(self.simulation)
         self._ticks = 0
         self.readings: Readings = {}
         self.advance(Twist())
@@ -88,6 +92,7 @@ class DrivenRover:
         counts = physics.latest_sums(TICKS_PER_CONTROL)
         self.hazard_s = TICK * int(np.count_nonzero(counts[:, self._hazard]))
         self.scrape_s = TICK * int(np.count_nonzero(counts[:, self._scrapes].any(axis=1)))
+        self.soil = None if self._soil is None else self._soil.state()
         readings = self._suite.latest.copy()
         if self._camera is not None:
             readings[RangeReading] = self._camera.read()

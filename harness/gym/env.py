@@ -50,6 +50,7 @@ class ResetOptions(Value):
         terrain: Name or file of a new world.
         difficulty: Difficulty of a new world, 0 to 1.
         world_seed: Seed of a new world.
+        soil: Soil of a new world, "" for rigid ground.
         start: x, y [m] and yaw [rad] in the world.
         goal: x, y in the world [m].
     """
@@ -57,6 +58,7 @@ class ResetOptions(Value):
     terrain: str | None = None
     difficulty: float | None = None
     world_seed: int | None = None
+    soil: str | None = None
     start: Annotated[tuple[Finite, ...] | None, Field(min_length=3, max_length=3)] = None
     goal: Annotated[tuple[Finite, ...] | None, Field(min_length=2, max_length=2)] = None
 
@@ -135,7 +137,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         noise_seed = int(rng.integers(LARGEST_SEED)) if seed is None else seed
         if seed is not None:
             self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
-        elsewhere = wanted.keys() & {"terrain", "difficulty", "world_seed"}
+        elsewhere = wanted.keys() & {"terrain", "difficulty", "world_seed", "soil"}
         if not self._episodes_left or seed is not None or elsewhere:
             self.course = self._new_course(noise_seed, wanted)
             self._episodes_left = self.options.episodes_per_world
@@ -157,6 +159,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             "terrain": run.world.terrain,
             "world_seed": run.seed,
             "difficulty": run.world.difficulty,
+            "soil": run.world.soil,
             "start": np.array(driven.simulation.scene.world.start),
             "goal": np.array(self.goal),
             "variation": asdict(variation),
@@ -325,8 +328,12 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         terrain = terrains[int(rng.integers(len(terrains)))]
         difficulty = self._schedule.draw(rng)
         drawn: dict[str, Any] = {"terrain": terrain, "world_seed": seed, "difficulty": difficulty}
+        soils = self.options.soil
+        drawn["soil"] = soils[int(rng.integers(len(soils)))] if len(soils) > 1 else soils[0]
         drawn |= wanted
-        run = self.options.episode(drawn["terrain"], drawn["world_seed"], drawn["difficulty"])
+        run = self.options.episode(
+            drawn["terrain"], drawn["world_seed"], drawn["difficulty"], drawn["soil"]
+        )
         with _building:
             return Course(run, self._camera)
 

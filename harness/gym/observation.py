@@ -106,6 +106,17 @@ def depth_part(camera: DepthOptions, *, image: bool = False) -> Part:
     return Part((0.0,), (camera.range_max,), about, camera.rays, shape)
 
 
+def soil_part(wheels: int) -> Part:
+    """Returns what soil does to so many wheels as a part of an observation; see `soil_values`."""
+    largest = (0.5, math.pi / 2, 500.0, 500.0)
+    about = (
+        "of each wheel, left side front to rear, then right: sinkage [m]; then slip angles [rad]; pulls "
+        "ahead [N]; forces to the left [N]; only a simulator knows them"
+    )
+    high = tuple(value for value in largest for _ in range(wheels))
+    return Part(tuple(-value for value in high), high, about)
+
+
 def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:
     """Returns what RoverHarness/PointNav observes with a lidar of that largest range [m]."""
     about = {

@@ -5,6 +5,7 @@ given as Python has it or as JSON gives it back, so that a spec can be written t
 """
 
 from collections.abc import Mapping
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
@@ -72,6 +73,8 @@ class Randomisation(Value):
         payload: Mass at the body's centre of mass [kg].
         motor_strength: Factor on the largest torque of the motors.
         latency: Age of what is observed [s], in whole control periods of 0.05 s.
+        soil_stiffness: Factor on the moduli of soils.
+        soil_friction: Factor on the tangent of their friction angles.
     """
 
     friction: Positive = (1.0, 1.0)
@@ -79,6 +82,8 @@ class Randomisation(Value):
     payload: Range = (0.0, 0.0)
     motor_strength: Positive = (1.0, 1.0)
     latency: Range = (0.0, 0.0)
+    soil_stiffness: Positive = (1.0, 1.0)
+    soil_friction: Positive = (1.0, 1.0)
 
 
 class Curriculum(Value):
@@ -130,6 +135,7 @@ class Options(RunOptions):
     Attributes:
         terrain: Names of terrains, or files; each new world is of one of them.
         difficulty: Of the worlds, 0 to 1; of named terrains.
+        soil: As `harness.run --soil` takes it, "" for rigid ground; each new world has one of them.
         noise: A preset of sensor errors; "" for exact sensors.
         time_limit: Of an episode [s].
         episodes_per_world: Episodes until a new world is made; a reset with a seed makes one at once.
@@ -146,6 +152,7 @@ class Options(RunOptions):
 
     terrain: Terrains = ("rocky",)
     difficulty: Shares = (DEFAULT_DIFFICULTY, DEFAULT_DIFFICULTY)
+    soil: Terrains = ("",)
     noise: str = ""
     time_limit: Annotated[float, AfterValidator(checked(check_duration))] = 60.0
     episodes_per_world: Annotated[int, Field(ge=1)] = 10
@@ -157,13 +164,14 @@ class Options(RunOptions):
     terminate_fn: Any = None
     observe_fn: Any = None
 
-    def episode(self, terrain: str, seed: int, difficulty: float) -> Run:
+    def episode(self, terrain: str, seed: int, difficulty: float, soil: str = "") -> Run:
         """Returns the run of `harness.run` whose world, rover and noise these are.
 
         Args:
             terrain: One of `terrain`.
             seed: Of the world and of the noise.
             difficulty: Of the world; a file has none.
+            soil: One of `soil`.
 
         Raises:
             UsageError: A value is not valid for this terrain.
@@ -172,7 +180,7 @@ class Options(RunOptions):
         names = [name for name in RunOptions.model_fields if is_file or name not in FILE_FIELDS]
         given: dict[str, Any] = {name: getattr(self, name) for name in names}
         given |= {} if is_file else {"difficulty": difficulty}
-        run = Run.of(**given, terrain=terrain, seed=seed, noise=self.noise or None)
+        run = Run.of(**given, terrain=terrain, soil=soil, seed=seed, noise=self.noise or None)
         check(run)
         return run
 
@@ -187,7 +195,6 @@ def parse_options(cls: type[O], given: Mapping[str, object], where: str) -> O:
     """
     values = {name: _single(value) if name in FILE_FIELDS else value for name, value in given.items()}
     options = made(cls, {name: value for name, value in values.items() if value is not None}, where)
-    for terrain in options.terrain:
-        for difficulty in options.difficulty:
-            options.episode(terrain, 0, difficulty)
+    for terrain, difficulty, soil in product(options.terrain, options.difficulty, options.soil):
+        options.episode(terrain, 0, difficulty, soil)
     return options

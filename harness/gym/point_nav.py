@@ -18,6 +18,7 @@ from harness.gym.observation import (
     height_part,
     heights_around,
     point_nav_parts,
+    soil_part,
 )
 from harness.gym.options import Options
 from harness.robots import find_rover
@@ -39,6 +40,8 @@ class PointNavWeights(Value):
         scrape: Seconds in which anything but a wheel touched the ground.
         flipped: 1 if the rover lies on its side or roof.
         action_rate: Change of the action, both components' magnitudes added.
+        sinkage: Depth of the deepest wheel in soil [m], in each step.
+        stuck: 1 in each step in which wheels turn in soil without getting on.
     """
 
     progress: Finite = 1.0
@@ -48,6 +51,8 @@ class PointNavWeights(Value):
     scrape: Finite = -1.0
     flipped: Finite = -10.0
     action_rate: Finite = -0.01
+    sinkage: Finite = 0.0
+    stuck: Finite = 0.0
 
 
 class PointNavOptions(Options):
@@ -58,6 +63,7 @@ class PointNavOptions(Options):
         hazard_budget: Contact with hazards that ends an episode [s].
         height_scan: Whether the ground around the rover is observed too, as `heights`.
         depth: Width and height of a depth camera's image [pixels], which is observed too, as `depth`.
+        soil_state: Whether sinkage, slip angle and forces of each wheel in soil are observed, as `soil`.
         images: Whether `depth` and `heights` are images, (height, width, 1) and (ahead, left, 1), for
             convolutions; else flat.
         reward: Weights of the reward's terms.
@@ -68,6 +74,7 @@ class PointNavOptions(Options):
     height_scan: bool = False
     images: bool = False
     depth: Annotated[tuple[int, ...], BeforeValidator(as_tuple)] = ()
+    soil_state: bool = False
     reward: PointNavWeights = PointNavWeights()
 
     @property
@@ -83,6 +90,8 @@ class PointNavOptions(Options):
         if len(self.depth) not in (0, 2):
             raise ValueError(f"depth {list(self.depth)} is not valid; give width and height in pixels")
         checked(lambda _: self.camera)(None)
+        if self.soil_state and not all(self.soil):
+            raise ValueError("soil_state is of soil; give soil in all worlds, or leave it out")
         return self
 
 
@@ -109,9 +118,11 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         if (camera := self.options.camera) is not None:
             self._camera = camera
             self.parts = {**self.parts, "depth": depth_part(camera, image=self.options.images)}
+        rover = self._rover = find_rover(self.options.robot)
+        if self.options.soil_state:
+            self.parts = {**self.parts, "soil": soil_part(len(rover.wheel_joints))}
         self.observation_space = self._space(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        rover = self._rover = find_rover(self.options.robot)
         self.actions = (
             f"speed; 1 is {rover.top_speed:.3g} m/s, as fast as the wheels of {rover.name} turn",
             f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
@@ -131,11 +142,13 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
     def _observe(self, driven: DrivenRover) -> Mapping[str, object]:
         values = observed(driven.readings, self.goal, self._range_max)
         if self.options.height_scan:
-            ground, pose = driven.simulation.scene.world.ground, latest(driven.readings, Pose)
+            ground, pose = driven.simulation.ground, latest(driven.readings, Pose)
             values["heights"] = heights_around(ground, pose)
         if (camera := self._camera) is not None:
             ranges = latest(driven.readings, RangeReading).ranges
             values["depth"] = visible(ranges, camera.range_max)
+        if self.options.soil_state and driven.soil is not None:
+            values["soil"] = driven.soil.values[:-1]
         return values
 
     def _judge(self, driven: DrivenRover, failure: str) -> tuple[float, str, Info]:
@@ -155,6 +168,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "scrape": scrape_s,
             "flipped": float(ending == "flipped"),
             "action_rate": self._action_rate,
+            "sinkage": 0.0 if driven.soil is None else max(driven.soil.sinkage),
+            "stuck": 0.0 if driven.soil is None else float(driven.soil.stuck),
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
         x, y, _ = driven.simulation.position

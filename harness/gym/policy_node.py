@@ -137,11 +137,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     policy, rover = read_policy(options.file), find_rover(options.robot)
     try:
-        context = rclpy.init(args=ros_args)
+        rclpy.init(args=ros_args)
     except RuntimeError as error:
         raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
-    with suppress(KeyboardInterrupt, ExternalShutdownException), context:
-        rclpy.spin(PolicyNode(policy, rover, options.goal))
+    try:
+        with suppress(KeyboardInterrupt, ExternalShutdownException):
+            rclpy.spin(PolicyNode(policy, rover, options.goal))
+    finally:
+        rclpy.try_shutdown()
     return 0
 
 

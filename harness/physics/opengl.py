@@ -62,6 +62,11 @@ class Canvas:
         mujoco.mjr_readPixels(pixels, None, rect, self._target)
         return np.ascontiguousarray(pixels[::-1])
 
+    def upload_heights(self, model: mujoco.MjModel, field: int) -> None:
+        """Draws from now on what the heights of a heightfield are now."""
+        self._context.make_current()
+        mujoco.mjr_uploadHField(model, self._target, field)
+
     def close(self) -> None:
         """Gives the images' memory back; the context stays."""
         self._context.make_current()

@@ -72,7 +72,7 @@ class Physics:
         self.contacts, parked = ContactWatch(scenes, self.data), set[str]()
         self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
         if self.bed is not None:
-            fine = soil_ground(self.ground)
+            fine = soil_ground(scenes[0].world)
             self.ground = Heightfield(self.bed.surface, fine.cell, fine.middle)
         self.rovers = tuple(
             Rover(scene, self.data, contacts, parked, self.bed)

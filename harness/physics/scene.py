@@ -19,7 +19,7 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
-from harness.soil.wheel_kernel import SOIL_CONTACT
+from harness.soil.soils import SOIL_CONTACT
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -174,8 +174,14 @@ def build_scenes(
     )
 
 
+def soil_ground(world: World) -> Heightfield:
+    """Returns the ground of a world, in cells fine enough for ruts where its soil leaves some."""
+    leaves_ruts = world.soil is not None and any(soil.leaves_ruts for soil in world.soil.kinds)
+    return _fine(world.ground) if leaves_ruts else world.ground
+
+
 @lru_cache(maxsize=2)
-def soil_ground(ground: Heightfield) -> Heightfield:
+def _fine(ground: Heightfield) -> Heightfield:
     """Returns a ground in cells that are fine enough for ruts, or as fine as a large map allows."""
     rows, columns = ground.heights.shape
     area = (rows - 1) * (columns - 1) * ground.cell**2
@@ -253,7 +259,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
     if world.soil is None:
         _add_heights(spec, TERRAIN, world.ground, TERRAIN_GROUP, GROUND_CONTACT)
         return
-    fine = soil_ground(world.ground)
+    fine = soil_ground(world)
     heights = fine.heights.copy()
     heights[0, 0], heights[-1, -1] = heights.min() - SOIL_ROOM, heights.max() + SOIL_ROOM
     _add_heights(spec, TERRAIN, replace(fine, heights=heights), TERRAIN_GROUP, UNTOUCHED)

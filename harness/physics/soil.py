@@ -23,7 +23,7 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
         return None
     from harness.soil.bed import Bed, Ground  # noqa: PLC0415 - with kernels that only soil needs
 
-    geom, ground = model.geom(TERRAIN).id, soil_ground(world.ground)
+    geom, ground = model.geom(TERRAIN).id, soil_ground(world)
     start, (rows, columns) = int(model.hfield_adr[model.geom_dataid[geom]]), ground.heights.shape
     field = model.hfield_data[start:][: rows * columns].reshape(rows, columns)
     relief, base = float(model.hfield_size[model.geom_dataid[geom], 2]), float(model.geom_pos[geom, 2])
@@ -31,15 +31,25 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
     (half_x, half_y), (x, y) = ground.half_size, ground.middle
     corner = x - half_x, y - half_y
     solid = scenes[0].world.ground
-    told = Ground(ground.heights, corner, ground.cell, field, base, relief, solid.heights, solid.cell)
+    told = Ground(
+        heights=ground.heights,
+        corner=corner,
+        cell=ground.cell,
+        field=field,
+        base=base,
+        relief=relief,
+        solid=solid.heights,
+        solid_cell=solid.cell,
+        patches=world.soil.patches,
+    )
     wheels = [wheel for scene in scenes for wheel in _wheels(scene, data)]
     for wheel in wheels:
-        if wheel.width < ground.cell:
+        if wheel.width < ground.cell and any(soil.leaves_ruts for soil in world.soil.kinds):
             raise UsageError(
                 f"wheels {1e3 * wheel.width:.0f} mm wide are too narrow for soil, whose ruts have "
                 f"cells of {1e3 * ground.cell:g} mm; leave out --soil"
             )
-    return Bed(world.soil, told, wheels, model, data)
+    return Bed(world.soil.kinds, told, wheels, model, data)
 
 
 def _wheels(scene: Scene, data: mujoco.MjData) -> list["SoilWheel"]:

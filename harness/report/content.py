@@ -21,6 +21,7 @@ from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder, Stretch
 from harness.report.series import MOST_ROWS, series_figure, varies
+from harness.report.soil import soil_plots
 from harness.report.tables import (
     comparisons,
     contact_table,
@@ -49,6 +50,7 @@ def content(
     called = f"{rover.name}, a {robot}," if rover.name else robot
     terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
     met = encounters(recorder.track)
+    soil = soil_plots(recorder.track, find_rover(rover.robot).wheel_names)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
@@ -65,7 +67,7 @@ def content(
         "near": NEAR,
         "contacts": contact_table(result),
         "messages": message_table(result),
-        "series": series,
+        "series": [*series, *soil],
         "steady": Sheet.of(
             {
                 "Column": plot.heading,
@@ -75,7 +77,7 @@ def content(
             for plot in steady
         ),
         "notes": log.notes,
-        "figures": named((terrain_map, *series)),
+        "figures": named((terrain_map, *series, *soil)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
         "facts": {name: facts(values[name] or {}) for name in LISTED},
     }

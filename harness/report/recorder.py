@@ -12,7 +12,16 @@ import numpy as np
 
 from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
-from harness.samples import ActorPoses, Imu, LaserScan, PlacedScan, Pose, Vector3
+from harness.samples import (
+    ActorPoses,
+    Imu,
+    LaserScan,
+    PlacedScan,
+    Pose,
+    SoilState,
+    TruthState,
+    Vector3,
+)
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
 FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
@@ -42,6 +51,7 @@ class Stretch:
     contact_s: float = 0.0  # time in contact with a hazard [s]
     people: tuple[Vector3, ...] = ()  # where people are at its end [m]
     approaches: tuple[Approach, ...] = ()  # when each of them was nearest
+    soil: SoilState | None = None  # what soil did to the wheels at its end
 
     @property
     def nearest_person(self) -> float:
@@ -99,6 +109,7 @@ class RunRecorder:
         accelerations: list[float] = []
         nearest = math.inf
         approaches: tuple[Approach, ...] = ()
+        soil: SoilState | None = None
         for tick in batch.ticks:
             for sample in tick.samples:
                 match sample:
@@ -107,6 +118,8 @@ class RunRecorder:
                     case ActorPoses():
                         self._people = sample.position
                         approaches = _nearest(approaches, self._approaches(sample.stamp_ns))
+                    case TruthState():
+                        soil = sample.soil
                     case Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case LaserScan():
@@ -126,6 +139,7 @@ class RunRecorder:
             contact_s=truth.hazard_contact_s - touched_s,
             people=self._people,
             approaches=approaches,
+            soil=soil,
         )
 
     def _approaches(self, stamp_ns: int) -> tuple[Approach, ...]:

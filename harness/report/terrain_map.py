@@ -23,6 +23,7 @@ from harness.report.encounters import Encounter, encounters
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
+from harness.report.soil import ruts
 from harness.samples import Vector3
 from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline
@@ -91,6 +92,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
     data = [
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
         _points(scan, "last scan", {"size": 3, "color": SCAN}),
+        ruts(track),
         *_people(world.people, track),
         *_others(others),
         *_path(track, gravity),

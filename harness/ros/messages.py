@@ -150,10 +150,13 @@ def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
 
 def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
-    names = traversal_names(rover.wheel_names)
-    size = len(names)
-    message.layout.dim = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
-    return refilled(message, {"data": attrgetter("traversal")})
+    dimensions = {}
+    for soil in (False, True):
+        names = traversal_names(rover.wheel_names, soil=soil)
+        size = len(names)
+        dimensions[soil] = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
+    layout = {"layout.dim": lambda sample: dimensions[sample.soil is not None]}
+    return refilled(message, {**layout, "data": attrgetter("traversal")})
 
 
 def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:

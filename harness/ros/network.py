@@ -10,6 +10,7 @@ import os
 import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from harness.base.errors import UsageError
@@ -20,6 +21,7 @@ PROFILE = Path(__file__).with_name("local_machine.xml")
 PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE"
 FORMER_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 FORMER_DISTRIBUTIONS = ("humble", "iron", "jazzy")  # know only that
+KILTED = 9  # the first part of its rclpy's version
 OWN_PROFILE = "DEFAULT_FASTDDS_PROFILES.xml"  # in the current folder; Fast DDS reads it by itself
 # Whoever sets one of these has arranged the network, or the middleware, as it shall be.
 USERS_OWN = (PROFILE_VARIABLE, FORMER_VARIABLE, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
@@ -45,8 +47,17 @@ def local_settings(environment: Mapping[str, str], folder: Path) -> dict[str, st
     settings = {RANGE: LOCAL}
     if any(environment.get(name) for name in USERS_OWN) or (folder / OWN_PROFILE).exists():
         return settings
-    former = environment.get("ROS_DISTRO") in FORMER_DISTRIBUTIONS
-    return settings | {FORMER_VARIABLE if former else PROFILE_VARIABLE: str(PROFILE)}
+    return settings | {FORMER_VARIABLE if _is_former(environment) else PROFILE_VARIABLE: str(PROFILE)}
+
+
+def _is_former(environment: Mapping[str, str]) -> bool:
+    """Whether Fast DDS is that of a distribution before Kilted; only a sourced one sets ROS_DISTRO."""
+    if distribution := environment.get("ROS_DISTRO"):
+        return distribution in FORMER_DISTRIBUTIONS
+    try:
+        return int(version("rclpy").split(".")[0]) < KILTED
+    except PackageNotFoundError:
+        return False
 
 
 @contextmanager

@@ -21,9 +21,7 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
-from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.workers import add_options, workers_of
@@ -65,6 +63,9 @@ def _run(options: argparse.Namespace, console: Console) -> int:
 
 
 def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
+    from harness.scenario.baseline import write_baselines  # noqa: PLC0415 - not for --help
+    from harness.scenario.suite import run_all  # noqa: PLC0415
+
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,

@@ -1,7 +1,7 @@
 """What can be expected of a run: quantities by name."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from harness.base.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
-from harness.samples import ContactKind, TruthState
+from harness.samples import ContactKind, SoilState, TruthState
 from harness.scenario.map import HINT as MAP_HINT
 from harness.scenario.map import MAP, map_quantity
 from harness.scenario.mission import OF_TARGET, MissionState
@@ -70,12 +70,32 @@ def _contacts(field: str, kind: ContactKind, count: str, time: str) -> dict[str,
     }
 
 
-def _slip_of(place: tuple[int, int], snapshot: Snapshot) -> float:
-    """The slip of the wheel at a place of a side."""
-    (side, index), slip = place, snapshot.state.slip
-    half = len(slip) // 2
-    return slip[side * half :][:half][index]
+def _at(place: tuple[int, int], values: Sequence[float]) -> float:
+    """The value of the wheel at a place of a side."""
+    side, index = place
+    half = len(values) // 2
+    return values[side * half :][:half][index]
 
+
+def _slip_of(place: tuple[int, int], snapshot: Snapshot) -> float:
+    return _at(place, snapshot.state.slip)
+
+
+def _in_soil(value: Callable[[SoilState], float]) -> Callable[[Snapshot], float]:
+    return lambda m: math.nan if m.state.soil is None else value(m.state.soil)
+
+
+def _of_wheel(name: str, place: tuple[int, int], snapshot: Snapshot) -> float:
+    return _in_soil(lambda soil: _at(place, getattr(soil, name)))(snapshot)
+
+
+RIGID = "the ground is rigid; give soil"
+_OF_WHEELS = {
+    "sinkage": ("m", "Depth of the wheel below the ground."),
+    "slip_angle": ("rad", "Between the wheel's plane and its way, positive to the left."),
+    "pull": ("N", "Force of the soil along the wheel's heading."),
+    "side_force": ("N", "Force of the soil to the wheel's left."),
+}
 
 SHIPPED: dict[str, Quantity] = {
     **_contacts("hazard_contact", "hazard", "Contacts with hazards", "Time in contact with a hazard"),
@@ -106,6 +126,41 @@ SHIPPED: dict[str, Quantity] = {
     ),
     **{
         f"truth.slip.{wheel}": Quantity("", "Slip ratio, -1 to 1.", partial(_slip_of, place))
+        for wheel, place in _CORNERS.items()
+    },
+    "truth.sinkage": Quantity(
+        "m",
+        "Of the wheel that is deepest in soil.",
+        _in_soil(lambda soil: max(soil.sinkage)),
+        nothing=RIGID,
+    ),
+    "truth.slip_angle_deg": Quantity(
+        "deg",
+        "Mean magnitude of the wheels' slip angles in soil.",
+        _in_soil(lambda soil: math.degrees(sum(map(abs, soil.slip_angle)) / len(soil.slip_angle))),
+        nothing=RIGID,
+    ),
+    "truth.pull": Quantity(
+        "N",
+        "Drawbar pull of all wheels in soil, negative where it holds back.",
+        _in_soil(lambda soil: sum(soil.pull)),
+        nothing=RIGID,
+    ),
+    "truth.side_force": Quantity(
+        "N",
+        "Sum of the magnitudes of the side forces of soil.",
+        _in_soil(lambda soil: sum(map(abs, soil.side_force))),
+        nothing=RIGID,
+    ),
+    "truth.stuck": Quantity(
+        "",
+        "1 while wheels have turned in soil for a second without getting on.",
+        _in_soil(lambda soil: soil.stuck),
+        nothing=RIGID,
+    ),
+    **{
+        f"truth.{name}.{wheel}": Quantity(unit, meaning, partial(_of_wheel, name, place), nothing=RIGID)
+        for name, (unit, meaning) in _OF_WHEELS.items()
         for wheel, place in _CORNERS.items()
     },
     "truth.goal_distance": Quantity("m", "To the goal, in the plane.", lambda m: m.goal_distance),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from scipy.stats import binomtest
+import scipy  # loads a part of it when that is named
 
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
@@ -131,7 +131,7 @@ def _verdict(path: Path, attempts: list[Attempt]) -> Verdict:
 
 def wilson(good: int, count: int) -> tuple[float, float]:
     """Returns the interval of a share by Wilson's method."""
-    interval = binomtest(good, count).proportion_ci(CONFIDENCE, method="wilson")
+    interval = scipy.stats.binomtest(good, count).proportion_ci(CONFIDENCE, method="wilson")
     return float(interval.low), float(interval.high)
 
 

@@ -16,14 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.soil import wheel_kernel
-from harness.soil.soils import Soil
+from harness.soil.soils import SOIL_CONTACT, Soil
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
-AT_LOAD = 0.002  # [m]: change of the sinkage by which the stiffness is measured
+TICK = TICK_NS / NANOSECONDS  # [s], a whole number of steps
+
+SEEN = 4.0  # [m] around a camera in which ruts are shown
 
 Doubles = NDArray[np.float64]
+Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights from 0 to 1
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,7 @@ class Ground:
         relief: Height of its 1 above that [m].
         solid: Heights that what is no wheel meets [m].
         solid_cell: Distance of two of those [m].
+        patches: Which soil lies at each of the solid heights, uint8 of their shape.
     """
 
     heights: Doubles
@@ -74,13 +79,14 @@ class Ground:
     relief: float
     solid: Doubles
     solid_cell: float
+    patches: NDArray[np.uint8]
 
 
 class Bed:
     """Soil under all wheels of a model.
 
     Args:
-        soil: What the ground is of.
+        soils: What the ground is of, patch by patch.
         ground: Its heights.
         wheels: In the model.
         model: MuJoCo's.
@@ -89,6 +95,7 @@ class Bed:
     Attributes:
         surface: Heights of the ground with its ruts [m], shape (rows, columns); changes in each step.
         states: What the wheels remember, a row of each; kept and put back with the state of a rover.
+        leaves_ruts: Whether any of its soils stays where it was pressed to.
         felt: Of each wheel: sinkage [m], forces of the soil ahead, left and up [N], speed of the rim, of
             the hub ahead and left [m/s], depth of the rut ahead [m]; shape (n, 8).
 
@@ -98,17 +105,19 @@ class Bed:
 
     def __init__(
         self,
-        soil: Soil,
+        soils: Sequence[Soil],
         ground: Ground,
         wheels: Sequence[SoilWheel],
         model: mujoco.MjModel,
         data: mujoco.MjData,
     ) -> None:
         self.wheels, self._ground = tuple(wheels), ground
+        self.leaves_ruts = any(soil.leaves_ruts for soil in soils)
         gravity = -float(model.opt.gravity[2])
         widest = max(wheel.width for wheel in wheels)
-        self._numbers = soil.numbers(widest, gravity)
-        _check(soil, self._numbers, self.wheels, gravity, float(model.opt.timestep))
+        self._numbers = np.array([soil.numbers(widest, gravity) for soil in soils])
+        for soil, numbers in zip(soils, self._numbers, strict=True):
+            _check(soil, numbers, self.wheels, gravity, float(model.opt.timestep))
         self._virgin, self.surface = ground.heights.copy(), ground.heights.copy()
         self._fresh = ground.field.copy()
         frame = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
@@ -132,6 +141,15 @@ class Bed:
         rows = np.flatnonzero(self._bodies[:, 2] == root)
         return slice(int(rows[0]), int(rows[-1]) + 1)
 
+    def around(self, x: float, y: float) -> Patch | None:
+        """Returns MuJoCo's heights within SEEN of a place; None where nothing leaves ruts."""
+        if not self.leaves_ruts:
+            return None
+        (x0, y0), cell = self._ground.corner, self._ground.cell
+        row, column = (max(int((at - SEEN) / cell), 0) for at in (y - y0, x - x0))
+        across = int(2.0 * SEEN / cell)
+        return row, column, self._ground.field[row : row + across, column : column + across].copy()
+
     def smooth(self) -> None:
         """Makes the ground as it was without ruts; what the wheels remember stays."""
         self._virgin[:] = self.surface[:] = self._ground.heights
@@ -139,16 +157,17 @@ class Bed:
         self.states[:, 5] = 0.0
 
     def _told(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int64]:
-        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & wheel_kernel.SOIL_CONTACT)
+        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         arrays = (self._numbers, self._sizes, self._bodies, self._virgin, self._frame, self.surface)
         moving = (data.xpos, data.xaxis, data.cvel, data.subtree_com, data.xipos)
         self._touching = geoms, model.geom_aabb[geoms].copy()
         placed = (data.geom_xpos, data.geom_xmat, model.geom_conaffinity)
-        solid = (*self._touching, *placed, ground.solid, self._solid_frame)
+        solid = (*self._touching, *placed, ground.solid, self._solid_frame, ground.patches)
         everything = (*arrays, ground.field, self.states, self.felt, *moving, *solid)
         counts = (len(self.wheels), data.xfrc_applied.ctypes.data, *self.surface.shape)
         counts += (model.nbody, model.njnt, geoms.size, model.ngeom, *ground.solid.shape)
-        return np.array([*counts, *(a.ctypes.data for a in everything)], np.int64)
+        addresses = (array.ctypes.data for array in everything)
+        return np.array([*counts, *addresses, len(self._numbers)], np.int64)
 
 
 def _check(
@@ -174,7 +193,7 @@ def _check(
             raise UsageError(
                 f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by "
                 f"{swing:.2f} rad in one, more than {STABLE:g}; give "
-                f"--timestep {timestep * STABLE / swing / 1.2:.1g}, "
+                f"--timestep {TICK / math.ceil(TICK * swing / (timestep * STABLE)):.3g}, "
                 "or a soil of a smaller k_phi"
             )
 

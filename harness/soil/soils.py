@@ -16,7 +16,9 @@ from harness.base.errors import find_named
 from harness.spec.value import Length, NotNegative, Share, Value, made
 from rover_metrics.plugins import Table
 
+SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 SUFFIXES = (".yaml", ".yml")
+SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
 
 
@@ -74,6 +76,11 @@ class Soil(Value):
     side_slip: NotNegative = Field(default=1.0, description="weight of the rim's slip in that share")
     side_friction: Share = Field(default=0.0, description="friction on the wheel's face")
     density: Length = Field(default=1500.0, description="for the force beside the wheel [kg/m^3]")
+
+    @property
+    def leaves_ruts(self) -> bool:
+        """Whether it stays where it was pressed to."""
+        return self.rebound < 1.0
 
     def numbers(self, width: float, gravity: float) -> NDArray[np.float64]:
         """Returns the soil as the kernels take it.

@@ -24,6 +24,7 @@ from numba.core import cgutils
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
+from harness.soil.soils import SOIL_CONTACT
 
 STATIONS = 10  # of the rim in each half, front to bottom
 YIELD = 0.01  # [s] by whose slid path the shear is ahead: what damps a wheel that stands
@@ -32,7 +33,6 @@ COMPACTION = 0.1  # share of a rut's depth over which it bears again as before (
 SIDEWAYS = 1.25  # exponent of sideways motion in what flows: small slip angles hardly change the sinkage
 HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a time
 NEAR = 0.02  # [m] around what touches the ground at most a step later, were it as fast as 8 m/s
-SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 
 # State of a wheel: direction of motion (rim, ahead, left), that of travel (-1 back to 1 ahead),
@@ -40,7 +40,7 @@ DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 # the stations, along and across, of the front half and of the rear half.
 PATHS = 6
 STATE = PATHS + 4 * STATIONS
-SOIL_NUMBERS = 27
+SOIL_NUMBERS, REBOUND = 27, 19
 
 Doubles = NDArray[np.float64]
 
@@ -103,9 +103,11 @@ def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slow
         2.0 * sweep * dt / (r * step)
     )  # of the first one, which is half a step from the rim's entry
     kept = 1.0 / (1.0 + carried)
-    beside = (flow_lateral * abs(ey) ** SIDEWAYS) ** 2 + rest
-    pushed = flow_driving * speed * driving
-    standing = rest / (1.0 + flow_pressing * flow_pressing)
+    # A wheel that spins on the spot is as one that advances a little: it digs and does not press.
+    dug = rest * driving
+    beside = (flow_lateral * abs(ey) ** SIDEWAYS) ** 2 + rest - dug
+    pushed = flow_driving * math.sqrt(speed * speed + dug) * driving
+    standing = (rest - dug) / (1.0 + flow_pressing * flow_pressing)
     ahead, left, up, brake, jx, jy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     # Cosines and sines of a station's angle and of that whose pressure it has: turned on step by step.
     c, s = math.cos(first - 0.5 * step), math.sin(first - 0.5 * step)
@@ -136,7 +138,7 @@ def _half(  # noqa: PLR0915 - one loop over the rim, which calls would make slow
             into = max(ex * at_s, 0.0)
             along = eu - ex * c
             away = pushed if along > 0.0 else flow_braking * along
-            into *= into
+            into = into * into + dug * at_s * at_s
             bearing = math.sqrt((into + standing) / (into + away * away + beside + 1e-18))
             stress *= flowing + (1.0 - flowing) * bearing
         px, py = jx + YIELD * sliding_x, jy - YIELD * vy
@@ -186,7 +188,7 @@ def wheel_force(
         return 0.0, 0.0, 0.0, 0.0
     slid = state[PATHS:].reshape(2, 2, STATIONS)
     ahead, left, up, brake = 0.0, 0.0, 0.0, 0.0
-    rebound = soil[19]
+    rebound = soil[REBOUND]
     for half in range(2):
         sign = 1.0 - 2.0 * half
         bears = 1.0 + (1.0 - rebound) * min(sign * travel, 0.0)
@@ -322,7 +324,7 @@ def _heap(
 
 @inlined
 def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as numba takes them
-    soil: Doubles,
+    soils: Doubles,
     wheels: Doubles,
     bodies: NDArray[np.int64],
     grids: tuple[Doubles, Doubles, NDArray[np.float32]],
@@ -332,11 +334,13 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
     moving: tuple[Doubles, Doubles, Doubles, Doubles, Doubles],
     pushed: Doubles,
     dt: float,
+    patches: NDArray[np.uint8],
+    patch_cell: float,
 ) -> None:
     """Presses all wheels into the ground for one step.
 
     Args:
-        soil: As `harness.soil.soils.Soil.numbers`.
+        soils: A row for each as `harness.soil.soils.Soil.numbers`.
         wheels: Radius, width [m], grousers, and whether the axis points left (1) or right (-1), of each.
         bodies: MuJoCo's body, joint and root body of each wheel.
         grids: Heights as they would be without ruts, as they are [m], and as MuJoCo has them.
@@ -348,6 +352,8 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         moving: MuJoCo's xpos, xaxis, cvel, subtree_com, xipos.
         pushed: MuJoCo's xfrc_applied.
         dt: Timestep [s].
+        patches: Which soil there is at the vertices of a grid of the same corner.
+        patch_cell: Distance of two of those [m].
     """
     xpos, xaxis, cvel, subtree_com, xipos = moving
     virgin, surface, _ = grids
@@ -393,6 +399,9 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         at_front, at_back = (u + length * ex, v + length * ey), (u - length * ex, v - length * ey)
         ahead_rut = max(_level(virgin, *at_front) - _level(surface, *at_front), 0.0)
         back_rut = max(_level(virgin, *at_back) - _level(surface, *at_back), 0.0)
+        patch_row = min(max(int((hy - y0) / patch_cell + 0.5), 0), patches.shape[0] - 1)
+        patch_col = min(max(int((hx - x0) / patch_cell + 0.5), 0), patches.shape[1] - 1)
+        soil = soils[patches[patch_row, patch_col]]
         ahead, side, lift, brake = wheel_force(
             soil,
             (r, b, wheels[i, 2]),
@@ -413,7 +422,7 @@ def press(  # noqa: PLR0913, PLR0915, PLR0917 - MuJoCo's arrays one by one, as n
         felt[i, 0], felt[i, 1], felt[i, 2], felt[i, 3] = sinkage, ahead, side, lift
         felt[i, 4], felt[i, 5], felt[i, 6] = velocity[0], velocity[1], velocity[2]
         felt[i, 7] = ahead_rut
-        if lift > 0.0:
+        if lift > 0.0 and soil[REBOUND] < 1.0:
             plane = (level, slope_x, slope_y, sinkage)
             states[i, 5] += _press_down(grids, frame, (hx, hy), (ex, ey), (r, b), plane)
             reach = r * math.sin(math.acos(1.0 - min(sinkage, r) / r))
@@ -481,7 +490,7 @@ def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG00
 @kernel("void(int64)")
 def press_bed(address: int) -> None:
     """Presses the wheels of a bed, whose arrays are told by their addresses, as `bed.addresses`."""
-    told = numba.carray(pointer(address), (31,), np.int64)
+    told = numba.carray(pointer(address), (33,), np.int64)
     wheels, rows, columns, bodies, joints = told[0], told[2], told[3], told[4], told[5]
     solids, geoms, solid_rows, solid_columns = told[6], told[7], told[8], told[9]
     frame = numba.carray(pointer(told[14]), (6,), np.float64)
@@ -497,7 +506,7 @@ def press_bed(address: int) -> None:
         numba.carray(pointer(told[30]), (3,), np.float64),
     )
     press(
-        numba.carray(pointer(told[10]), (SOIL_NUMBERS,), np.float64),
+        numba.carray(pointer(told[10]), (told[32], SOIL_NUMBERS), np.float64),
         numba.carray(pointer(told[11]), (wheels, 4), np.float64),
         numba.carray(pointer(told[12]), (wheels, 3), np.int64),
         (
@@ -517,6 +526,8 @@ def press_bed(address: int) -> None:
         ),
         numba.carray(pointer(told[1]), (bodies, 6), np.float64),
         frame[5],
+        numba.carray(pointer(told[31]), (solid_rows, solid_columns), np.uint8),
+        numba.carray(pointer(told[30]), (3,), np.float64)[2],
     )
 
 

@@ -22,7 +22,7 @@ Seed = Annotated[int, Field(ge=0)]
 class Value(BaseModel):
     """A value that never changes; a key that it does not have is refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, defer_build=True)
 
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
         """Returns a copy with other values of some fields; UsageError if one is not valid."""

@@ -50,8 +50,8 @@ class WorldSpec(Value):
     )
     soil: Annotated[str, Option("NAME|FILE")] = Field(
         default="",
-        description="ground that gives way (docs/soil.md): see --list, or a YAML file; "
-        "default: rigid ground",
+        description="ground that gives way (docs/soil.md): see --list, a YAML file of a soil or of a "
+        "map of soils, or `terrain` for what the terrain has (dunes); default: rigid ground",
     )
     terrain_size: Annotated[
         tuple[MapLength, MapLength] | None, BeforeValidator(_both_lengths), Option("M", many=True)

@@ -12,6 +12,7 @@ from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.simulation import Simulation
 from harness.samples import ContactKind, TruthState
 from harness.truth.contact_events import ContactEvents
+from harness.truth.soil import SoilWheels
 from harness.truth.traversal import Truth
 from harness.truth.wheels import Wheels
 from harness.world.statistics import RoughnessMap
@@ -40,6 +41,7 @@ class TruthRecorder:
         wheels = len(simulation.scene.rover.wheel_joints)
         self._slip_sums, self._slip_counts = [0.0] * wheels, [0] * wheels
         self._resets = 0
+        self._soil = None if simulation.physics.bed is None else SoilWheels(simulation)
 
     @cached_property
     def _roughness(self) -> RoughnessMap:
@@ -68,6 +70,8 @@ class TruthRecorder:
         self._previous = self._simulation.position
         self.events.close()
         self._resets += 1
+        if self._soil is not None:
+            self._soil.begin_anew()
 
     def state(self) -> TruthState:
         """Returns the truth now and since the last call."""
@@ -88,6 +92,7 @@ class TruthRecorder:
             path_length=self._path,
             slip=tuple(wheel.slip for wheel in wheels),
             roughness=math.sqrt(sum(squares) / len(squares)),
+            soil=None if self._soil is None else self._soil.state(),
         )
         self._touched.clear()
         self._force = 0.0

@@ -23,9 +23,6 @@ from harness.cli.console import counted
 from harness.robots import ROVERS, find_rover
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store
-from harness.tune.episodes.sweep import sweep
-from harness.tune.output import print_studies, write_results
-from harness.tune.scoring.study import study
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
@@ -49,6 +46,10 @@ def _interruptible(options: argparse.Namespace) -> int:
 
 
 def _tune(options: argparse.Namespace, console: Console) -> int:
+    from harness.tune.episodes.sweep import sweep  # noqa: PLC0415 - not for --help
+    from harness.tune.output import print_studies, write_results  # noqa: PLC0415
+    from harness.tune.scoring.study import study  # noqa: PLC0415
+
     robots = options.robot or list(ROVERS)
     for robot in robots:
         find_rover(robot)

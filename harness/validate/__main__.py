@@ -23,9 +23,6 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
-from harness.validate import pressing, single_wheel
-from harness.validate.realism import compare, print_comparison
-from harness.validate.suite import print_table, validate
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
@@ -61,6 +58,8 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
 
 
 def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
+    from harness.validate.suite import print_table, validate  # noqa: PLC0415 - not for --help
+
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
     misses = []
     for rover in rovers:
@@ -72,6 +71,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
 
 
 def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
+    from harness.validate.realism import compare, print_comparison  # noqa: PLC0415 - not for --help
+
     find_rover(options.robot)
     with console.status(f"driving {options.robot} for ten minutes"):
         comparison = compare(options.realism, options.robot, options.seed)
@@ -80,6 +81,8 @@ def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
 
 
 def _rig(options: argparse.Namespace, console: Console) -> None:
+    from harness.validate import pressing, single_wheel  # noqa: PLC0415 - not for --help
+
     soil = find_soil(options.soil)
     if options.trials is None:
         rovers = list(ROVERS.values()) if options.robot is None else [find_rover(options.robot)]

@@ -10,8 +10,8 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+import scipy  # loads a part of it when that is named
 from rich.console import Console
-from scipy.stats import wasserstein_distance
 
 from harness.spec.run import Run
 from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
@@ -86,7 +86,9 @@ def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
         column: Name of the column.
     """
     logs = [log[column] for log in (ours, *recorded)]
-    near, far, between = (float(wasserstein_distance(*pair)) for pair in combinations(logs, 2))
+    near, far, between = (
+        float(scipy.stats.wasserstein_distance(*pair)) for pair in combinations(logs, 2)
+    )
     return Distances((near, far), between)
 
 

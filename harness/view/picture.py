@@ -25,6 +25,7 @@ from PIL import Image
 from harness.base.errors import HarnessError
 from harness.base.files import whole_file
 from harness.episode.assembly import scenery
+from harness.physics.ruts import drawn_ruts
 from harness.physics.scene import build_scenes
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar
@@ -70,10 +71,11 @@ class Studio(AbstractContextManager["Studio"]):
         self._lidars = [
             Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
         ]
-        self._marks = list[Mark]()
+        self._marks, self._ruts, self._pressed = list[Mark](), drawn_ruts(scenes), 0
         for scene, states in self._rovers:
             self._marks += path_marks(states, world.ground)
-            self._marks += track_marks(states, world.ground, scene.rover)
+            if self._ruts is None:
+                self._marks += track_marks(states, world.ground, scene.rover)
         half_height = math.tan(math.radians(0.5 * FIELD_OF_VIEW))
         self.half_width = quality.width / quality.height * half_height
         self._renderer = mujoco.Renderer(self.model, quality.height, quality.width, max_geom=MOST_GEOMS)
@@ -97,6 +99,7 @@ class Studio(AbstractContextManager["Studio"]):
 
     def image(self, index: int, view: View) -> NDArray[np.uint8]:
         """Returns the state of that index, shape (height, width, 3)."""
+        self._press_until(index)
         self.pose(index)
         aim_sun(self.model, self.recording.path[index], view.azimuth)
         mujoco.mj_camlight(self.model, self.data)
@@ -105,6 +108,20 @@ class Studio(AbstractContextManager["Studio"]):
         add_marks(scene, [*self._marks, *self._beams()], self.recording.times[index])
         scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
         return np.asarray(self._renderer.render())
+
+    def _press_until(self, index: int) -> None:
+        """Leaves the ruts of all states up to one, of a video once a second: OpenGL takes its time."""
+        end = range(len(self.recording.times))[index] + 1
+        is_last = end == len(self.recording.times)
+        if self._ruts is None or (end < self._pressed + FRAME_RATE and not is_last):
+            return
+        for state in range(self._pressed, end):
+            self.pose(state)
+            self._ruts.press(self.data)
+        self._pressed = end
+        self._renderer._gl_context.make_current()  # noqa: SLF001 - MuJoCo offers no other way
+        context = self._renderer._mjr_context  # noqa: SLF001
+        mujoco.mjr_uploadHField(self.model, context, self._ruts.field)
 
     def others(self) -> NDArray[np.float64] | None:
         """Returns where the other rovers are at the end [m], shape (n, 3); None without any."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.world.heightfield import Field, Heightfield, smoothstep
 from harness.world.obstacles import Obstacle
@@ -50,6 +51,7 @@ class Terrain(ABC):
     promise: ClassVar[Promise]
     has_level_spawn: ClassVar[bool] = True
     has_hazards: ClassVar[bool] = False  # whatever seed and difficulty
+    soils: ClassVar[tuple[str, ...]] = ()  # of its own, with which it is driven if asked for
 
     size: float = constant(40.0, "m")  # side length of the map [m]
     cell: float = constant(0.1, "m")  # distance of two vertices [m]
@@ -61,6 +63,11 @@ class Terrain(ABC):
     def obstacles(self, _ground: Heightfield, _rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Returns what stands on that ground; nothing unless a terrain says otherwise."""
         return ()
+
+    @classmethod
+    def patches(cls, ground: Heightfield) -> NDArray[np.uint8]:
+        """Returns which of `soils` lies at each vertex; the first unless a terrain says otherwise."""
+        return np.zeros(ground.heights.shape, np.uint8)
 
     def ground(self, rng: np.random.Generator) -> Heightfield:
         """Returns the surface, level around the spawn."""

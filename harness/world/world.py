@@ -8,7 +8,6 @@ from itertools import chain
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.soil.soils import Soil
 from harness.spec.target import TargetSpec
 from harness.spec.world import DEFAULT_DIFFICULTY
 from harness.world.actors.actor import Actor, actor_of
@@ -17,6 +16,7 @@ from harness.world.actors.people import Pedestrian
 from harness.world.geodesy import Datum
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.obstacles import Obstacle
+from harness.world.soil_map import Soils
 from harness.world.targets.placing import Target, placed_targets
 from harness.world.terrains import TERRAINS
 
@@ -52,7 +52,7 @@ class World:
     room: tuple[float, float, float, float] | None = None
     gravity: float | None = None  # downwards [m/s^2]; None is that of the rover's model
     friction: float | None = None  # of the ground where it is less than the wheels' own; None is theirs
-    soil: Soil | None = None  # what the ground is of; None is rigid
+    soil: Soils | None = None  # what the ground is of; None is rigid
     files: tuple[tuple[str, str], ...] = ()  # those that the world was read from, each with its SHA-256
 
     @property
@@ -127,7 +127,10 @@ def terrain_hash(world: World) -> str:
             np.array([*numbers, *chain(*obstacle.corners, *obstacle.faces)], dtype="<f8").tobytes()
         )
     if world.soil is not None:
-        digest.update(world.soil.model_dump_json().encode())
+        for soil in world.soil.kinds:
+            digest.update(soil.model_dump_json().encode())
+        if len(world.soil.kinds) > 1:
+            digest.update(world.soil.patches.tobytes())
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
     for target in world.targets:

@@ -20,13 +20,14 @@ SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_m
 IN_ROS = {"runs", "lockstep", "sensors", "start"}
 LESS = {  # of what only repeats
     "lockstep.ELSEWHERE": {"two": 2},
-    "lockstep.TARGETS": {"one, in this process": "-", "two": "-"},
+    "lockstep.GOALS": {"one, in this process": 1.0, "two": 0.75},
     "obstacles.COUNTS": (0, 10),
     "runs.ROVERS": ("leo",),
     "sensors.TARGETS": {"depth": ("-", "-")},
     "sensors._run": lambda *_: (1.0, 1.0),  # that of "runs"
     "start.WAYS": {"--direct": ("--direct",)},
     "start.IMPORTS": "import harness",
+    "start.PROGRAMS": ["harness.call"],
     "tuning.ROVERS": ("leo",),
     "tuning.TARGETS": {1: "-"},
 }

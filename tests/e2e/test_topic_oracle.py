@@ -282,11 +282,15 @@ def test_commands_are_the_finite_ones_and_the_service_says_when(drive: Drive) ->
 def test_the_run_tells_how_far_it_is_and_keeps_its_pace(drive: Drive) -> None:
     result, hosts = drive.result, drive.twin.rover.name == "leo"
     seconds = [0.05 * (batch + 1) for batch in range(BATCHES)]
-    assert [p.simulated_s for p in drive.progress] == pytest.approx(seconds)
-    last = drive.progress[-1]
+    shown = [
+        round(progress.simulated_s / 0.05) for progress in drive.progress
+    ]  # as often as one can see
+    assert shown == sorted(set(shown))
+    first, last = drive.progress[0], drive.progress[-1]
+    assert last.simulated_s == pytest.approx(seconds[-1])
     assert last.truth.path_length == pytest.approx(drive.twin.path_length)
     assert (last.messages, last.wall_s, last.truth) == (len(drive.due), result.wall_s, result.truth)
-    assert drive.progress[0].messages == sum(time_ns <= 50_000_000 for time_ns, *_ in drive.due)
+    assert first.messages == sum(time_ns <= first.simulated_s * 1e9 for time_ns, *_ in drive.due)
     assert 0.0 < result.wall_s < drive.listener.drove_s, "what came before the drive does not count"
     assert result.mode == f"ROS 2, {'hosted metrics_node' if hosts else 'no metrics_node'}"
     assert (result.lost, result.rows, result.segments) == (0, *((4, 1) if hosts else (0, None)))

@@ -111,6 +111,7 @@ class GoldenRun:
         words += PEOPLE.get(self.people, []) + METRICS.get(self.metrics, []) + TF.get(self.tf, [])
         words += [] if self.numbers == NONE else OTHER_NUMBERS
         words += MISSION.get(self.mission, [])
+        words += [] if self.soil == NONE else ["--soil", self.soil]
         words += ["--namespace", "below"] if self.ros == "namespace" else []
         words += self._fleet(robot) if self.is_fleet else ["--robot", robot]
         return [word.format(**files) for word in words]
@@ -144,6 +145,7 @@ def kind(column: str, value: str) -> str:
         "robot": {"sojourner": "husky"},
         "fleet": {"close": "twin"},
         "mission": dict.fromkeys((*MISSION, "link"), NONE),  # each in a run of its own
+        "soil": dict.fromkeys(("dry_sand", "firm", "terrain"), NONE),
         "reset": {"2.6": "1.3", "1.35": "1.3"},
         "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},
     }

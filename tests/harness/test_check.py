@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from harness import check
 from harness.base.interrupt import StopRequest
 from harness.check import _judged, main
+from harness.episode import fingerprint as prints
 from harness.episode.direct import run_direct
 from harness.episode.episode import Episode
 from harness.episode.fingerprint import (
@@ -42,8 +42,8 @@ def in_this_process(config: Run) -> Fingerprint:
 
 @pytest.fixture
 def _each_config_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(check, "fingerprint", lambda _, config, __: in_this_process(config))
-    monkeypatch.setattr(check, "direct_in_fresh_process", in_this_process)
+    monkeypatch.setattr(prints, "fingerprint", lambda _, config, __: in_this_process(config))
+    monkeypatch.setattr(prints, "direct_in_fresh_process", in_this_process)
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -97,7 +97,7 @@ def test_missing_ros_that_nobody_left_out_is_neither_proof_nor_disproof(
 def test_drifting_run_fails_the_check(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(check, "direct_in_fresh_process", lambda _: REFERENCE)
+    monkeypatch.setattr(prints, "direct_in_fresh_process", lambda _: REFERENCE)
     assert main(NO_ROS) == 1
     told = capsys.readouterr()
     assert "fresh process: DIFFERENT" in told.err

@@ -26,6 +26,7 @@ class CameraState:
     Attributes:
         position, orientation: Of the optical frame in the world [m], (x, y, z, w): z ahead, y down.
         state: Of the whole scene, as MuJoCo has it.
+        ground: Its ground nearby, as harness.soil.bed.Bed.around; None on ground that keeps no ruts.
     """
 
     stamp_ns: int
@@ -33,6 +34,7 @@ class CameraState:
     position: Vector3
     orientation: Quaternion
     state: NDArray[np.float64]
+    ground: tuple[int, int, NDArray[np.float32]] | None = None
 
 
 class CameraOptions(SensorOptions):
@@ -106,4 +108,6 @@ class CameraSensor(OptionalSensor[CameraOptions]):
         mujoco.mj_getState(simulation.model, simulation.data, state, VISIBLE_STATE)
         mujoco.mju_mat2Quat(turned, pose[1:].ravel())
         w, x, y, z = turned.tolist()
-        return CameraState(simulation.time_ns, self.name, tuple(pose[0].tolist()), (x, y, z, w), state)
+        at, bed = tuple(pose[0].tolist()), simulation.physics.bed
+        ground = None if bed is None else bed.around(*at[:2])
+        return CameraState(simulation.time_ns, self.name, at, (x, y, z, w), state, ground)

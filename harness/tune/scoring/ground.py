@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.metrics import roc_auc_score
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord, Table
@@ -204,6 +203,8 @@ def _speed_bin(speeds: tuple[float, float], events: ImuEvents) -> SpeedBin:
     auc = best = None
     if min(rough, windows - rough) >= FEWEST_IN_BIN:
         scores = balanced_accuracy(counts_of([events], GRID)[:, 0])
+        from sklearn.metrics import roc_auc_score  # noqa: PLC0415 - not for --help
+
         auc = float(roc_auc_score(events.rough, events.signal))
         best = float(GRID[int(np.argmax(scores))])
     return SpeedBin(speeds=speeds, windows=windows, rough=rough, auc=auc, best=best)

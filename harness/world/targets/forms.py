@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -99,7 +99,9 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
     foot = options.height - 0.5 * edge
     if count == 3:
         rim = np.concatenate([skin.vertices for skin in skins]) - middle
-        head = convex(ObstacleKind.HAZARD, middle + rim * [*(2 * [inner / (inner + LIFT)]), 1.0])
+        inside = inner / (inner + LIFT)
+        hull = convex(ObstacleKind.HAZARD, middle + rim * [inside, inside, 1.0])
+        head = replace(hull, color=WHITE)
     else:
         thickness = BOARD if count < 3 else 0.5 * edge
         head = upright("box", (thickness, 0.5 * edge, 0.5 * edge), place, foot, WHITE)

@@ -4,10 +4,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.world.heightfield import Field, fractal, smoothstep
+from harness.world.heightfield import Field, Heightfield, fractal, smoothstep
 from harness.world.statistics import Promise
 from harness.world.terrain import Terrain, constant, parameter
+
+BARE = 0.12  # share of the dunes' height below which there is no sand
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +124,7 @@ class Dunes(Terrain):
     promise = Promise(
         slope_p50=(6.0, 8.0), slope_p95=(14.0, 19.0), rms_1m=(0.007, 0.012), rms_03m=(0.0, 0.001)
     )
+    soils = ("firm", "dry_sand")
 
     height: float = parameter(0.2, 0.45, 0.56, "m")  # typical height from trough to crest [m]
     wavelength: float = constant(7.0, "m")  # distance from crest to crest [m]
@@ -139,3 +143,10 @@ class Dunes(Terrain):
         windward = 1.0 - self.lee
         profile = smoothstep(phase, 0.0, windward) - smoothstep(phase, windward, 1.0)
         return self.height * (1.0 + 0.25 * np.clip(swell, -2.0, 1.0)) * profile
+
+    @classmethod
+    def patches(cls, ground: Heightfield) -> NDArray[np.uint8]:
+        """Returns sand but for the troughs, where the ground below it lies bare."""
+        heights = ground.heights
+        sandy = heights > heights.min() + BARE * np.ptp(heights)
+        return np.asarray(sandy, np.uint8)

@@ -20,14 +20,14 @@ from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_col
 from rover_metrics.timing import NANOSECONDS
 
 
-def extended_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
-    """Returns the columns after the twelve of a rover with these wheels."""
+def extended_columns(wheels: Sequence[str], *, soil: bool = False) -> tuple[Column, ...]:
+    """Returns the columns after the twelve of a rover with these wheels, on soil or on rigid ground."""
     return (
         *TravelColumns.COLUMNS,
         *ScanColumns.COLUMNS,
         *ImuColumns.COLUMNS,
         *TrafficColumns.COLUMNS,
-        *truth_columns(wheels),
+        *truth_columns(wheels, soil=soil),
     )
 
 
@@ -53,9 +53,10 @@ class ExtendedMetrics:
     """
 
     def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings) -> None:
-        self.truth = TruthColumns(settings.wheel_names)
+        wheels, soil = settings.wheel_names, settings.soil
+        self.truth = TruthColumns(wheels, soil=soil)
         self._further = [_further(name)(settings) for name in settings.column_names]
-        own = extended_columns(settings.wheel_names)
+        own = extended_columns(wheels, soil=soil)
         columns = (*own, *(column for each in self._further for column in each.COLUMNS))
         self._headers = tuple(column.header for column in columns)
         self.header = (*COLUMNS, *self._headers)

@@ -71,6 +71,11 @@ class ExtendedSettings:
         read_only=True,
     )
 
+    soil: bool = parameter(
+        False,
+        "columns of what soil does to the wheels, which /rover/truth/traversal tells of a run on soil",
+        read_only=True,
+    )
     columns: str = parameter(
         "",
         "names of further columns, of plug-ins or as FILE.py:CLASS (docs/extend.md), after the extended "

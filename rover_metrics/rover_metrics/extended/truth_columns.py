@@ -1,7 +1,7 @@
 """Columns of the truth, which only a simulator publishes; empty with a real rover."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.rotation import Vector3
@@ -15,20 +15,36 @@ WHEELS = ("front_left", "rear_left", "front_right", "rear_right")  # if nobody s
 ROUGHNESS = "roughness"
 SLIP = "True Slip "  # and the wheel: names of columns
 FIRST_SLIP = 5  # place among the values
+STUCK = "stuck"
+IN_SOIL = {  # of each wheel: name of its column, unit, meaning
+    "sinkage": ("True Sinkage", "m", "Depth of the lowest point of the {} wheel below the ground."),
+    "slip_angle": (
+        "True Slip Angle",
+        "rad",
+        "Between the plane of the {} wheel and its way over the ground, positive to the left.",
+    ),
+    "pull": (
+        "True Drawbar Pull",
+        "N",
+        "Force of the soil on the {} wheel along its heading, negative where it holds back.",
+    ),
+    "side_force": ("True Side Force", "N", "Force of the soil on the {} wheel to its left."),
+}
 
 
-def traversal_names(wheels: Sequence[str]) -> tuple[str, ...]:
+def traversal_names(wheels: Sequence[str], *, soil: bool = False) -> tuple[str, ...]:
     """Returns the names of the values of /rover/truth/traversal of a rover with these wheels."""
     totals = ("contact_force", "rock_contact", "scrape", "speed", "path_length")
-    return (*totals, *(f"slip_{wheel}" for wheel in wheels), ROUGHNESS)
+    of_soil = (*(f"{name}_{wheel}" for name in IN_SOIL for wheel in wheels), STUCK) if soil else ()
+    return (*totals, *(f"slip_{wheel}" for wheel in wheels), ROUGHNESS, *of_soil)
 
 
 _CONTACT = "/rover/truth/contact"
 _TRAVERSAL = "/rover/truth/traversal"
 
 
-def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
-    """Returns the columns of a rover with these wheels, e.g. front_left."""
+def truth_columns(wheels: Sequence[str], *, soil: bool = False) -> tuple[Column, ...]:
+    """Returns the columns of a rover with these wheels, e.g. front_left, on soil or on rigid ground."""
     return (
         Column(
             name="True Contact Events",
@@ -60,6 +76,27 @@ def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
             formula="Mean since the row before.",
             source=f"{_TRAVERSAL} {ROUGHNESS}",
         ),
+        *(_soil_columns(wheels) if soil else ()),
+    )
+
+
+def _soil_columns(wheels: Sequence[str]) -> Iterator[Column]:
+    for name, (title, unit, meaning) in IN_SOIL.items():
+        for wheel in wheels:
+            words = wheel.replace("_", " ")
+            yield Column(
+                name=f"{title} {words.title()}",
+                unit=unit,
+                meaning=meaning.format(words),
+                formula="Mean since the row before.",
+                source=f"{_TRAVERSAL} {name}_{wheel}",
+            )
+    yield Column(
+        name="True Stuck",
+        meaning="Share of the time in which the wheels turned and did not get on.",
+        formula="Mean since the row before of 1 where the rims have turned for a second and the hubs "
+        "moved at less than a tenth of their speed, else 0.",
+        source=f"{_TRAVERSAL} {STUCK}",
     )
 
 
@@ -79,8 +116,9 @@ def slip_column(wheel: str) -> Column:
 class TruthColumns:
     """The account of the truth topics of a rover with these wheels, in the order of the columns."""
 
-    def __init__(self, wheels: Sequence[str] = WHEELS) -> None:
-        self._names = traversal_names(wheels)
+    def __init__(self, wheels: Sequence[str] = WHEELS, *, soil: bool = False) -> None:
+        self._names = traversal_names(wheels, soil=soil)
+        self._on_soil = traversal_names(wheels, soil=True)
         self._events: int | None = None  # nothing heard yet
         self._pause = CONTACT_PAUSE
         self._contact = _Mean()
@@ -109,8 +147,12 @@ class TruthColumns:
         return True
 
     def add_traversal(self, values: Sequence[float], names: Sequence[str] | None = None) -> bool:
-        """Takes a message's values, with their names if it has any; returns whether they were usable."""
-        names = self._names if names is None else names
+        """Takes a message's values, with their names if it has any; returns whether they were usable.
+
+        Without names they may be those of soil too, if no column is of it.
+        """
+        if names is None:
+            names = self._names if len(values) == len(self._names) else self._on_soil
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
         named = dict(zip(names, values, strict=True))

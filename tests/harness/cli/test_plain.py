@@ -61,7 +61,7 @@ def test_a_run_of_a_rover_and_a_map_of_such_names_tells_them_as_they_are(
 def test_the_check_of_such_a_rover_and_a_scenario_tell_its_name(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(robot, "check_up", lambda _: [])
+    monkeypatch.setattr("harness.validate.checkup.check_up", lambda _: [])
     assert robot.main(["check", "[red]m"]) == 0
     assert "[/b] [link=http://x]Leo[/link]: 5.5 kg" in " ".join(capsys.readouterr().out.split())
     Path("s[red].scenario.yaml").write_text(

@@ -14,7 +14,7 @@ from harness.gym.driven_rover import SENSED, DrivenRover
 from harness.gym.options import Randomisation
 from harness.physics.physics import Physics
 from harness.physics.scene import SCRAPE_CONTACT
-from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
+from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, TruthState, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.ranging import RangeReading
 from harness.spec.run import Run
@@ -43,11 +43,12 @@ def flat_with_post() -> Course:
         return Course(Run.of(lidar_beams=8, robot="leo", noise="hardware"), camera)
 
 
-@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+@pytest.mark.parametrize(("robot", "soil"), [("leo", ""), ("rover_zero4wd", ""), ("leo", "dry_sand")])
 def test_a_driven_rover_reads_what_the_same_commands_of_an_episode_publish(
-    config: MakeConfig, robot: str
+    config: MakeConfig, robot: str, soil: str
 ) -> None:
-    run = config(robot=robot, seed=3, driver="cmd_vel", duration=0.05 * (1 + len(COMMANDS)))
+    duration = 0.05 * (1 + len(COMMANDS))
+    run = config(robot=robot, seed=3, driver="cmd_vel", duration=duration, soil=soil)
     rover = DrivenRover(Course(run), START, PLAIN, run.seed)
     commands = tuple((0.05 * n, *twist) for n, twist in enumerate(COMMANDS, 1))
     episode = Episode(run.alone(start=START, commands=commands))
@@ -56,6 +57,7 @@ def test_a_driven_rover_reads_what_the_same_commands_of_an_episode_publish(
         published |= {type(sample): sample for tick in batch.ticks for sample in tick.samples}
         for kind in SENSED:
             assert repr(rover.readings[kind]) == repr(published[kind])
+        assert rover.soil == published[TruthState].soil
         scan: Any = rover.readings[LaserScan]
         np.testing.assert_array_equal(scan.ranges, published[LaserScan].ranges)
         rover.advance(Twist(*command))

@@ -52,8 +52,10 @@ def test_each_step_is_paid_by_what_the_simulator_did(
                 "scrape": scrape_s,
                 "flipped": float(info["ending"] == "flipped"),
                 "action_rate": float(np.abs(action.clip(-1, 1) - acted).sum()),
+                "sinkage": 0.0,
+                "stuck": 0.0,
             }
-            terms = {name: weights[name] * value for name, value in measured.items()}
+            terms = {name: weights.get(name, 0.0) * value for name, value in measured.items()}
             if n:
                 assert info["reward_terms"] == pytest.approx(terms, abs=1e-12)
             assert reward == pytest.approx(sum(info["reward_terms"].values()))

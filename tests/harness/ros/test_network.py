@@ -25,13 +25,16 @@ from tests.support.waiting import wait_until
 LOOPBACK = re.compile(r".{6}7F|0{24}01000000")  # 127.x.x.x and ::1, of a little-endian machine
 READING = 0.3  # [s]: a listener reads at once
 LOCALHOST = {RANGE: "LOCALHOST"}
+KILTED = {"ROS_DISTRO": "kilted"}
 
 
 @pytest.mark.parametrize(
     ("environment", "added"),
     [
-        *((own, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}) for own in ({}, {RANGE: "localhost"})),
-        ({"ROS_DISTRO": "kilted"}, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)}),
+        *(
+            (own, {**LOCALHOST, PROFILE_VARIABLE: str(PROFILE)})
+            for own in (KILTED, KILTED | {RANGE: "localhost"})
+        ),
         ({"ROS_DISTRO": "jazzy"}, {**LOCALHOST, FORMER_VARIABLE: str(PROFILE)}),
         *(({RANGE: wider}, {}) for wider in ("SUBNET", "SYSTEM_DEFAULT", "OFF")),
         *(({own: "something"}, LOCALHOST) for own in USERS_OWN),

@@ -8,12 +8,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from harness.episode.batch import Batch
-from harness.samples import Pose, Tick, TruthState
+from harness.samples import Pose, SoilState, Tick, TruthState
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 from harness.truth.traversal import Truth
 
 ANGLES = st.floats(-math.pi, math.pi)
+
+CORNERS = ("front_left", "rear_left", "front_right", "rear_right")
 
 
 def batch(index: int, *samples: object, **truth: object) -> Batch:
@@ -47,7 +49,9 @@ def test_a_goal_is_reached_when_it_is_first_near_enough_and_stays_so() -> None:
 
 def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
     slip = (0.1, 0.5, -0.2, 0.3, 0.6, -0.4)  # of six wheels: corners are the ends of each side
-    state = TruthState(0, True, False, False, 11.0, 0.12, 0.0, slip, 0.013)
+    six = (0.0, 0.3, 0.1, 0.2, 0.6, -0.5)
+    soil = SoilState(sinkage=six, slip_angle=six, pull=six, side_force=six, stuck=True)
+    state = TruthState(0, True, False, False, 11.0, 0.12, 0.0, slip, 0.013, soil)
     totals = {"path_length": 14.0, "position": (15.0, 16.0, 17.0), "tipped_over": True, "resets": 2}
     counts = {"hazard_contacts": 3, "rock_contacts": 4, "scrapes": 5}
     times = {"hazard_contact_s": 0.6, "rock_contact_s": 0.7, "scrape_s": 0.8}
@@ -70,6 +74,16 @@ def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
         "truth.slip.rear_left": -0.2,
         "truth.slip.front_right": 0.3,
         "truth.slip.rear_right": -0.4,
+        "truth.sinkage": 0.6,
+        "truth.slip_angle_deg": math.degrees(1.7 / 6),
+        "truth.pull": 0.7,
+        "truth.side_force": 1.7,
+        "truth.stuck": 1.0,
+        **{
+            f"truth.{name}.{wheel}": value
+            for name in ("sinkage", "slip_angle", "pull", "side_force")
+            for wheel, value in zip(CORNERS, (0.0, 0.1, 0.2, -0.5), strict=True)
+        },
         "truth.goal_distance": math.nan,
         "truth.goal_s": math.nan,
         "truth.route_points": 0.0,  # of no mission

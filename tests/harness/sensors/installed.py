@@ -22,7 +22,7 @@ def simulation(
     """What sensors read of a rover in that pose (w, x, y, z); its time can be set."""
     data = mujoco.MjData(MODEL)
     data.qpos[:] = (*position, *np.array(quaternion) / np.linalg.norm(quaternion))
-    return SimpleNamespace(model=MODEL, data=data, time_ns=0)
+    return SimpleNamespace(model=MODEL, data=data, time_ns=0, physics=SimpleNamespace(bed=None))
 
 
 def installation(

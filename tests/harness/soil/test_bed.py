@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from harness.base.errors import UsageError
 from harness.episode.episode import Episode
+from harness.samples import TruthState
+from harness.soil.soils import SOIL_CONTACT
 from harness.spec.run import Run
 
 FORTH = ((0.5, 0.3, 0.0),)
@@ -63,9 +66,78 @@ def test_the_second_pass_is_shallower() -> None:
     assert deeper(FORTH_AND_BACK, 8.0) < 0.7 * deeper(FORTH, 4.0)
 
 
-def test_firm_soil_drives_as_rigid_ground() -> None:
-    ahead = [driven(6.0, soil=soil).simulation.position[0] for soil in ("firm", "")]
-    assert ahead[0] == pytest.approx(ahead[1], rel=0.05)
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_firm_soil_drives_and_turns_as_rigid_ground(robot: str) -> None:
+    def went(command: tuple[float, float]) -> list[float]:
+        both = (
+            driven(6.0, soil=soil, robot=robot, commands=((0.5, *command),)) for soil in ("firm", "")
+        )
+        return [each.simulation.position[0] if command[0] else each.simulation.yaw for each in both]
+
+    for command in ((0.3, 0.0), (0.0, 0.5)):
+        on_firm, on_rigid = went(command)
+        assert on_firm == pytest.approx(on_rigid, rel=0.05)
+
+
+def test_ground_keeps_its_volume_over_a_long_turn_of_the_heavier_rover() -> None:
+    bed = driven(12.0, robot="rover_zero4wd", commands=((0.5, 0.3, 0.2),)).simulation.physics.bed
+    assert bed is not None
+    displaced = np.abs(bed.surface).sum()
+    assert displaced > 1.0
+    assert abs(bed.surface.sum()) < 0.01 * displaced
+
+
+def test_an_underside_is_looked_for_only_near_the_ground_and_then_as_ever(forth: Episode) -> None:
+    simulation = forth.simulation
+    body = simulation.model.geom("body_chassis").id
+    affinity = simulation.model.geom_conaffinity
+    assert not affinity[body] & SOIL_CONTACT
+    simulation.put(0.0, 3.0, 0.0)
+    simulation.pose[2] -= 0.12
+    simulation.tick()
+    assert simulation.contacts.strongest.keys() == {"scrape"}
+
+
+def test_wheels_in_sand_between_firm_ground_sink_by_a_map(tmp_path: Path) -> None:
+    patches = np.zeros((401, 401), np.uint8)
+    patches[:, 205:] = 1
+    Image.fromarray(patches).save(tmp_path / "map.png")
+    file = tmp_path / "soils.yaml"
+    file.write_text("soils: [firm, dry_sand]\nmap: map.png\n")
+    there, before = (driven(t, soil=str(file)).simulation.physics.bed for t in (6.0, 0.6))
+    assert there is not None
+    assert before is not None
+    assert (before.felt[:, 0] < 0.003).all()
+    assert (there.felt[:, 0] > 0.005).all()
+    for wrong, told in (
+        ("soils: [firm]\nmap: map.png\n", "other numbers"),
+        ("soils: [firm, mud]\nmap: map.png\n", "dry_sand"),
+        ("soils: [firm, clay]\nmap: none.png\n", "cannot be read"),
+    ):
+        file.write_text(wrong)
+        with pytest.raises(UsageError, match=told):
+            driven(0.6, soil=str(file))
+    np.save(tmp_path / "map.npy", patches[1:])
+    file.write_text("soils: [firm, clay]\nmap: map.npy\n")
+    with pytest.raises(UsageError, match="401 x 401"):
+        driven(0.6, soil=str(file))
+    with pytest.raises(UsageError, match="only dunes"):
+        driven(0.6, soil="terrain")
+    assert driven(0.6, soil="terrain", terrain="dunes").simulation.physics.bed is not None
+
+
+def test_a_rover_is_stuck_while_its_wheels_turn_and_it_stays() -> None:
+    for difficulty, is_stuck in ((1.0, True), (0.0, False)):
+        run = Run.of(
+            duration=5.0, terrain="slope", difficulty=difficulty, driver="cmd_vel", commands=FORTH,
+            soil="dry_sand", robot="leo",
+        )  # fmt: skip
+        ticks = (tick for batch in Episode(run).batches() for tick in batch.ticks)
+        states = [state.soil for tick in ticks if (state := tick.of(TruthState))]
+        assert states[-1] is not None
+        assert states[-1].stuck is is_stuck
+        assert all(0.002 < sinkage < 0.04 for sinkage in states[-1].sinkage)
+        assert sum(states[-1].pull) > 0.0 or not is_stuck  # of the slope that it does not climb
 
 
 def test_equal_runs_give_equal_bytes_beside_rocks_and_people() -> None:

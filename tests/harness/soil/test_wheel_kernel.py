@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harness.soil.soils import SOILS, Soil
-from harness.soil.wheel_kernel import steady_wheels
+from harness.soil.wheel_kernel import STATE, steady_wheels, wheel_force
 
 RADIUS, WIDTH, SPEED = 0.0625, 0.05, 0.01
 soils = st.sampled_from([SOILS[name] for name in ("dry_sand", "lll_sand", "clay", "lunar", "firm")])
@@ -14,10 +14,18 @@ angles = st.floats(0.0, 75.0)
 loads = st.floats(5.0, 40.0)
 
 
-def drawn(soil: Soil, rim: float, load: float, angle_deg: float = 0.0) -> np.ndarray:
-    """Sinkage, forces ahead and left, and moment of a smooth wheel at SPEED."""
+def drawn(
+    soil: Soil,
+    rim: float,
+    load: float,
+    angle_deg: float = 0.0,
+    *,
+    speed: float = SPEED,
+    grousers: float = 0.0,
+) -> np.ndarray:
+    """Sinkage, forces ahead and left, and moment of a wheel."""
     angle, results = np.radians(angle_deg), np.empty((1, 4))
-    trial = np.array([[RADIUS, 0.0, rim, SPEED * np.cos(angle), SPEED * np.sin(angle), load]])
+    trial = np.array([[RADIUS, grousers, rim, speed * np.cos(angle), speed * np.sin(angle), load]])
     steady_wheels(soil.numbers(WIDTH, 9.81), trial, WIDTH, results)
     return np.asarray(results[0])
 
@@ -62,3 +70,28 @@ def test_hard_soil_pulls_as_friction_does() -> None:
     sinkage, pull, _, _ = drawn(SOILS["firm"], 4.0 * SPEED, 21.0)
     assert sinkage < 1e-3
     assert pull == pytest.approx(21.0, rel=0.05)
+
+
+def test_a_wheel_that_spins_on_the_spot_digs_in_to_a_limit() -> None:
+    for grousers in (0.0, 1.0):
+        sinkage, _, _, _ = drawn(SOILS["dry_sand"], 0.1, 21.0, speed=1e-5, grousers=grousers)
+        assert 0.02 < sinkage < 1.4 * RADIUS
+    assert drawn(SOILS["dry_sand"], 0.1, 21.0, speed=1e-5)[0] < sinkage  # grousers dig deeper
+
+
+@given(soils, st.integers(0, 2**32 - 1))
+@settings(max_examples=12, deadline=None)
+def test_soil_gives_no_energy_over_a_closed_motion(soil: Soil, seed: int) -> None:
+    rng, state, dt = np.random.default_rng(seed), np.zeros(STATE), 0.0025
+    swings = rng.uniform(-1.0, 1.0, (4, 3)) * np.array([[0.3], [0.3], [0.1], [0.05]])
+    phases, size = rng.uniform(0.0, 2.0 * np.pi, (4, 3)), (RADIUS, WIDTH, float(rng.integers(2)))
+    work, h = [0.0, 0.0], rng.uniform(0.0, 0.02)
+    for cycle in range(2):
+        for t in np.arange(0.0, 1.0, dt):
+            u, vx, vy, vz = (swings * np.sin(2.0 * np.pi * t * np.arange(1, 4) + phases)).sum(axis=1)
+            h -= vz * dt
+            motion = (u, vx, vy, vz)
+            forces = wheel_force(soil.numbers(WIDTH, 9.81), size, (h, 0.0), (h, 0.0), motion, state, dt)
+            ahead, left, up, brake = forces
+            work[cycle] += (ahead * vx + left * vy + up * vz - brake * u / RADIUS) * dt
+    assert work[1] <= 1e-6

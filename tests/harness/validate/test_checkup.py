@@ -90,7 +90,7 @@ def test_the_command_names_what_is_wrong_with_a_model(
 def test_the_command_takes_shipped_rovers_and_refuses_names_that_nobody_has(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(command, "check_up", lambda _: [])
+    monkeypatch.setattr("harness.validate.checkup.check_up", lambda _: [])
     assert command.main(["check", "leo"]) == 0
     capsys.readouterr()
     assert "robot 'spirit' does not exist" in complaint(command.main, ["check", "spirit"], capsys)

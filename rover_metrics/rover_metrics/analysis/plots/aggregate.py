@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pandas as pd
+import scipy  # loads a part of it when that is named
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
@@ -89,7 +89,7 @@ def mean_and_band(curves: Floats, confidence: float) -> tuple[Floats, Floats, Fl
     """
     frame = pd.DataFrame(curves)
     n, mean = frame.count(), frame.mean()
-    half = stats.t.ppf((1 + confidence) / 2, n.clip(lower=2) - 1) * frame.sem()
+    half = scipy.stats.t.ppf((1 + confidence) / 2, n.clip(lower=2) - 1) * frame.sem()
     is_enough = n >= _FEWEST_FOR_INTERVAL
     low, high = (mean - half).where(is_enough, frame.min()), (mean + half).where(is_enough, frame.max())
     return mean.to_numpy(), low.to_numpy(), high.to_numpy()

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from scipy import stats
+import scipy  # loads a part of it when that is named
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.social.log import SocialLog
@@ -100,7 +100,7 @@ def _difference(metric: str, first: Group, second: Group, confidence: float) -> 
     by_windows = compare(metric, a, b, confidence)
     enough = min(a.size, b.size) >= 2
     if enough:
-        p = float(stats.mannwhitneyu(b, a).pvalue)
+        p = float(scipy.stats.mannwhitneyu(b, a).pvalue)
         by_windows = replace(by_windows, test="Mann-Whitney U", p=p, smallest_p=None)
     return Difference(
         metric=metric,

@@ -19,7 +19,7 @@ from math import comb, sqrt
 from typing import TypeVar
 
 import numpy as np
-from scipy import stats
+import scipy  # loads a part of it when that is named
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.statistics.correlation import Correlation
@@ -118,8 +118,8 @@ def _mean(values: Floats) -> float | None:
 def _test(first: Floats, second: Floats) -> tuple[str, float]:
     """Returns the name of the test that suits the sizes, and its p-value."""
     if comb(first.size + second.size, first.size) > MOST_SPLITS:
-        return "Mann-Whitney U", float(stats.mannwhitneyu(first, second).pvalue)
-    result = stats.permutation_test(
+        return "Mann-Whitney U", float(scipy.stats.mannwhitneyu(first, second).pvalue)
+    result = scipy.stats.permutation_test(
         (first, second),
         lambda a, b, axis: np.mean(b, axis=axis) - np.mean(a, axis=axis),
         n_resamples=MOST_SPLITS,  # so all of them
@@ -133,8 +133,8 @@ def _test_pairs(differences: Floats) -> tuple[str, float]:
     if not differences.any():
         return "exact sign flips", 1.0
     if 2**differences.size > MOST_SPLITS:
-        return "Wilcoxon signed-rank", float(stats.wilcoxon(differences).pvalue)
-    result = stats.permutation_test(
+        return "Wilcoxon signed-rank", float(scipy.stats.wilcoxon(differences).pvalue)
+    result = scipy.stats.permutation_test(
         (differences,), np.mean, permutation_type="samples", n_resamples=MOST_SPLITS, vectorized=True
     )
     return "exact sign flips", float(result.pvalue)
@@ -146,7 +146,7 @@ def _welch_interval(first: Floats, second: Floats, confidence: float) -> Interva
     if a + b == 0:
         return None
     freedom = (a + b) ** 2 / (a**2 / (first.size - 1) + b**2 / (second.size - 1))
-    half = float(stats.t.ppf((1 + confidence) / 2, freedom)) * sqrt(a + b)
+    half = float(scipy.stats.t.ppf((1 + confidence) / 2, freedom)) * sqrt(a + b)
     difference = float(second.mean() - first.mean())
     return difference - half, difference + half
 

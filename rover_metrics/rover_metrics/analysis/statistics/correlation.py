@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy  # loads a part of it when that is named
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.statistics.autocorrelation import effective_pairs
@@ -56,11 +56,11 @@ def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | No
     both = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if both.size < _FEWEST_PAIRS or np.ptp(x[both]) == 0 or np.ptp(y[both]) == 0:
         return None
-    x_ranks, y_ranks = stats.rankdata(x[both]), stats.rankdata(y[both])
+    x_ranks, y_ranks = scipy.stats.rankdata(x[both]), scipy.stats.rankdata(y[both])
     rho = float(np.clip(np.corrcoef(x_ranks, y_ranks)[0, 1], -1, 1))
     n = effective_pairs(x_ranks, y_ranks)
     t = abs(rho) * np.sqrt((n - 2) / (1 - rho**2)) if abs(rho) < 1 else np.inf
-    return Correlation(first, second, rho, both.size, n, p=2 * float(stats.t.sf(t, n - 2)))
+    return Correlation(first, second, rho, both.size, n, p=2 * float(scipy.stats.t.sf(t, n - 2)))
 
 
 def combine(parts: Sequence[Correlation]) -> Correlation:
@@ -71,7 +71,7 @@ def combine(parts: Sequence[Correlation]) -> Correlation:
     weights = np.array([part.n_effective - 3 for part in telling])
     z = np.arctanh(np.clip([part.rho for part in telling], -1 + 1e-12, 1 - 1e-12))
     mean = float(np.average(z, weights=weights))
-    p = 2 * float(stats.norm.sf(abs(mean) * np.sqrt(weights.sum() / _RANK_VARIANCE)))
+    p = 2 * float(scipy.stats.norm.sf(abs(mean) * np.sqrt(weights.sum() / _RANK_VARIANCE)))
     return Correlation(
         first=telling[0].first,
         second=telling[0].second,

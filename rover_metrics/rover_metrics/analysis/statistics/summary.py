@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
+import scipy  # loads a part of it when that is named
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
@@ -64,7 +64,7 @@ def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) ->
         summary = replace(summary, bootstrap_interval=bootstrap, block_length=length)
     if kind is not Kind.FLAG:
         return _with_spread(summary, values, t_interval(values, mean, confidence))
-    ones = stats.binomtest(round(mean / 100 * values.size), values.size)
+    ones = scipy.stats.binomtest(round(mean / 100 * values.size), values.size)
     wilson = ones.proportion_ci(confidence, method="wilson")  # never a point, never beyond 0 to 1
     return replace(summary, interval=(100 * float(wilson.low), 100 * float(wilson.high)))
 
@@ -107,7 +107,7 @@ def t_interval(values: Floats, mean: float, confidence: float) -> Interval | Non
     """
     if values.size < 2 or np.ptp(values) == 0:
         return None
-    half = float(stats.t.ppf((1 + confidence) / 2, values.size - 1) * stats.sem(values))
+    half = float(scipy.stats.t.ppf((1 + confidence) / 2, values.size - 1) * scipy.stats.sem(values))
     return mean - half, mean + half
 
 

@@ -1,0 +1,125 @@
+"""Which soil lies where: one everywhere, a map of several, or those that a terrain has of its own."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from harness.base.documents import read_mapping
+from harness.base.errors import UsageError
+from harness.soil.soils import SOILS, SUFFIXES, Soil, find_soil
+from harness.spec.value import Value, listed, made
+from harness.world.heightfield import Heightfield
+from harness.world.terrains import TERRAINS
+
+OWN = "terrain"  # the soils that a terrain has of its own
+MOST_SOILS = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Soils:
+    """The soils of a ground.
+
+    Attributes:
+        kinds: Which there are.
+        patches: Which of them lies at each vertex of the ground, uint8 of shape (rows, columns).
+    """
+
+    kinds: tuple[Soil, ...]
+    patches: NDArray[np.uint8]
+
+    def but(self, stiffness: float, friction: float) -> Self:
+        """Returns the same with other moduli and tangents of the friction angle, by these factors."""
+        return type(self)(tuple(_scaled(soil, stiffness, friction) for soil in self.kinds), self.patches)
+
+
+class SoilMap(Value):
+    """A file that says which soil lies where."""
+
+    soils: Annotated[tuple[str, ...], Field(min_length=1, max_length=MOST_SOILS), listed()]
+    map: str = Field(
+        description="PNG of grey levels or .npy: the soil's number, from 0, at each vertex, north first"
+    )
+
+
+def find_soils(text: str) -> tuple[tuple[Soil, ...], str]:
+    """Returns the soils that a name or a file means, and where their map is, "" for none.
+
+    Raises:
+        UsageError: There is no such soil or file, or one that is not valid.
+    """
+    if text in SOILS or not text.lower().endswith(SUFFIXES):
+        return (find_soil(text),), ""
+    values = read_mapping(Path(text))
+    if "map" not in values:
+        return (find_soil(text),), ""
+    soil_map = made(SoilMap, values, where=text)
+    return tuple(map(find_soil, soil_map.soils)), str(Path(text).parent / soil_map.map)
+
+
+def check_soil(text: str, terrain: str) -> None:
+    """Checks that a ground can be of what a text names, but for the size of a map; else UsageError."""
+    if text and text != OWN:
+        find_soils(text)
+    own = [name for name, each in TERRAINS.items() if each.soils]
+    if text == OWN and terrain not in own:
+        raise UsageError(
+            f"{Path(terrain).name} has no soils of its own, only {', '.join(own)}; name one with --soil"
+        )
+
+
+def soils_on(text: str, ground: Heightfield, terrain: str) -> Soils:
+    """Returns the soils of a ground.
+
+    Args:
+        text: A name, a file, or OWN.
+        ground: Whose vertices they are told for.
+        terrain: Its name, or a file.
+
+    Raises:
+        UsageError: As `check_soil`, or a map is of another size.
+    """
+    if text == OWN:
+        own = TERRAINS[terrain]
+        return Soils(tuple(SOILS[name] for name in own.soils), own.patches(ground))
+    kinds, path = find_soils(text)
+    shape = ground.heights.shape
+    return Soils(kinds, _read(Path(path), shape, len(kinds)) if path else np.zeros(shape, np.uint8))
+
+
+def _read(path: Path, shape: tuple[int, ...], count: int) -> NDArray[np.uint8]:
+    try:
+        if path.suffix.lower() == ".npy":
+            numbers = np.asarray(np.load(path, allow_pickle=False))
+        else:
+            from PIL import Image  # noqa: PLC0415 - that only pictures need
+
+            with Image.open(path) as picture:
+                numbers = np.asarray(picture if picture.mode == "P" else picture.convert("L"))
+    except Exception as error:  # decoders raise anything at all over a damaged file
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise UsageError(f"soil map {path} cannot be read: {reason}") from error
+    if numbers.shape != shape:
+        has = " x ".join(map(str, numbers.shape[::-1]))
+        raise UsageError(
+            f"soil map {path} has {has} numbers, the terrain {shape[1]} x {shape[0]} vertices"
+        )
+    if not np.isin(numbers, np.arange(count)).all():
+        raise UsageError(f"soil map {path} has other numbers than 0 to {count - 1}, those of its soils")
+    return np.ascontiguousarray(np.flipud(numbers), np.uint8)  # the first row is on top
+
+
+def _scaled(soil: Soil, stiffness: float, friction: float) -> Soil:
+    side = soil.side_modulus
+    tangent = friction * math.tan(math.radians(soil.friction_angle_deg))
+    changed = {
+        "k_c": stiffness * soil.k_c,
+        "k_phi": stiffness * soil.k_phi,
+        "side_modulus": None if side is None else stiffness * side,
+        "friction_angle_deg": math.degrees(math.atan(tangent)),
+    }
+    return soil.model_copy(update=changed)
