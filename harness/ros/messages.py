@@ -150,13 +150,15 @@ def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
 
 def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
-    dimensions = {}
-    for soil in (False, True):
+
+    def of(message: Float64MultiArray, *, soil: bool) -> Fill:
         names = traversal_names(rover.wheel_names, soil=soil)
         size = len(names)
-        dimensions[soil] = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
-    layout = {"layout.dim": lambda sample: dimensions[sample.soil is not None]}
-    return refilled(message, {**layout, "data": attrgetter("traversal")})
+        message.layout.dim = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
+        return refilled(message, {"data": attrgetter("traversal")})
+
+    rigid, on_soil = of(message, soil=False), of(Float64MultiArray(), soil=True)
+    return lambda sample: (rigid if sample.soil is None else on_soil)(sample)
 
 
 def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:

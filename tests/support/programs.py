@@ -9,7 +9,7 @@ from harness import call, check, robot, topics
 from harness.cli import programs
 from harness.cli.run_parser import run_parser
 from harness.course import __main__ as course
-from harness.gym import policy_node
+from harness.gym import policy, policy_node
 from harness.scenario import __main__ as scenario
 from harness.tune import __main__ as tune
 from harness.validate import __main__ as validate
@@ -24,6 +24,7 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.robot": robot._parser,
     "harness.scenario": scenario._parser,
     "harness.course": course._parser,
+    "harness.gym.policy": policy._parser,
     "harness.gym.policy_node": policy_node._parser,
     "harness.topics": topics._parser,
     "harness.call": call._parser,

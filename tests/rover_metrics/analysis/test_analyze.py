@@ -2,6 +2,7 @@
 
 import csv
 import json
+import resource
 import runpy
 import subprocess
 import sys
@@ -232,6 +233,21 @@ def test_no_name_of_a_log_breaks_anything(run: Run, write_log: WriteLog, tmp_pat
     written = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert written == ["time_series_CV.pdf", "time_series_CV.png"]
     assert {path for path in tmp_path.rglob("*") if "out" not in path.parts} == before
+
+
+@pytest.mark.parametrize("words", ["--csv", "--latex", "-p correlation", "--save-outliers"])
+def test_a_disk_that_takes_nothing_is_told_and_left_without_a_torn_file(
+    words: str, run: Run, write_log: WriteLog, tmp_path: Path
+) -> None:
+    log = write_log()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
+        code, _, err = run(log, *words.split())
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (code, "File too large; choose another folder with -o" in err) == (2, True)
+    assert list((tmp_path / "out").iterdir()) == []
 
 
 def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) -> None:
