@@ -1,7 +1,7 @@
 """What a run of the command line leaves behind beside its log, and what it is not to come to."""
 
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -39,17 +39,23 @@ class Files(Value):
     picture_lidar: Annotated[bool, Option("")] = Field(
         default=False, description="show the lidar's hits and some of its beams"
     )
+    camera: Annotated[
+        Literal["", "chase", "top", "side"], Option("VIEW", choices=("chase", "top", "side"))
+    ] = Field(
+        default="",
+        description="of picture and video; default: where much is seen, and from behind",
+    )
     fail_on: Annotated[tuple[Kind, ...], listed(","), Option("KIND[,...]")] = Field(
         default=(),
         description=f"exit with 1 if the rover came to one of these: {', '.join(KINDS)}; default: none",
     )
 
-    def in_one_folder(self) -> Self:
+    def in_one_folder(self) -> "Files":
         """Returns the same files with a page and a picture, if all is to be in one folder."""
         wanted = () if self.out is None else ("page", "picture")
         return self.but(**{name: BESIDE for name in wanted if getattr(self, name) is None})
 
-    def beside(self, log: Path) -> Self:
+    def beside(self, log: Path) -> "Files":
         """Returns the same files with places for those that are to stand beside a log."""
         wanted = {"page": ".html", "picture": ".png"}.items()
         own = {name: end for name, end in wanted if getattr(self, name) == BESIDE}
