@@ -9,8 +9,11 @@ Parses, calls, prints; the work is in harness.robots.urdf and harness.validate.c
 
 import argparse
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from shutil import copy
 
 from harness.cli.edge import begin_program, run_program
 
@@ -25,14 +28,16 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
+from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.robots import find_rover
 from harness.robots.spec import schema
-from harness.robots.urdf.folder import Written, write_folder
+from harness.robots.urdf.folder import NAME, NAMES, Written, write_folder
+from harness.robots.urdf.templates import TEMPLATES, urdf_of
 from harness.samples import JointStates, Pose
 from harness.spec.run import Run
-from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.errors import OneLineParser, complain, shown
 from rover_metrics.sheet.console import PlainConsole
 
 SHOWN = 3.0  # [s] of driving in a picture
@@ -48,16 +53,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _new(options: argparse.Namespace, console: Console) -> int:
     folder = options.out or Path(options.name)
     sides = {side: tuple(filter(None, getattr(options, side).split(","))) for side in ("left", "right")}
-    written = write_folder(
-        options.name,
-        options.source,
-        folder,
-        folders=options.resource_path,
-        trust_xacro=options.trust_xacro,
-        **sides,
-    )
+    with _source(options) as source:
+        written = write_folder(
+            options.name,
+            source,
+            folder,
+            folders=options.resource_path,
+            trust_xacro=options.trust_xacro,
+            **sides,
+        )
+        if options.template:
+            copy(source, written.folder)
     _print(written, console)
     return 0
+
+
+@contextmanager
+def _source(options: argparse.Namespace) -> Iterator[Path]:
+    """Yields the URDF that a rover is made of: the user's, or that of a template."""
+    if options.source is not None:
+        yield options.source
+        return
+    with tempfile.TemporaryDirectory(prefix="rover-harness-") as folder:
+        urdf = Path(folder) / f"{options.name}.urdf"
+        if not NAME.fullmatch(options.name):
+            raise UsageError(f"name '{shown(options.name)}' is not valid; give {NAMES}")
+        urdf.write_text(urdf_of(options.name, TEMPLATES[options.template]), encoding="utf-8")
+        yield urdf
 
 
 def _print(written: Written, console: Console) -> None:
@@ -113,8 +135,12 @@ def _parser() -> argparse.ArgumentParser:
     new = commands.add_parser("new", help="make a folder for --robot of a URDF")
     new.set_defaults(act=_new)
     new.add_argument("name", metavar="NAME", help="of the rover")
-    about = "the URDF; its meshes beside it or in folders above"
-    new.add_argument("--from", dest="source", type=Path, required=True, metavar="FILE.urdf", help=about)
+    made = new.add_mutually_exclusive_group(required=True)
+    about = "the URDF; its meshes beside it or in folders above; or give --template"
+    made.add_argument("--from", dest="source", type=Path, metavar="FILE.urdf", help=about)
+    kinds = "; ".join(f"{name}, {template.summary}" for name, template in TEMPLATES.items())
+    about = f"begin with one of these, whose URDF is put into the folder too: {kinds}; default: none"
+    made.add_argument("--template", choices=TEMPLATES, default="", metavar="NAME", help=about)
     new.add_argument("--out", type=Path, metavar="FOLDER", help="to be made; default: NAME")
     for side in ("left", "right"):
         about = f"joints of the wheels on the {side}, front to rear; found by their places if left out"

@@ -39,6 +39,8 @@ from harness.world.files import is_terrain_file
 from rover_metrics.errors import complain
 from rover_metrics.sheet.console import PlainConsole
 
+OUTSIDE = ("SIGTERM", HANGUP)  # whoever ends a run by these waits for no picture
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
@@ -58,7 +60,9 @@ def _command(options: RunOptions, console: Console) -> int:
     run = options.run
     backend = keep_opengl_out()  # before MuJoCo is loaded
     files = options.files
-    drawing = Drawing(files.picture, files.video, lidar=files.picture_lidar, backend=backend)
+    drawing = Drawing(
+        files.picture, files.video, lidar=files.picture_lidar, backend=backend, camera=files.camera
+    )
     recorders = [RunRecorder() for _ in run.rovers] if files.page is not None else []
     logs = _social(options)
     with loading():
@@ -83,6 +87,8 @@ def _command(options: RunOptions, console: Console) -> int:
             log.close()
             results[number] = replace(results[number], social_log=log.path)
         exit_code = _report(results, options, stop, console)
+        if stop.name not in OUTSIDE:
+            drawing.begin(_log(results[0], outputs[0]))  # beside the page, on another processor
         for result, recorder in zip(results, recorders, strict=False):
             _write_page(result, recorder, dict(_others(results, recorders, result)), console)
         _draw(drawing, _log(results[0], outputs[0]), stop, console)
@@ -222,7 +228,7 @@ def _report(
 
 def _draw(drawing: Drawing, log: Path, stop: StopRequest, console: Console) -> None:
     """Draws, which takes its time: whoever ended the run from outside is not kept waiting."""
-    if drawing.wanted and stop.name in ("SIGTERM", HANGUP):
+    if drawing.wanted and stop.name in OUTSIDE:
         complain("harness.run", f"nothing was drawn: stopped by {stop.name}")
         return
     if drawing.wanted and stop.signal is not None:

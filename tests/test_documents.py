@@ -31,9 +31,12 @@ NOT_OURS = {
     "pytest": "the path is looked up here",
     "python": "a file of examples/, which is looked up here; a program of Python's own: venv, pip",
     "pip": "the extras are looked up here",
+    "rover": "tests/harness/cli/test_programs.py, without a command",
     "my_node": "the reader's",
     "metrics_node": "tests/rover_metrics/test_metrics_program.py",
-    **dict.fromkeys(("ros2", "colcon", "plotjuggler", "podman"), "need not be installed"),
+    **dict.fromkeys(
+        ("ros2", "colcon", "plotjuggler", "podman", "node", "cargo", "npm"), "need not be installed"
+    ),
     **dict.fromkeys(("source", ".", "export"), "of the shell"),
 }
 

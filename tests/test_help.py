@@ -7,6 +7,7 @@ import pytest
 
 from harness import robot
 from harness.course import __main__ as course
+from harness.gym import policy
 from tests.support.programs import PARSERS
 
 
@@ -16,7 +17,11 @@ def commands_of(program: str, parser: argparse.ArgumentParser) -> dict[str, argp
     return {f"{program} {name}": own for name, own in commands.choices.items()}
 
 
-MANY = {"harness.robot": robot._parser(), "harness.course": course._parser()}
+MANY = {
+    "harness.robot": robot._parser(),
+    "harness.course": course._parser(),
+    "harness.gym.policy": policy._parser(),
+}
 COMMANDS = {
     name: lambda own=own: own
     for program, parser in MANY.items()
@@ -26,23 +31,11 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {**PARSERS, **COMMA
 PROGRAMS = {name: parser for name, parser in PROGRAMS.items() if name not in MANY}
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "summary"),
-    "wait_for_topic",
+    *("wait_for_topic", "runs", "latex", "plot"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
     *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
-    *(
-        "seeds",
-        "seed",
-        "only",
-        "junit",
-        "csv",
-        "json",
-        "out",
-        "entry",
-        "track",
-        "nonce",
-        "receipt",
-        "folder",
-    ),
+    *("seeds", "seed", "only", "junit", "csv", "json", "out", "entry", "track", "nonce"),
+    *("receipt", "folder", "config", "words"),
 }
 
 

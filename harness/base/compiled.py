@@ -1,14 +1,15 @@
 """How kernels are compiled: at import or from the cache on disk, never at the first scan."""
 
+import ctypes
 import os
 import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 
 @contextmanager
@@ -25,6 +26,7 @@ def _kept_out(*names: str) -> Iterator[None]:
 with _kept_out("coverage", "scipy.linalg"):
     import numba
     import numba.np.arraymath
+    from numba.core import cgutils
 numba.np.arraymath._HAVE_BLAS = True  # noqa: SLF001 - kernels of others find it when they need it
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -88,3 +90,33 @@ def inlined(function: F) -> F:
     """Marks a helper of a kernel; it is compiled with the kernel that calls it, not by itself."""
     helper: F = numba.njit(nogil=True, error_model="numpy")(function)
     return helper
+
+
+def native(*kinds: type) -> Callable[[int, Sequence[int]], None]:
+    """Makes what kernels call a C function by, which returns nothing: with its address, and a tuple.
+
+    Args:
+        kinds: Of the function's arguments: ctypes.c_void_p or c_int.
+    """
+    if numba.config.DISABLE_JIT:
+        return lambda address, args: ctypes.CFUNCTYPE(None, *kinds)(address)(*args)
+
+    def typed(_: object, address: object, args: object) -> tuple[object, object]:
+        def generate(context: Any, builder: Any, _: object, given: Any) -> object:  # noqa: ANN401
+            integer, pointer = cgutils.ir.IntType(32), cgutils.voidptr_t
+            passed = [integer if kind is ctypes.c_int else pointer for kind in kinds]
+            function = cgutils.ir.FunctionType(cgutils.ir.VoidType(), passed).as_pointer()
+            values = zip(cgutils.unpack_tuple(builder, given[1]), passed, strict=True)
+            builder.call(
+                builder.inttoptr(given[0], function),
+                [
+                    builder.trunc(value, kind) if kind is integer else builder.inttoptr(value, kind)
+                    for value, kind in values
+                ],
+            )
+            return context.get_dummy_value()
+
+        return numba.types.void(address, args), generate
+
+    made: Callable[[int, Sequence[int]], None] = numba.extending.intrinsic(typed)
+    return made

@@ -1,7 +1,7 @@
 """What a run of the command line leaves behind beside its log, and what it is not to come to."""
 
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
@@ -38,6 +38,12 @@ class Files(Value):
     )
     picture_lidar: Annotated[bool, Option("")] = Field(
         default=False, description="show the lidar's hits and some of its beams"
+    )
+    camera: Annotated[
+        Literal["", "chase", "top", "side"], Option("VIEW", choices=("chase", "top", "side"))
+    ] = Field(
+        default="",
+        description="of picture and video; default: where much is seen, and from behind",
     )
     fail_on: Annotated[tuple[Kind, ...], listed(","), Option("KIND[,...]")] = Field(
         default=(),

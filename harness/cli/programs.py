@@ -35,7 +35,7 @@ PROGRAMS = {
     "social": Program("rover_metrics.social", "how near rovers came to people, from their logs"),
     "check": Program("harness.check", "whether two runs here have the same bytes"),
     "validate": Program("harness.validate.__main__", "the simulation against physics and real wheels"),
-    "policy": Program("harness.gym.policy_node", "drive a rover through ROS by a learnt policy"),
+    "policy": Program("harness.gym.policy", "drive by a learnt policy, evaluate one, train one"),
     "topics": Program("harness.topics", "which topics there are, and how fast"),
     "call": Program("harness.call", "call a service, e.g. /harness/reset"),
 }

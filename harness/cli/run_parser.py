@@ -63,7 +63,9 @@ def run_parser() -> argparse.ArgumentParser:
     commands = parser.add_argument_group("commands of --driver cmd_vel")
     add_flags(commands, RosOptions, ("cmd_vel",))
     add_flags(commands, RoverSetup, ("cmd_vel_timeout",))
-    add_flags(parser.add_argument_group("pictures"), Files, ("picture", "video", "picture_lidar"))
+    add_flags(
+        parser.add_argument_group("pictures"), Files, ("picture", "video", "picture_lidar", "camera")
+    )
     parser.add_argument("--list", action="store_true", help="print terrains, soils, robots and drivers")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser

@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from harness.samples import ActorPoses, JointStates, Pose, Sample
 from harness.sensors.lidar_spec import LidarSpec
 
 DECIMALS = 6
+D = TypeVar("D", bound=Driver)
 MEASURED: frozenset[type[Sample]] = frozenset((Pose, JointStates, ActorPoses))
 
 
@@ -96,14 +97,21 @@ def attempt(case: Case, *, entry: Entry) -> EpisodeResult:
             from harness.course.node_entry import drive_node  # noqa: PLC0415 - only this needs ROS 2
 
             return drive_node(case, task, entry, folder)
-        return _driven(case, task, find_driver(entry.driver(case.track, folder)))
+        return _driven(case, task, find_driver(entry.driver(case.track, folder)))[0]
 
 
-def _driven(case: Case, task: Task, kind: type[Driver]) -> EpisodeResult:
+def drive_with(case: Case, kind: type[D]) -> tuple[EpisodeResult, D]:
+    """Returns how an episode goes with a driver of Python, and that driver: to look at, and to learn."""
+    with TemporaryDirectory(prefix="rover-course-") as scratch:
+        return _driven(case, find_track(case.track).task(case, Path(scratch)), kind)
+
+
+def _driven(case: Case, task: Task, kind: type[D]) -> tuple[EpisodeResult, D]:
     episode = Episode(task.run, samples=MEASURED | kind.senses)
     scene = episode.simulation.scene
     referee = Referee(task, scene.world)
-    client = Client(kind(_context(episode)), episode, referee)
+    driver = kind(_context(episode))
+    client = Client(driver, episode, referee)
     route = Route(injector(task.run), client.hear, (referee, client))
     failure = ""
     try:
@@ -112,7 +120,7 @@ def _driven(case: Case, task: Task, kind: type[Driver]) -> EpisodeResult:
                 break
     except RunFailed as error:
         failure = str(error)
-    return result_of(case, task, referee.drive(failure), episode)
+    return result_of(case, task, referee.drive(failure), episode), driver
 
 
 def _context(episode: Episode) -> DriverContext:

@@ -229,7 +229,8 @@ def _terrain_world(run: Run) -> World:
     if not is_terrain_file(run.world.terrain):
         return _named_world(run.world.terrain, run.seed, run.world.difficulty)
     rover = find_rover(run.rover.robot)
-    needs = RoverNeeds(rover.clearance, rover.step_limit, needs_start=run.rover.start is None)
+    sizes = rover.clearance, rover.step_limit, rover.wheel_radius
+    needs = RoverNeeds(*sizes, needs_start=run.rover.start is None)
     return _file_world(run.world, needs, run.seed, modified_ns(Path(run.world.terrain)))
 
 

@@ -222,12 +222,15 @@ class Episode:
 
     def drive_wheels(self, ticks: int) -> None:
         """Commands the wheels for the next ticks."""
-        speeds = [self._drive.wheel_speeds() for _ in range(ticks)]
-        self.simulation.command_ahead(np.array(speeds))
+        self.simulation.command_ahead(self._drive.ahead(ticks))
+
+    def needs(self, index: int) -> bool:
+        """Returns whether anybody looks at the state at the end of a tick, counted from 1."""
+        return self._people is not None or self._sensors.needs(index)
 
     def observe(self, index: int) -> None:
         """Takes a tick that has just been simulated into account, counted from 1."""
-        self._recorder.observe()
+        self._recorder.observe(self.simulation.now)
         samples = self._sensors.tick(index)
         if self._people is not None and self._people.due(index):
             samples += (self._people.read(),)
@@ -348,8 +351,11 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
                 ticks = min(span, stop - first)
                 for episode in episodes:
                     episode.drive_wheels(ticks)
-                physics.run(ticks)
-                for tick in physics.shown():
+                physics.run()
+                needs = [
+                    any(episode.needs(first + tick + 1) for episode in episodes) for tick in range(ticks)
+                ]
+                for tick in physics.shown(needs.__getitem__):
                     for episode in episodes:
                         episode.observe(first + tick + 1)
         except RunFailed as error:

@@ -24,8 +24,8 @@ except ImportError as error:
 from harness.gym.goal_env import PointNavGoalEnv
 from harness.gym.options import Curriculum, Randomisation
 from harness.gym.point_nav import PointNavEnv, PointNavWeights
+from harness.gym.processes import vector
 from harness.gym.robo_terrain import Defects, RoboTerrainEnv
-from harness.gym.vector import RoverVectorEnv
 
 __all__ = ["ENVIRONMENTS", "Curriculum", "Defects", "PointNavWeights", "Randomisation"]
 
@@ -35,9 +35,9 @@ ENVIRONMENTS = {
     "RoverHarness/RoboTerrain-v0": RoboTerrainEnv,
 }
 # The registry has them by name: a spec whose entry points are text can be written to a file.
-point_nav_vector = partial(RoverVectorEnv, PointNavEnv)
-point_nav_goal_vector = partial(RoverVectorEnv, PointNavGoalEnv)
-robo_terrain_vector = partial(RoverVectorEnv, RoboTerrainEnv)
+point_nav_vector = partial(vector, PointNavEnv)
+point_nav_goal_vector = partial(vector, PointNavGoalEnv)
+robo_terrain_vector = partial(vector, RoboTerrainEnv)
 _VECTORS = ("point_nav_vector", "point_nav_goal_vector", "robo_terrain_vector")
 
 for (_id, _class), _vector in zip(ENVIRONMENTS.items(), _VECTORS, strict=True):

@@ -77,24 +77,21 @@ class DrivenRover:
     def command(self, twist: Twist) -> None:
         """Makes of a command what the wheels do in the control period that `drive` lets pass."""
         self._base.command(twist)
-        self.simulation.command_ahead(
-            np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)])
-        )
+        self.simulation.command_ahead(self._base.ahead(TICKS_PER_CONTROL))
 
     def drive(self) -> None:
         """Lets the physics go on by one control period."""
-        self.simulation.physics.run(TICKS_PER_CONTROL, watched=False)
+        self.simulation.physics.run(watched=False)
 
     def read(self) -> None:
         """Reads the sensors of the period just driven; with RunFailed the readings are from before."""
-        hazards = scrapes = 0
-        for _ in self.simulation.physics.shown():
+        physics, begun = self.simulation.physics, self._ticks + 1
+        for _ in physics.shown(lambda tick: self._suite.needs(begun + tick)):
             self._ticks += 1
-            counts = self.simulation.tick_sum.tolist()
-            hazards += counts[self._hazard] > 0
-            scrapes += any(counts[scrape] for scrape in self._scrapes)
             self._suite.tick(self._ticks)
-        self.hazard_s, self.scrape_s = TICK * hazards, TICK * scrapes
+        counts = physics.latest_sums(TICKS_PER_CONTROL)
+        self.hazard_s = TICK * int(np.count_nonzero(counts[:, self._hazard]))
+        self.scrape_s = TICK * int(np.count_nonzero(counts[:, self._scrapes].any(axis=1)))
         self.soil = None if self._soil is None else self._soil.state()
         readings = self._suite.latest.copy()
         if self._camera is not None:

@@ -178,7 +178,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self.sense()
         return self.conclude()
 
-    def accept(self, action: Action) -> None:
+    def accept(self, action: NDArray[np.floating[Any]]) -> None:
         """Takes the action of the next step or raises as `step`, in whose order the rest is called."""
         if self._is_over:
             raise ResetNeeded("there is no episode to step; call reset() first, and after each episode")
@@ -337,7 +337,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         with _building:
             return Course(run, self._camera)
 
-    def _checked_action(self, action: Action) -> list[float]:
+    def _checked_action(self, action: NDArray[np.floating[Any]]) -> list[float]:
         values, limits = np.asarray(action, np.float64), self._action_limits
         if values.shape != (len(limits),):
             raise InvalidAction(f"an action of shape {values.shape} is not valid; give {(len(limits),)}")

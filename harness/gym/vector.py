@@ -8,6 +8,7 @@ All are commanded first, then driven, then sensed: the interpreter's own work of
 half as long while the processor still has it in its caches from the environment before.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import reduce
@@ -27,8 +28,114 @@ from harness.gym.observation import Observation
 Flags = NDArray[np.bool_]
 
 
-class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
-    """Environments of one kind, of which each has worlds of its own.
+class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]], ABC):
+    """Environments of one kind, each with worlds of its own: what does not depend on where they are.
+
+    Args:
+        one: One of them.
+        num_envs: Number of environments.
+        autoreset_mode: When an environment that has ended begins anew, as Gymnasium defines it.
+
+    Raises:
+        UsageError: A value is not valid.
+    """
+
+    def __init__(self, one: RoverEnv[Any], num_envs: int, autoreset_mode: str | AutoresetMode) -> None:
+        if num_envs < 1:
+            raise UsageError(f"num_envs {num_envs} is not valid; give 1 or more")
+        self._mode, self._begun = _mode(autoreset_mode), False
+        self.num_envs, self.render_mode = num_envs, one.render_mode
+        self.metadata = {**one.metadata, "autoreset_mode": self._mode}
+        self.single_observation_space = one.observation_space
+        self.single_action_space = one.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Info]:
+        """Begins an episode in each environment, or in those of options["reset_mask"] (num_envs,).
+
+        A seed is that of the first environment, which the following numbers follow, or one for each.
+        """
+        options = dict(options or {})
+        mask = self._checked_mask(options.pop("reset_mask", np.ones(self.num_envs, np.bool_)))
+        infos = self.reset_each(mask, self._seeds(seed), options)
+        self._begun = True
+        return self._observations(), self._batched(infos)
+
+    def step(self, actions: Action) -> tuple[Observation, NDArray[np.float64], Flags, Flags, Info]:
+        """Steps all by actions (num_envs, 2); with NEXT_STEP, one that has ended begins anew instead."""
+        if (shape := np.shape(actions)[:1]) != (self.num_envs,):
+            count = shape[0] if shape else "no"
+            raise UsageError(f"{count} actions are not valid; give {self.num_envs}, one for each")
+        rewards = np.zeros(self.num_envs)
+        terminated, truncated = np.zeros((2, self.num_envs), np.bool_)
+        self.accept(actions)
+        infos = self.step_each(rewards, terminated, truncated)
+        return self._observations(), rewards, terminated, truncated, self._batched(infos)
+
+    @abstractmethod
+    def accept(self, actions: NDArray[np.floating[Any]]) -> None:
+        """Takes the actions of the next step, or raises as `step`: a mistake changes nothing."""
+
+    @abstractmethod
+    def step_each(
+        self, rewards: NDArray[np.float64], terminated: Flags, truncated: Flags
+    ) -> Sequence[Info]:
+        """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
+
+    @abstractmethod
+    def reset_each(
+        self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]
+    ) -> Sequence[Info]:
+        """Begins an episode in those of a mask; returns the info of each, empty of others."""
+
+    @abstractmethod
+    def _observations(self) -> Observation:
+        """What all observed last, in new arrays."""
+
+    def _batched(self, infos: Sequence[Info]) -> Info:
+        """The infos of all environments as Gymnasium has them: an array for a key, and who has it."""
+        first = infos[0]
+        if "final_obs" in first or any(info.keys() != first.keys() for info in infos):
+            return reduce(lambda all_, one: self._add_info(all_, one[1], one[0]), enumerate(infos), {})
+        batched: Info = {}  # the same in a tenth of the time
+        for key, value in first.items():
+            values = [info[key] for info in infos]
+            if isinstance(value, dict):
+                batched[key] = self._batched(values)
+            elif type(value) in {int, float, bool}:
+                batched[key] = np.array(values, type(value))
+            elif isinstance(value, np.ndarray | np.number):
+                batched[key] = np.array(values, value.dtype)
+            else:
+                batched[key] = np.fromiter(values, object, len(values))
+            batched[f"_{key}"] = np.ones(len(values), np.bool_)
+        return batched
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + index for index in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise UsageError(f"{len(seed)} seeds are not valid; give {self.num_envs}, or the first one")
+        return seed
+
+    def _checked_mask(self, mask: Flags) -> Flags:
+        mask = np.asarray(mask)
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise UsageError(
+                f"reset_mask is not valid; give {self.num_envs} booleans, at least one of them true"
+            )
+        if not mask.all() and not self._begun:
+            raise ResetNeeded("the first reset() begins all environments; leave out reset_mask")
+        return mask
+
+
+class RoverVectorEnv(ManyRovers):
+    """Environments in this process.
 
     Args:
         make: Makes one environment from a render mode and options.
@@ -37,6 +144,10 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         threads: Number of threads that step the environments; 0 for one a processor.
         render_mode: Render mode of each environment.
         options: Options of each environment.
+
+    Attributes:
+        envs: The environments.
+        seen: What each of them observed last.
 
     Raises:
         UsageError: A value is not valid.
@@ -52,61 +163,45 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         render_mode: str | None = None,
         **options: object,
     ) -> None:
-        if num_envs < 1:
-            raise UsageError(f"num_envs {num_envs} is not valid; give 1 or more")
         if threads < 0:
             raise UsageError(f"threads {threads} is not valid; give 1 or more, or 0 for all processors")
-        self._mode = _mode(autoreset_mode)
-        self.envs = [make(render_mode=render_mode, **options) for _ in range(num_envs)]
-        self.num_envs, self.render_mode = num_envs, render_mode
-        self.metadata = {**self.envs[0].metadata, "autoreset_mode": self._mode}
-        self.single_observation_space = self.envs[0].observation_space
-        self.single_action_space = self.envs[0].action_space
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        one = make(render_mode=render_mode, **options)
+        super().__init__(one, num_envs, autoreset_mode)
+        self.envs = [one, *(make(render_mode=render_mode, **options) for _ in range(1, num_envs))]
         self._threads = min(num_envs, threads or cpu_count())
         self._pool = ThreadPoolExecutor(self._threads - 1) if self._threads > 1 else None
-        self._seen: list[Observation] = [{}] * num_envs
+        self.seen: list[Observation] = [{}] * num_envs
         self._ended: Flags = np.zeros(num_envs, np.bool_)
 
-    def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, Info]:
-        """Begins an episode in each environment, or in those of options["reset_mask"] (num_envs,).
-
-        A seed is that of the first environment, which the following numbers follow, or one for each.
-        """
-        options = dict(options or {})
-        mask = self._checked_mask(options.pop("reset_mask", np.ones(self.num_envs, np.bool_)))
-        seeds = self._seeds(seed)
+    def reset_each(
+        self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]
+    ) -> list[Info]:
+        """Begins an episode in those of a mask; returns the info of each, empty of others."""
         infos: list[Info] = [{}] * self.num_envs
 
         def begin(index: int) -> None:
-            self._seen[index], infos[index] = self.envs[index].reset(seed=seeds[index], options=options)
+            self.seen[index], infos[index] = self.envs[index].reset(seed=seeds[index], options=options)
 
         self._each(begin, np.flatnonzero(mask).tolist())
         self._ended[mask] = False
-        return self._observations(), self._batched(infos)
+        return infos
 
-    def step(self, actions: Action) -> tuple[Observation, NDArray[np.float64], Flags, Flags, Info]:
-        """Steps all by actions (num_envs, 2); with NEXT_STEP, one that has ended begins anew instead."""
-        if (shape := np.shape(actions)[:1]) != (self.num_envs,):
-            count = shape[0] if shape else "no"
-            raise UsageError(f"{count} actions are not valid; give {self.num_envs}, one for each")
-        rewards = np.zeros(self.num_envs)
-        terminated, truncated = np.zeros((2, self.num_envs), np.bool_)
-        infos: list[Info] = [{}] * self.num_envs
-
-        begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
-        stepped = np.flatnonzero(~begun).tolist()
-        for index in stepped:  # a mistake changes nothing
+    def accept(self, actions: NDArray[np.floating[Any]]) -> None:
+        """Takes the actions of the next step, or raises as `step`: a mistake changes nothing."""
+        for index in self._stepped():
             self.envs[index].accept(actions[index])
+
+    def step_each(self, rewards: NDArray[np.float64], terminated: Flags, truncated: Flags) -> list[Info]:
+        """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
+        infos: list[Info] = [{}] * self.num_envs
+        stepped = self._stepped()
+        begun = set(range(self.num_envs)).difference(stepped)
         for index in stepped:
             self.envs[index].command()
 
         def drive(index: int) -> None:
-            if begun[index]:
-                self._seen[index], infos[index] = self.envs[index].reset()
+            if index in begun:
+                self.seen[index], infos[index] = self.envs[index].reset()
             else:
                 self.envs[index].drive()
 
@@ -116,13 +211,13 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
                 final = {"final_obs": seen, "final_info": info}
                 seen, info = self.envs[index].reset()
                 info |= final
-            self._seen[index], infos[index] = seen, info
+            self.seen[index], infos[index] = seen, info
 
         self._each(drive, range(self.num_envs))
         self._each(lambda index: self.envs[index].sense(), stepped)
         self._each(conclude, stepped)
         self._ended = terminated | truncated
-        return self._observations(), rewards, terminated, truncated, self._batched(infos)
+        return infos
 
     def render(self) -> tuple[Any, ...]:
         """Returns what each environment draws."""
@@ -134,6 +229,11 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
             env.close()
         if self._pool is not None:
             self._pool.shutdown()
+
+    def _stepped(self) -> list[int]:
+        """Those that a step drives; with NEXT_STEP, one that has ended begins anew instead."""
+        begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
+        return np.flatnonzero(~begun).tolist()
 
     def _each(self, work: Callable[[int], None], indices: Sequence[int]) -> None:
         """Does the work for each index, on all threads, this one among them."""
@@ -155,31 +255,8 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
                 other.result()
 
     def _observations(self) -> Observation:
-        seen = self._seen
+        seen = self.seen
         return {name: np.array([observation[name] for observation in seen]) for name in seen[0]}
-
-    def _batched(self, infos: Sequence[Info]) -> Info:
-        """The infos of all environments as Gymnasium has them: an array for a key, and who has it."""
-        return reduce(lambda batched, one: self._add_info(batched, one[1], one[0]), enumerate(infos), {})
-
-    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, int | np.integer):
-            return [int(seed) + index for index in range(self.num_envs)]
-        if len(seed) != self.num_envs:
-            raise UsageError(f"{len(seed)} seeds are not valid; give {self.num_envs}, or the first one")
-        return seed
-
-    def _checked_mask(self, mask: Flags) -> Flags:
-        mask = np.asarray(mask)
-        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
-            raise UsageError(
-                f"reset_mask is not valid; give {self.num_envs} booleans, at least one of them true"
-            )
-        if not mask.all() and not all(self._seen):
-            raise ResetNeeded("the first reset() begins all environments; leave out reset_mask")
-        return mask
 
 
 def _mode(mode: str | AutoresetMode) -> AutoresetMode:

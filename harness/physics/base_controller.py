@@ -7,6 +7,7 @@ are not those of the model (facts: models/README.md).
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +34,17 @@ class BaseController(ABC):
         self._target = twist
         return True
 
-    @abstractmethod
+    def ahead(self, periods: int) -> NDArray[np.float64]:
+        """Returns what `Simulation.command_ahead` takes, for so many periods."""
+        return np.array([self.commands() for _ in range(periods)])
+
     def wheel_speeds(self) -> NDArray[np.float64]:
         """Returns what `Simulation.command_wheels` takes, once per period."""
+        return np.array(self.commands())
+
+    @abstractmethod
+    def commands(self) -> Sequence[float]:
+        """The next period's commands, in the order of the rover's `motors`."""
 
 
 class DiffDrive(BaseController):
@@ -48,14 +57,14 @@ class DiffDrive(BaseController):
         self._angular_step = rover.angular_acceleration * period
         self._angular = 0.0
 
-    def wheel_speeds(self) -> NDArray[np.float64]:
+    def commands(self) -> list[float]:
         """Returns the speeds of the driven wheels [rad/s], in the order of the rover's `motors`."""
         self._linear = approach(self._linear, self._target.linear, self._linear_step)
         self._angular = approach(self._angular, self._target.angular, self._angular_step)
         half_difference = self._angular * self._half_separation
         left = (self._linear - half_difference) / self._radius
         right = (self._linear + half_difference) / self._radius
-        return np.array([left if on_left else right for on_left in self._on_left])
+        return [left if on_left else right for on_left in self._on_left]
 
 
 class Ackermann(BaseController):
@@ -83,7 +92,7 @@ class Ackermann(BaseController):
         self._steered_aside = np.array([half, -half])
         self._steering = 0.0  # of a wheel in the middle [rad]
 
-    def wheel_speeds(self) -> NDArray[np.float64]:
+    def commands(self) -> list[float]:
         """Returns the speeds of the driven wheels [rad/s], then left and right steering angle [rad]."""
         self._linear = approach(self._linear, self._target.linear, self._linear_step)
         self._steering = approach(self._steering, self._wanted(), self._turn_step)
@@ -91,7 +100,7 @@ class Ackermann(BaseController):
         rolling = np.hypot(1.0 - curvature * self._aside, curvature * self._ahead)
         speeds = self._linear * rolling / self._radius
         angles = np.arctan2(self._wheelbase * curvature, 1.0 - curvature * self._steered_aside)
-        return np.concatenate([speeds, angles])
+        return [*speeds.tolist(), *angles.tolist()]
 
     def _wanted(self) -> float:
         """The angle of a wheel in the middle that the command asks for [rad]."""

@@ -1,9 +1,10 @@
-"""What a rover touches, step by step: the strongest contact of each kind in a clock tick.
+"""What rovers touch, step by step: the strongest contact of each kind in a clock tick.
 
-Walks MuJoCo's contacts only in steps whose contact counts are not zero; the counts are those of the
+MuJoCo's contacts are walked only in steps whose contact counts are not zero; the counts are those of the
 truth sensors of harness.physics.scene.
 """
 
+import ctypes
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -11,11 +12,23 @@ import mujoco
 import numpy as np
 
 from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, Scene, body_geoms
+from harness.physics.steps_kernel import (
+    BODY,
+    FOUND,
+    HAZARD,
+    ROCK,
+    SPAN,
+    WHEEL,
+    Contacts,
+    addresses,
+    look,
+)
 from harness.samples import ContactKind
 
 COUNTED = ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT
 BODY_PREFIX = "body_"  # of the names of geoms that are not wheels, in the models that ship
-KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
+KIND_OF_BODY = {"rocks": ROCK, "hazards": HAZARD}
+KINDS: tuple[ContactKind, ...] = ("hazard", "rock", "scrape")
 
 
 class Touch(NamedTuple):
@@ -29,65 +42,96 @@ class Touch(NamedTuple):
 
 
 class ContactWatch:
-    """Watches one rover; `look` after every step whose counts are not all zero.
+    """Watches all rovers of a world; `look` after a step whose counts are not all zero.
 
     Args:
-        scenes: Of all rovers of the world, the watched one first.
+        scenes: Of the rovers.
         data: Their state.
 
     Attributes:
-        counts: How many contacts of each kind MuJoCo counts in the present step; a view.
-        places: Where they stand among MuJoCo's sensor values.
-        strongest: The strongest contact of each kind in the tick that is shown.
+        rovers: What each of them touches.
+        contacts: MuJoCo's contacts, as `steps_kernel` takes them; none until `look` found them.
+        watched: What is looked for, as `steps_kernel` takes it.
     """
 
     def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData) -> None:
-        scene, *others = scenes
-        model = scene.model
-        self._model, self._data = model, data
-        counts = [at for name, at in scene.sensors().items() if name.startswith(COUNTED)]
-        self.places = np.arange(counts[0].start, counts[-1].stop)  # one next to the other
-        self.counts = data.sensordata[counts[0].start : counts[-1].stop]
-        self._pose = data.qpos[scene.qpos_at : scene.qpos_at + 7]
-        self._prefix, self._own = scene.prefix, set(scene.geoms())
-        self._obstacles: dict[int, ContactKind] = {
-            geom: kind
-            for body, kind in KIND_OF_BODY.items()
-            for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
-        }
-        people = np.flatnonzero(model.body_mocapid[model.geom_bodyid] >= 0).tolist()
-        self._obstacles |= dict.fromkeys((*people, *scene.others()), "hazard")
-        self._whose = {geom: other for other in others for geom in other.geoms()}
-        self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
-        self._body = body_geoms(scene)
-        self._force = np.zeros(6)
+        self._model, self._data = model, _ = scenes[0].model, data
+        counts = [
+            [at for name, at in scene.sensors().items() if name.startswith(COUNTED)] for scene in scenes
+        ]
+        ends = [(own[0].start, own[-1].stop) for own in counts]  # one next to the other
+        kinds = np.zeros((len(scenes), model.ngeom), np.int8)
+        for scene, row in zip(scenes, kinds, strict=True):
+            for body, kind in KIND_OF_BODY.items():
+                row[model.geom_bodyid == model.body(body).id] = kind
+            row[model.body_mocapid[model.geom_bodyid] >= 0] = HAZARD
+            row[scene.others()] = HAZARD
+            row[scene.geoms()] = WHEEL
+            row[list(body_geoms(scene))] = BODY
+        poses = np.array([scene.qpos_at for scene in scenes])
+        found = np.zeros((len(scenes), SPAN, len(KINDS), FOUND))
+        self._all = np.array(ends), kinds, poses, found
+        self._none = np.zeros((0, 2), int), kinds, poses, found
+        unknown = np.zeros(1, np.int32), np.zeros((0, 1)), np.zeros((0, 1), np.int32), np.zeros(2, int)
+        self.contacts: Contacts = unknown
+        self.rovers = tuple(RoverContacts(number, scenes, rows) for number, rows in enumerate(found))
+
         self.begin()
 
-    def begin(self, ticks: int = 1) -> None:
-        """Forgets what was touched so far; so many clock ticks follow, the first of them is shown."""
-        self._ticks: list[dict[ContactKind, Touch]] = [{} for _ in range(ticks)]
-        self.show(0)
+    def begin(self, *, watches: bool = True) -> None:
+        """Forgets what was touched so far; from now on it watches, or does not."""
+        self.watched = self._all if watches else self._none
+        self._all[-1][..., 0] = 0.0
+        for rover in self.rovers:
+            rover.show(0)
+
+    @property
+    def any(self) -> bool:
+        """Whether anything was touched since `begin`."""
+        return bool(self._all[-1][..., 0].any())
+
+    def look(self, tick: int = 0) -> None:
+        """Takes a step of a tick in which something was touched into account."""
+        if not self.contacts[1].size and self._data.ncon:  # once
+            self.contacts = _contacts(self._data)
+        told = addresses()[1], self._model._address, self._data._address  # noqa: SLF001 - no other name
+        state = self._data.qpos, self._data.sensordata
+        look(told, state, self.contacts, self.watched, tick)
+
+
+class RoverContacts:
+    """What one rover touches.
+
+    Args:
+        number: The rover's place among those of the world.
+        scenes: Of all of them.
+        found: Its strongest contacts, as `steps_kernel` has them.
+
+    Attributes:
+        strongest: The strongest contact of each kind in the tick that is shown.
+    """
+
+    def __init__(self, number: int, scenes: Sequence[Scene], found: np.ndarray) -> None:
+        scene = scenes[number]
+        self._model, self._prefix, self._found = scene.model, scene.prefix, found
+        others = [*scenes[:number], *scenes[number + 1 :]]
+        self._whose = {geom: other for other in others for geom in other.geoms()}
+        # Terrain and decks.
+        self._ground = set(np.flatnonzero(scene.model.geom_bodyid == 0).tolist())
+        self.strongest: dict[ContactKind, Touch]
 
     def show(self, tick: int) -> None:
         """Turns to a tick, from 0."""
-        self.strongest = self._ticks[tick]
-
-    def look(self) -> None:
-        """Takes a step of the present tick in which something was touched into account."""
-        for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            part, thing = (one, other) if one in self._own else (other, one)
-            if part not in self._own:
-                continue  # another rover's
-            kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
-            if kind is None:
-                continue  # a wheel on the ground
-            mujoco.mj_contactForce(self._model, self._data, index, self._force)
-            force = float(self._force[0])
-            position, pose = self._data.contact.pos[index].tolist(), self._pose.tolist()
-            self.note(kind, Touch(force, part, thing, position, pose))
+        rows = self._found[tick]
+        order = rows[:, 0].tolist()
+        if not any(order):
+            self.strongest = {}
+            return
+        touched = sorted((place, kind) for kind, place in enumerate(order) if place)
+        self.strongest = {KINDS[kind]: _touch(rows[kind].tolist()) for _, kind in touched}
 
     def note(self, kind: ContactKind, touch: Touch) -> None:
-        """Keeps a touch if none of its kind was stronger."""
+        """Keeps a touch in the tick that is shown if none of its kind was stronger."""
         before = self.strongest.get(kind)
         if before is None or touch.force > before.force:
             self.strongest[kind] = touch
@@ -100,3 +144,25 @@ class ContactWatch:
         if (whose := self._whose.get(geom)) is not None:
             return f"{whose.name}/{name.removeprefix(whose.prefix).removeprefix(BODY_PREFIX)}"
         return name.removeprefix(self._prefix).removeprefix(BODY_PREFIX)
+
+
+def _touch(row: list[float]) -> Touch:
+    _, force, part, other, *rest = row
+    return Touch(force, int(part), int(other), rest[:3], rest[3:])
+
+
+def _contacts(data: mujoco.MjData) -> Contacts:
+    """Where MuJoCo keeps its contacts, of which there must be some: at the beginning of its arena.
+
+    Their fields tell place and size of one of them. Their count stands behind the timers.
+    """
+    first, timers = data.contact, data.timer.duration
+    begin, size = first.dist.ctypes.data, first.dist.strides[0]
+    count = (ctypes.c_int * 1).from_address(timers.ctypes.data + timers.strides[0] * timers.size)
+    if count[0] != data.ncon:
+        raise RuntimeError(f"MuJoCo {mujoco.__version__} counts its contacts elsewhere than 4.0 does")
+    numbers = data.narena // size * size // 8
+    doubles = np.ctypeslib.as_array((ctypes.c_double * numbers).from_address(begin))
+    places = (first.pos.ctypes.data - begin) // 8, (first.geom.ctypes.data - begin) // 4
+    integers = doubles.view(np.int32).reshape(-1, size // 4)
+    return np.ctypeslib.as_array(count), doubles.reshape(-1, size // 8), integers, np.array(places)

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.physics.contacts import ContactWatch, Touch
+from harness.physics.contacts import RoverContacts, Touch
 from harness.physics.scene import Scene
 from harness.samples import Place, Vector3
 from harness.world.actors.social_force import SocialForceWalker
@@ -78,7 +78,7 @@ class Crowd:
             for p, actor in zip(self.places, self.actors, strict=True)
         ]
 
-    def look(self, watches: Sequence[ContactWatch]) -> None:
+    def look(self, watches: Sequence[RoverContacts]) -> None:
         """Takes note of whom each rover overlaps; of who pushes, MuJoCo's contacts tell the force."""
         for number, ((pose, reach), contacts) in enumerate(zip(self._rovers, watches, strict=True)):
             x, y = pose[:2].tolist()
@@ -87,7 +87,7 @@ class Crowd:
                 if gap < reach + REACH:
                     self._touch(geom, number, contacts)
 
-    def _touch(self, geom: int, rover: int, contacts: ContactWatch) -> None:
+    def _touch(self, geom: int, rover: int, contacts: RoverContacts) -> None:
         span = np.zeros(6)
         for part in self._parts[rover]:
             gap = mujoco.mj_geomDistance(self._model, self._data, part, geom, REACH, span)

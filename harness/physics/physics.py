@@ -5,20 +5,23 @@ knows ROS, drivers or sample rates.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene, soil_ground
 from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
-from harness.physics.stepping import SPAN, Span
+from harness.physics.stepping import Span
+from harness.physics.steps_kernel import SPAN
 from harness.robots.model import keep_mujoco_quiet
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
@@ -49,6 +52,7 @@ class Physics:
         data: MuJoCo's state.
         step_count: Steps since time zero.
         steps_per_tick: Steps of one clock tick.
+        contacts: What the rovers touch.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the tick that is shown.
         span: Most ticks that can be simulated in one go; 1 with people, who see where rovers are.
         crowd: The people who walk about; None without any.
@@ -63,23 +67,24 @@ class Physics:
         self.data = mujoco.MjData(self.model)
         self.timestep_ns = timestep_ns
         self.steps_per_tick = TICK_NS // timestep_ns
-        self.step_count = 0
+        self.step_count = self._tick = self._simulated = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
-        parked = set[str]()
+        self.contacts, parked = ContactWatch(scenes, self.data), set[str]()
         self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
         if self.bed is not None:
             fine = soil_ground(scenes[0].world)
             self.ground = Heightfield(self.bed.surface, fine.cell, fine.middle)
         self.rovers = tuple(
-            Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked, self.bed)
-            for number, scene in enumerate(scenes)
+            Rover(scene, self.data, contacts, parked, self.bed)
+            for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
         )
         self._span = Span(self.model, self.data, np.concatenate([rover.motors for rover in self.rovers]))
+        bounds = self.ground.bounds(EDGE_MARGIN)
+        self._span.fence = np.array([[rover.scene.qpos_at, *bounds] for rover in self.rovers])
         begin = 0
         for rover in self.rovers:
             end = begin + rover.motors.size
             rover.ahead, begin = self._span.commands[:, begin:end], end
-        self._counts = np.concatenate([rover.contacts.places for rover in self.rovers])
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
         self.span = SPAN if self.crowd is None else 1
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
@@ -102,38 +107,39 @@ class Physics:
         """
         for rover in self.rovers:
             rover.ahead[0], rover.parked = self.data.ctrl[rover.motors], [rover.parking.held]
-        self.run(1)
+        self.run()
         for _ in self.shown():
             pass
 
-    def run(self, ticks: int, *, watched: bool = True) -> None:
-        """Simulates clock ticks for which all rovers have been commanded; `shown` is to be called next.
+    def run(self, *, watched: bool = True) -> None:
+        """Simulates the ticks for which all rovers have been commanded; `shown` is to be called next.
 
         Args:
-            ticks: So many; at most `span`.
             watched: Whether anybody asks which contacts there were, not only how many.
         """
-        self._watches = [rover.contacts for rover in self.rovers] if watched else []
-        for contacts in self._watches:
-            contacts.begin(ticks)
+        self.contacts.begin(watches=watched)
         if self.crowd is not None:
             self.crowd.move(self.time_ns + TICK_NS)
-        self._simulated = 0
+        self._simulated, per_tick = 0, self.steps_per_tick
         parked = zip(*(rover.parked for rover in self.rovers), strict=True)
         for holds, alike in groupby(parked):
             for rover, held in zip(self.rovers, holds, strict=True):
                 rover.parking.hold(held)
-            if not self._advance(self._simulated + len(list(alike))):
+            begin, end = self._simulated * per_tick, (self._simulated + len(list(alike))) * per_tick
+            step = self._span.advance((begin, end, per_tick), self.contacts)
+            self._simulated = step // per_tick
+            if step < end:
                 break
-        if self.crowd is not None:
-            self.crowd.look([rover.contacts for rover in self.rovers])
 
-    def shown(self) -> Iterator[int]:
+    def shown(self, needed: Callable[[int], bool] = lambda _: True) -> Iterator[int]:
         """Shows one tick after the other of those that have just been simulated.
 
-        While a tick is shown, time, `tick_sum`, the rovers' contacts and what `stepping.RECORDED` names
-        of MuJoCo's state are those of its end; whatever else MuJoCo knows is that of the last one. All
-        are to be consumed.
+        While a tick is shown, time, the rovers' contacts and `now`, and if it is needed also `tick_sum`
+        and what `stepping.RECORDED` names of MuJoCo's state are those of its end; whatever else MuJoCo
+        knows is that of the last one, which is always needed. All are to be consumed.
+
+        Args:
+            needed: Whether anybody looks at a tick's state.
 
         Yields:
             The index of the tick, from 0.
@@ -141,31 +147,32 @@ class Physics:
         Raises:
             RunFailed: The state diverged in a tick, or a rover reached the edge of the map.
         """
-        last = self._simulated - 1
+        last, touched = self._simulated - 1, self.contacts.any
+        paths = [self._span.path(rover.scene.qpos_at) for rover in self.rovers]
         for tick in range(self._simulated):
-            self._span.show(tick, self.tick_sum)
+            self._tick = tick
+            if tick == last or needed(tick):
+                self._span.show(tick, self.tick_sum)
             self.step_count += self.steps_per_tick
-            for contacts in self._watches:
-                contacts.show(tick)
+            for rover, path in zip(self.rovers, paths, strict=True):
+                rover.now = path[tick]
+                if touched:
+                    rover.contacts.show(tick)
+            if self.crowd is not None:
+                self.crowd.look([rover.contacts for rover in self.rovers])
             if tick == last:
                 self.check_health()
-            self.check_place()
+                self.check_place()
             yield tick
 
-    def _advance(self, end: int) -> bool:
-        """Simulates up to the end of a tick; returns whether that was possible."""
-        per_tick = self.steps_per_tick
-        step, counts = self._simulated * per_tick, self._counts if self._watches else self._counts[:0]
-        while step < end * per_tick:
-            step = self._span.advance((step, end * per_tick, per_tick), counts)
-            self._simulated = -(-step // per_tick)
-            for contacts in self._watches:
-                if any(contacts.counts.tolist()):
-                    contacts.show(self._simulated - 1)
-                    contacts.look()
-            if any(self._span.warnings.tolist()):
-                return False
-        return True
+    @property
+    def is_last_shown(self) -> bool:
+        """Whether the tick that is shown is the last one of those that were simulated in one go."""
+        return self._tick == self._simulated - 1
+
+    def latest_sums(self, ticks: int) -> NDArray[np.float64]:
+        """Returns the `tick_sum` of that many ticks up to the one that is shown, a row of each."""
+        return self._span.sums[self._tick + 1 - ticks : self._tick + 1]
 
     def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
         """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.

@@ -1,13 +1,12 @@
 """One rover's part of the state of a world: views into MuJoCo's, to read, to keep and to put back."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.contacts import ContactWatch
+from harness.physics.contacts import RoverContacts
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene, motors_of
 
@@ -23,8 +22,9 @@ class Rover:
     """What of MuJoCo's state is one rover's, its brake and what it touches.
 
     Args:
-        scenes: Of all rovers of the world, this one's first.
-        data: Their state.
+        scene: The rover in its world.
+        data: The state of all rovers there.
+        contacts: What it touches.
         parked: As ParkingHold has it.
         bed: The soil under all of them; None on rigid ground.
 
@@ -32,7 +32,8 @@ class Rover:
         scene: The rover in its world.
         pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
         twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, a view.
-        contacts: What it touched in the tick that is shown.
+        contacts: What it touches in the tick that is shown.
+        now: Its pose in the tick that is shown, as `pose`.
         parking: Its brake.
         motors: The actuators that are commanded, in the order of the rover's `motors`; the first
             `driven` of them drive.
@@ -43,11 +44,15 @@ class Rover:
     ahead: NDArray[np.float64]
 
     def __init__(
-        self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str], bed: "Bed | None" = None
+        self,
+        scene: Scene,
+        data: mujoco.MjData,
+        contacts: RoverContacts,
+        parked: set[str],
+        bed: "Bed | None" = None,
     ) -> None:
-        self.scene = scene = scenes[0]
+        self.scene, self.contacts = scene, contacts
         model, self._geoms = scene.model, scene.geoms()
-        self.contacts = ContactWatch(scenes, data)
         self.parking = ParkingHold(model, scene.all_own(scene.rover.drive.driven), parked)
         self.motors = np.array(motors_of(model, scene.all_own(scene.rover.motors)))
         self.driven = len(scene.rover.drive.driven)
@@ -57,6 +62,7 @@ class Rover:
         motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))
         at, moving = scene.qpos_at, slice(int(dofs[0]), int(dofs[-1]) + 1)
         self.pose, self.twist = data.qpos[at : at + 7], data.qvel[moving][:6]
+        self.now: list[float] = self.pose.tolist()
         after = model.jnt_qposadr[joints[-1] + 1] if joints[-1] + 1 < model.njnt else model.nq
         # All that its next step depends on, warm start included: it goes on bit for bit.
         self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]

@@ -141,6 +141,10 @@ def build_scenes(
             _let_sink(one, fleet[number].rover)
     spec = specs[0]
     spec.option.timestep = timestep
+    if (
+        len(specs) == 1
+    ):  # what hangs together is the whole rover: to look for islands takes 2 % of a step
+        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
     _add_actors(spec, world)

@@ -29,7 +29,7 @@ class Simulation:
             view into MuJoCo's state.
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the tick that is shown.
-        contacts: What the rover touched in the tick that is shown.
+        contacts: What the rover touches in the tick that is shown.
         motors: The actuators that the controller commands, in the order of the rover's `motors`.
         crowd: The people who walk about; None without any.
         ground: What is driven on, with the ruts of now.
@@ -56,6 +56,11 @@ class Simulation:
     def step_count(self) -> int:
         """Steps since time zero."""
         return self.physics.step_count
+
+    @property
+    def now(self) -> list[float]:
+        """What `pose` is at the end of the tick that is shown, whether its state is shown or not."""
+        return self._rover.now
 
     @property
     def position(self) -> Vector3:
@@ -90,6 +95,10 @@ class Simulation:
             xy * vx + yy * vy + zy * vz,
             xz * vx + yz * vy + zz * vz,
         )
+
+    def felt(self, sensor: str) -> NDArray[np.int64]:
+        """Returns the places of the values of one sensor of the rover among MuJoCo's."""
+        return np.arange(self.model.nsensordata)[self._felt[sensor]]
 
     def summed(self, sensor: str) -> NDArray[np.float64]:
         """Returns a view onto the entries of `tick_sum` that belong to one sensor of the rover."""
@@ -128,7 +137,7 @@ class Simulation:
         self.command_wheels(self.data.ctrl[self.motors])
         for place in self._felt.values():
             self.tick_sum[place] = 0.0
-        self.contacts.begin()
+        self.physics.contacts.begin()
 
     def put(self, x: float, y: float, yaw: float) -> None:
         """Puts the rover onto the ground somewhere else, where it settles; time goes on.

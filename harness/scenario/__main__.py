@@ -6,6 +6,7 @@ Parses, calls, prints; the work is in the other modules of harness.scenario.
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -64,6 +65,7 @@ def _run(options: argparse.Namespace, console: Console) -> int:
 
 def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
     from harness.scenario.baseline import write_baselines  # noqa: PLC0415 - not for --help
+    from harness.scenario.github import tell_github  # noqa: PLC0415
     from harness.scenario.suite import run_all  # noqa: PLC0415
 
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
@@ -76,6 +78,7 @@ def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
         attempts = run_all(cases, workers, options.out, show, **how)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
+    tell_github(verdicts, os.environ)
     if options.update_baseline:
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
             console.print(f"written: {path}", soft_wrap=True)

@@ -55,6 +55,19 @@ class Bound(Value):
         return name if self.of is None else f"{name} of {self.of}"
 
     @property
+    def limits(self) -> str:
+        """What is allowed, in a few words, e.g. ">= 0, <= 25, mean, 5 to 10 s"."""
+        words = [
+            "" if self.min is None else f">= {self.min:g}",
+            "" if self.max is None else f"<= {self.max:g}",
+            "near its baseline" if self.has_baseline else "",
+            "" if self.over in ("always", "share") else self.over,
+            "" if self.share is None else f"of {self.share:.0%} of values",
+            "" if self.window is None else f"{self.window[0]:g} to {self.window[1]:g} s",
+        ]
+        return ", ".join(filter(None, words))
+
+    @property
     def has_baseline(self) -> bool:
         """Whether it is kept near a recorded value, not within given limits."""
         return self.relative is not None or self.absolute is not None

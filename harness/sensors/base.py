@@ -8,6 +8,9 @@ from harness.samples import Sample, Source
 if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     from collections.abc import Callable, Mapping
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from harness.frames.rover_frames import RoverFrames
     from harness.physics.simulation import Simulation
     from harness.sensors.lidar import Lidar
@@ -63,8 +66,12 @@ class Sensor:
         """Returns the reading at the simulation's present time."""
         raise NotImplementedError
 
-    def observe(self) -> None:
-        """Takes a tick that has just been simulated into account; called after every tick."""
+    def observe(self, sums: "NDArray[np.float64]") -> None:
+        """Takes clock ticks that have just been simulated into account; each is told of once.
+
+        Args:
+            sums: MuJoCo's sensor values, summed over the steps of each of them, shape (ticks, sensors).
+        """
 
     def before_reset(self) -> None:
         """Called when the rover is about to be put elsewhere, mostly back to its start."""

@@ -14,7 +14,7 @@ from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.rays.bundle import Surroundings
+from harness.sensors.rays.bundle import Surroundings, turn
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.obstacle_kernel import cast_fan
 
@@ -40,7 +40,7 @@ class Lidar:
         self._beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
         self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
         self._directions, self._distances = np.empty_like(self._beams), np.empty_like(angles)
-        self._clear = np.zeros_like(angles)
+        self._pose, self._clear = np.empty((4, 3)), np.zeros_like(angles)
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
@@ -48,9 +48,9 @@ class Lidar:
         +inf: nothing within range_max; -inf: something nearer than range_min. The poses in `data`
         must be those of its qpos: after mj_step, call mj_kinematics first.
         """
-        pose = np.vstack([data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)])
-        directions, distances = self._directions, self._distances
-        np.matmul(self._beams, pose[1:].T, out=directions)
+        pose, directions, distances = self._pose, self._directions, self._distances
+        pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
+        turn(self._beams, pose, directions)
         distances.fill(np.inf)
         poses = data.geom_xpos, data.geom_xmat, pose
         cast_fan(*self._obstacles, *poses, directions, self._fan, distances)

@@ -2,9 +2,10 @@
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.physics.simulation import Simulation
-from harness.samples import GroundTruth, Imu, JointStates, Pose, TruthState, Vector3
+from harness.samples import GroundTruth, Imu, JointStates, Pose, TruthState
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.truth.recorder import TruthRecorder
 
@@ -28,31 +29,30 @@ class ImuSensor(Sensor):
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._steps = 0  # in the window so far
-        self._force_in_tick = simulation.summed("imu_accelerometer")
-        self._rate_in_tick = simulation.summed("imu_gyro")
-        self._force_sum, self._rate_sum = np.zeros(3), np.zeros(3)
+        force, rate = (simulation.felt(name) for name in ("imu_accelerometer", "imu_gyro"))
+        self._felt = np.r_[force, rate]
+        self._sum = np.zeros(6)
         self._mounting = simulation.model.site(simulation.scene.own("imu")).quat.copy()
         self._attitude = np.empty(4)
 
-    def observe(self) -> None:
-        """Adds the tick that has just been simulated to the window."""
-        self._force_sum += self._force_in_tick
-        self._rate_sum += self._rate_in_tick
-        self._steps += self._simulation.steps_per_tick
+    def observe(self, sums: NDArray[np.float64]) -> None:
+        """Adds ticks that have just been simulated to the window, one after the other."""
+        for values in sums[:, self._felt]:
+            self._sum += values
+        self._steps += self._simulation.steps_per_tick * len(sums)
 
     def read(self) -> Imu:
         """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
         mujoco.mju_mulQuat(self._attitude, self._simulation.pose[3:], self._mounting)
         w, x, y, z = self._attitude.tolist()
-        rate, force = _mean(self._rate_sum, self._steps), _mean(self._force_sum, self._steps)
-        reading = Imu(self._simulation.time_ns, (x, y, z, w), rate, force)
+        fx, fy, fz, wx, wy, wz = (self._sum / self._steps).tolist()
+        reading = Imu(self._simulation.time_ns, (x, y, z, w), (wx, wy, wz), (fx, fy, fz))
         self.after_reset()
         return reading
 
     def after_reset(self) -> None:
         """Starts a new window; what is in the present one is never read."""
-        self._force_sum.fill(0.0)
-        self._rate_sum.fill(0.0)
+        self._sum.fill(0.0)
         self._steps = 0
 
 
@@ -99,8 +99,3 @@ class TruthSensor(Sensor):
     def read(self) -> TruthState:
         """Returns the truth now and since the last reading."""
         return self._recorder.state()
-
-
-def _mean(total: np.ndarray, count: int) -> Vector3:
-    x, y, z = total.tolist()
-    return x / count, y / count, z / count

@@ -51,14 +51,23 @@ class SensorSuite:
         self._observe = [s.observe for s in self._sensors if type(s).observe is not Sensor.observe]
         seeing = (s.period_ticks for s in self._sensors if s.sees_ground)
         self.sees_ground_between = any(period % TICKS_PER_CONTROL for period in seeing)
-        self._noise = noise
+        self._noise, self._physics = noise, parts.simulation.physics
+        self._untold = 0  # ticks of which nobody who observes has been told
         self.latest: dict[type[Sample], Sample] = {}
+
+    def needs(self, index: int) -> bool:
+        """Returns whether a sensor looks at the state at the end of a tick, counted from 1."""
+        return bool(self._due[index % HIGHEST_RATE])
 
     def tick(self, index: int) -> tuple[Sample, ...]:
         """Returns the samples of the tick that has just been simulated, counted from 1."""
-        for observe in self._observe:
-            observe()
-        return tuple([self._read(sensor) for sensor in self._due[index % HIGHEST_RATE]])
+        due = self._due[index % HIGHEST_RATE]
+        self._untold += 1
+        if due or self._physics.is_last_shown:
+            sums, self._untold = self._physics.latest_sums(self._untold), 0
+            for observe in self._observe:
+                observe(sums)
+        return tuple([self._read(sensor) for sensor in due])
 
     def before_reset(self) -> None:
         """Called when the rover is about to be put elsewhere."""

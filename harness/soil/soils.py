@@ -13,12 +13,15 @@ from pydantic import Field
 
 from harness.base.documents import read_mapping
 from harness.base.errors import find_named
-from harness.spec.value import Length, NotNegative, Share, Value, made
+from harness.spec.value import Share, Value, made
 from rover_metrics.plugins import Table
 
 SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
 SUFFIXES = (".yaml", ".yml")
-SOIL_CONTACT = 1 << 30  # MuJoCo's contact bit of soil and of what is no wheel
+# What is beyond these is no soil: it carries nothing, or steps of physics cannot follow it.
+Modulus = Annotated[float, Field(ge=0.0, le=1e12)]
+Weight = Annotated[float, Field(ge=0.0, le=100.0)]
+Exponent = Annotated[float, Field(gt=0.0, le=10.0)]
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
 
 
@@ -27,19 +30,21 @@ class Soil(Value):
 
     summary: str = Field(default="", description="what it is, in a line")
     source: str = Field(default="", description="where the numbers come from")
-    k_c: NotNegative = Field(default=0.0, description="cohesive modulus of pressure [N/m^(n+1)]")
-    k_phi: NotNegative = Field(description="frictional modulus of pressure [N/m^(n+2)]")
+    k_c: Modulus = Field(default=0.0, description="cohesive modulus of pressure [N/m^(n+1)]")
+    k_phi: Modulus = Field(description="frictional modulus of pressure [N/m^(n+2)]")
     n: Annotated[float, Field(ge=0.2, le=4.0)] = Field(description="exponent of the sinkage")
     slip_n: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
         default=0.0, description="what a slip of 1 adds to n"
     )
-    cohesion: NotNegative = Field(default=0.0, description="[Pa]")
+    cohesion: Annotated[float, Field(ge=0.0, le=1e6)] = Field(default=0.0, description="[Pa]")
     friction_angle_deg: Annotated[float, Field(gt=0.0, le=60.0)] = Field(description="internal friction")
-    shear_length: Length = Field(description="Janosi's K: slid path of 63 % of the strength [m]")
+    shear_length: Annotated[float, Field(gt=0.0, le=1.0)] = Field(
+        description="Janosi's K: slid path of 63 % of the strength [m]"
+    )
     rebound: Share = Field(
         default=0.0, description="share that presses against a wheel's rear half while it rolls"
     )
-    damping: NotNegative = Field(
+    damping: Weight = Field(
         default=2.0, description="growth of the pressure with the sinking speed [s/m]"
     )
     peak: Share = Field(
@@ -54,28 +59,30 @@ class Soil(Value):
     flowing: Share = Field(
         default=1.0, description="share of the pressure that is left where soil flows away"
     )
-    flow_lateral: NotNegative = Field(default=1.0, description="weight of sideways motion in it")
-    flow_driving: NotNegative = Field(default=1.0, description="weight of driving slip in it")
-    flow_braking: NotNegative = Field(default=1.0, description="weight of braking slip in it")
-    flow_pressing: NotNegative = Field(default=0.0, description="weight of sinking straight down in it")
-    dig_grousers: NotNegative = Field(
+    flow_lateral: Weight = Field(default=1.0, description="weight of sideways motion in it")
+    flow_driving: Weight = Field(default=1.0, description="weight of driving slip in it")
+    flow_braking: Weight = Field(default=1.0, description="weight of braking slip in it")
+    flow_pressing: Weight = Field(default=0.0, description="weight of sinking straight down in it")
+    dig_grousers: Weight = Field(
         default=0.0, description="the pressure under grousers falls by exp(-it) as they spin on the spot"
     )
     grouser_friction: Factor = Field(default=0.0, description="what grousers add to friction")
     grouser_shear: Factor = Field(default=0.0, description="what grousers add to the shear length")
-    stay_braking: NotNegative = Field(
+    stay_braking: Weight = Field(
         default=1.0, description="speed at which a braked wheel leaves the soil, per slip speed"
     )
-    stay_lateral: NotNegative = Field(default=1.0, description="the same, per sideways speed")
-    side_modulus: NotNegative | None = Field(
+    stay_lateral: Weight = Field(default=1.0, description="the same, per sideways speed")
+    side_modulus: Modulus | None = Field(
         default=None,
         description="force beside the wheel per length [N/m^(1+side_exponent)]; default: Hegedus 1960",
     )
-    side_exponent: Length = Field(default=2.0, description="of the sinkage in it")
-    side_flow: Length = Field(default=1.0, description="exponent of the sideways share of the motion")
-    side_slip: NotNegative = Field(default=1.0, description="weight of the rim's slip in that share")
+    side_exponent: Exponent = Field(default=2.0, description="of the sinkage in it")
+    side_flow: Exponent = Field(default=1.0, description="exponent of the sideways share of the motion")
+    side_slip: Weight = Field(default=1.0, description="weight of the rim's slip in that share")
     side_friction: Share = Field(default=0.0, description="friction on the wheel's face")
-    density: Length = Field(default=1500.0, description="for the force beside the wheel [kg/m^3]")
+    density: Annotated[float, Field(gt=0.0, le=1e4)] = Field(
+        default=1500.0, description="for the force beside the wheel [kg/m^3]"
+    )
 
     @property
     def leaves_ruts(self) -> bool:

@@ -72,7 +72,7 @@ class RosOptions(Value):
     wait_for_topic: Annotated[tuple[EffectText, ...], listed(), Option("TOPIC[,...]")] = Field(
         default=(),
         description="let time go on only when this output has come for each /scan; of another input, or "
-        f"within other than 30 s: {FORM}; repeatable",
+        f"within other than 30 s: {FORM}; repeatable; default: none",
     )
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (

@@ -42,8 +42,8 @@ class WorldSpec(Value):
 
     terrain: Annotated[str, Option("NAME|FILE")] = Field(
         default="rocky",
-        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; an SDF world: .world, .sdf; "
-        "a mesh: .dae, .obj, .stl (docs/worlds.md: axes, units)",
+        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; points: .ply, .las, .laz, N x 3 "
+        ".npy; an SDF world: .world, .sdf; a mesh: .dae, .obj, .stl (docs/worlds.md: axes, units)",
     )
     difficulty: Annotated[Share, Option("D")] = Field(
         default=DEFAULT_DIFFICULTY, description="0 to 1, of a named terrain"
@@ -63,7 +63,9 @@ class WorldSpec(Value):
         default=None, description="relief, lowest to highest point, of a heightmap that does not say [m]"
     )
     terrain_cell: Annotated[Cell | None, Option("M")] = Field(
-        default=None, description="distance of the heights that a mesh becomes [m]; default: 0.1"
+        default=None,
+        description="distance of the heights that a mesh becomes (default: 0.1), or a cloud of points "
+        "(default: as its density allows) [m]",
     )
     resource_path: Annotated[Texts, Option("DIR")] = Field(
         default=(), description="folder of an SDF world's models; repeatable; default: none"

@@ -5,6 +5,7 @@ is missed.
 """
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS
@@ -46,12 +47,16 @@ class TruthRecorder:
     def _roughness(self) -> RoughnessMap:
         return RoughnessMap(self._simulation.scene.world.ground)
 
-    def observe(self) -> None:
-        """Takes the tick that has just been simulated into account."""
-        position = self._simulation.position
-        self._path += math.dist(position, self._previous)
-        self._previous = position
-        self._lowest_upright = min(self._lowest_upright, rotation.upright(self._simulation.orientation))
+    def observe(self, pose: Sequence[float] | None = None) -> None:
+        """Takes the tick that has just been simulated into account.
+
+        Args:
+            pose: The rover's position [m] and w, x, y, z at its end; None for what it is now.
+        """
+        x, y, z, qw, qx, qy, qz = self._simulation.pose.tolist() if pose is None else pose
+        self._path += math.dist((x, y, z), self._previous)
+        self._previous = x, y, z
+        self._lowest_upright = min(self._lowest_upright, rotation.upright((qx, qy, qz, qw)))
         strongest = self._simulation.contacts.strongest
         self.events.observe(self._simulation.time_ns, strongest)
         for kind, touch in strongest.items():

@@ -4,7 +4,10 @@ import math
 from typing import NamedTuple
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
+from harness.base.compiled import kernel
 from harness.physics.simulation import Simulation
 
 SLIP_SPEED = 0.05  # [m/s]: a wheel whose rim and centre are both slower does not slip, it stands
@@ -30,12 +33,13 @@ class Wheels:
         scene = simulation.scene
         rover, self._root = scene.rover, scene.root
         self._radius = rover.wheel_radius
-        self._bodies: list[tuple[int, int]] = []  # of each wheel, and along whose y its axle lies
+        bodies: list[tuple[int, int]] = []  # of each wheel, and along whose y its axle lies
         for name in rover.wheel_joints:
             body = int(self._model.joint(scene.own(name)).bodyid[0])
             steered = name in rover.steered_wheels
             carrier = int(self._model.body_parentid[body]) if steered else scene.root
-            self._bodies.append((body, carrier))
+            bodies.append((body, carrier))
+        self._bodies, self._rolling = np.array(bodies, np.int64), np.empty((len(bodies), 5))
 
     def motion(self) -> list[WheelMotion]:
         """Returns what each wheel does now.
@@ -48,23 +52,49 @@ class Wheels:
         mujoco.mj_kinematics(model, data)  # after a step, poses and velocities are those before it
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
-        axes = data.xmat.tolist()
-        com_x, com_y, com_z = data.subtree_com[self._root].tolist()
-        positions, velocities = data.xpos.tolist(), data.cvel.tolist()
+        roll(self._bodies, data.xmat, data.xpos, data.cvel, data.subtree_com[self._root], self._rolling)
         wheels = []
-        for body, carrier in self._bodies:
-            ahead_x, axle_x, up_x, ahead_y, axle_y, up_y, ahead_z, axle_z, up_z = axes[carrier]
-            x, y, z = positions[body]
-            wx, wy, wz, vx, vy, vz = velocities[body]  # of the point that is at the centre of mass
-            dx, dy, dz = x - com_x, y - com_y, z - com_z
-            vx, vy, vz = vx + wy * dz - wz * dy, vy + wz * dx - wx * dz, vz + wx * dy - wy * dx
-            forward = vx * ahead_x + vy * ahead_y + vz * ahead_z
-            upward = vx * up_x + vy * up_y + vz * up_z
+        for x, y, forward, upward, turning in self._rolling.tolist():
             ground_speed = math.copysign(math.hypot(forward, upward), forward)
-            wheel_speed = (wx * axle_x + wy * axle_y + wz * axle_z) * self._radius
+            wheel_speed = turning * self._radius
             moves = abs(wheel_speed) >= SLIP_SPEED or abs(ground_speed) >= SLIP_SPEED
             wheels.append(WheelMotion(x, y, slip_ratio(wheel_speed, ground_speed), moves))
         return wheels
+
+
+@kernel(
+    "void(int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[::1], float64[:,::1])"
+)
+def roll(
+    bodies: NDArray[np.int64],
+    axes: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    velocities: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    rolling: NDArray[np.float64],
+) -> None:
+    """Sets of each wheel x, y [m], its centre's speed ahead and up [m/s], its turning [rad/s].
+
+    Args:
+        bodies: Of each wheel, and that along whose y its axle lies, shape (n, 2).
+        axes: Rotations of all bodies in the world, shape (nbody, 9).
+        positions: Their origins in the world [m], shape (nbody, 3).
+        velocities: Angular and linear velocities at the centre of mass, shape (nbody, 6).
+        middle: The rover's centre of mass [m], shape (3,).
+        rolling: Where it comes, shape (n, 5).
+    """
+    for wheel in range(bodies.shape[0]):
+        body, carrier = bodies[wheel, 0], axes[bodies[wheel, 1]]
+        x, y, z = positions[body, 0], positions[body, 1], positions[body, 2]
+        wx, wy, wz = velocities[body, 0], velocities[body, 1], velocities[body, 2]
+        dx, dy, dz = x - middle[0], y - middle[1], z - middle[2]
+        vx = velocities[body, 3] + wy * dz - wz * dy
+        vy = velocities[body, 4] + wz * dx - wx * dz
+        vz = velocities[body, 5] + wx * dy - wy * dx
+        rolling[wheel, 0], rolling[wheel, 1] = x, y
+        rolling[wheel, 2] = vx * carrier[0] + vy * carrier[3] + vz * carrier[6]
+        rolling[wheel, 3] = vx * carrier[2] + vy * carrier[5] + vz * carrier[8]
+        rolling[wheel, 4] = wx * carrier[1] + wy * carrier[4] + wz * carrier[7]
 
 
 def slip_ratio(wheel_speed: float, ground_speed: float) -> float:

@@ -97,6 +97,9 @@ def _rig(options: argparse.Namespace, console: Console) -> None:
     for note in notes:
         print(note)
     errors = single_wheel.judge(trials, single_wheel.predict(soil, trials))
+    if not errors:
+        steepest = f"{single_wheel.STEEPEST_DEG:g}"
+        raise UsageError(f"no trial of {options.trials} has a slip angle of up to {steepest} degrees")
     for e in errors:
         sunk = f", {e.sunk} of them sunk in whole" if e.sunk else ""
         print(

@@ -84,11 +84,15 @@ class Rig:
         """Drives on for a time; returns what an IMU of that rate [Hz] reads."""
         ticks = period_ticks(rate)
         imu, readings = ImuSensor(self.simulation, ticks), []
-        self.observers.append(imu.observe)
+
+        def observe() -> None:
+            imu.observe(self.simulation.tick_sum[None])
+
+        self.observers.append(observe)
         for _ in range(round(seconds * rate)):
             self.run(ticks * TICK)
             readings.append(imu.read())
-        self.observers.remove(imu.observe)
+        self.observers.remove(observe)
         return readings
 
     @property

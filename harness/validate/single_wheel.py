@@ -7,6 +7,7 @@ The trials of C. Pavlov (Carnegie Mellon University, 2022, 3d-terramechanics) dr
 import io
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from harness.robots import RoverSpec
 from harness.robots.model import read_model
 from harness.soil.soils import Soil
 from harness.soil.wheel_kernel import steady_wheels
+from rover_metrics.number import number
 
 RADIUS = 0.0625  # [m], to the tips of the grousers
 RECORDED_RADIUS = 0.058  # [m], for which the rim speed was recorded
@@ -29,6 +31,7 @@ WHEELS = ("smooth", "grousered")
 STEEPEST_DEG = 75.0  # slip angle up to which a wheel rolls; beyond it is ploughed in
 MEASURED = ("sinkage", "tractive", "lateral")
 GIVEN = ("wheel_speed", "travel_speed", "slip_angle_deg", "load")
+LARGEST = 1e6  # in a table of trials, whatever its unit
 GRAVITY = 9.81  # [m/s^2]
 SPEED = 0.01  # [m/s] of the carriage
 
@@ -87,7 +90,7 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """
     table, numbers = read_table(path, ("wheel", *GIVEN, *MEASURED)), [*GIVEN, *MEASURED]
     wheels = table["wheel"].astype(str).str.strip().str.lower()
-    table = table[numbers].apply(pd.to_numeric, errors="coerce").replace([np.inf, -np.inf], np.nan)
+    table = table[numbers].map(_number_of)
     table.insert(0, "wheel", wheels)
     known, whole = wheels.isin(WHEELS), table[list(GIVEN)].notna().all(axis=1)
     whole &= (table["load"] > 0.0) & (table[["wheel_speed", "travel_speed"]] >= 0.0).all(axis=1)
@@ -109,6 +112,14 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
             f"left out: {lacking} trials that lack {', '.join(GIVEN)}; the first in line {first}"
         )
     return usable.reset_index(drop=True), tuple(notes)
+
+
+def _number_of(cell: object) -> float:
+    """The number of a cell; NaN for what is none, or more than any rig measures."""
+    with suppress(ValueError):
+        value = number(str(cell))
+        return value if abs(value) <= LARGEST else math.nan
+    return math.nan
 
 
 def predict(soil: Soil, trials: pd.DataFrame, radius: float = RADIUS, width: float = WIDTH) -> Doubles:
@@ -173,7 +184,7 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
     angles = sorted(angle for angle in set(trials["slip_angle_deg"]) if abs(angle) <= STEEPEST_DEG)
     labels = "sinkage [mm]", "tractive force [N]", "lateral force [N]"
     for column, wheel in enumerate(WHEELS):
-        for number, angle in enumerate(angles):
+        for place, angle in enumerate(angles):
             rows = trials[(trials["wheel"] == wheel) & (trials["slip_angle_deg"] == angle)].copy()
             if rows.empty:
                 continue
@@ -183,7 +194,7 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
             means = rows.groupby("slip", as_index=False).mean(numeric_only=True).assign(wheel=wheel)
             curve = predict(soil, means)
             for row, (name, scale) in enumerate(zip(MEASURED, (1e3, 1.0, 1.0), strict=True)):
-                colour, axis = f"C{number}", axes[row, column]
+                colour, axis = f"C{place}", axes[row, column]
                 axis.plot(means["slip"], scale * curve[:, row], color=colour, label=f"{angle:g}°")
                 axis.plot(rows["slip"], scale * rows[name], ".", color=colour)
                 axes[row, 0].set_ylabel(labels[row])

@@ -60,11 +60,14 @@ class Artist(AbstractContextManager["Artist"]):
             with suppress(OSError):
                 file.close()
 
-    def draw(self, words: list[str], show: Callable[[int, int], None]) -> None:
-        """Has it draw what the words of its command line say; DrawingFailed with what it says of it."""
+    def begin(self, words: list[str]) -> None:
+        """Has it draw what the words of its command line say."""
         with suppress(BrokenPipeError):
             self._in.write(f"{json.dumps(words)}\n")
             self._in.close()
+
+    def finish(self, show: Callable[[int, int], None]) -> None:
+        """Waits for what it draws; DrawingFailed with what it says if it cannot."""
         for line in self._out:
             if match := FRAMES.fullmatch(line):
                 show(int(match[1]), int(match[2]))

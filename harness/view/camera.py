@@ -7,9 +7,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.robots import RoverSpec
+
 Vector = NDArray[np.float64]
 
-DISTANCE = 2.3  # [m] to the rover
+DISTANCE = 2.3  # [m] to a rover of USUAL reach, to others in proportion
+USUAL, SMALLEST_SCALE = 0.32, 0.4  # [m] the reach of such a rover; least share of the distance
 ELEVATION = math.radians(17.0)  # of the camera over the rover
 EYE_LEVEL = 0.35  # [m] of the rover that the camera looks at, above its model frame
 AHEAD = 0.7  # [m] behind the rover that the picture's middle is aimed at
@@ -18,6 +21,8 @@ AZIMUTHS = np.arange(0.0, 360.0, 7.5)  # [deg] candidates
 GROUND_MARGIN = 0.4  # [m] of air below the camera
 SOLID_GROUPS = np.array([1, 1, 0, 0, 0, 0], np.uint8)  # terrain and obstacles
 CHASE_SIDE, CHASE_ELEVATION = 30.0, -24.0  # [deg]
+TOP_ELEVATION, SIDE_ELEVATION = -89.0, -8.0  # [deg]
+CAMERAS = ("chase", "top", "side")
 BEST_FRONT = math.radians(35.0)  # angle between the rover's heading and the camera
 
 
@@ -58,18 +63,38 @@ class View:
         return (depth > 0.5) & (np.abs(offsets @ right) < half_width * depth)
 
 
-def _view_from(rover: Vector, azimuth: float, aside: float) -> View:
-    """A view past the rover, which stands `aside` [m] left of the middle of the picture."""
+def _view_from(rover: Vector, azimuth: float, aside: float, scale: float) -> View:
+    """A view past the rover, which stands `aside` times its scale [m] left of the middle."""
     heading = math.radians(azimuth)
     ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
     right = np.array([ahead[1], -ahead[0], 0.0])
-    target = rover + AHEAD * ahead + aside * right + np.array([0.0, 0.0, EYE_LEVEL])
-    return View(target, azimuth, DISTANCE + AHEAD)
+    past = AHEAD * ahead + aside * right + np.array([0.0, 0.0, EYE_LEVEL])
+    return View(rover + scale * past, azimuth, scale * (DISTANCE + AHEAD))
 
 
-def chase_view(rover: Vector, yaw: float) -> View:
-    """Returns a view from behind, a little aside, of a rover at that place [m] and heading [rad]."""
-    return replace(_view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
+def scale_of(rover: RoverSpec) -> float:
+    """Returns the size of a rover as a share of the usual one, by which cameras keep off."""
+    return max(SMALLEST_SCALE, rover.reach / USUAL)
+
+
+def chase_view(rover: Vector, yaw: float, scale: float = 1.0, camera: str = "chase") -> View:
+    """Returns a view of a rover that moves on with it.
+
+    Args:
+        rover: Its place [m].
+        yaw: Its heading [rad].
+        scale: Of its size to the usual one.
+        camera: One of CAMERAS: from behind and a little aside, from above, from the left.
+    """
+    turn, elevation = {
+        "chase": (CHASE_SIDE, CHASE_ELEVATION),
+        "top": (0.0, TOP_ELEVATION),
+        "side": (-90.0, SIDE_ELEVATION),
+    }[camera]
+    view = replace(_view_from(rover, math.degrees(yaw) + turn, 0.0, scale), elevation=elevation)
+    if camera == "chase":
+        return view
+    return replace(view, target=rover + np.array([0.0, 0.0, 0.5 * EYE_LEVEL * scale]))
 
 
 def best_view(
@@ -79,6 +104,7 @@ def best_view(
     yaw: float,
     half_width: float,
     others: Vector | None = None,
+    scale: float = 1.0,
 ) -> View:
     """Returns the best of many views of the rover at the end of its path.
 
@@ -89,6 +115,7 @@ def best_view(
         yaw: Its heading [rad].
         half_width: Half the width of the picture at unit distance.
         others: Where other rovers are [m], shape (n, 3); None without any.
+        scale: Of the rover's size to the usual one.
     """
 
     def merit(view: View) -> float:
@@ -99,7 +126,9 @@ def best_view(
         off_front = abs(abs(math.remainder(to_camera - yaw, math.tau)) - BEST_FRONT)
         return shown - 0.25 * off_front - 10.0 * _is_hidden(view, model, data, path[-1])
 
-    views = (_view_from(path[-1], azimuth, s * ASIDE) for azimuth in AZIMUTHS.tolist() for s in (-1, 1))
+    views = (
+        _view_from(path[-1], azimuth, s * ASIDE, scale) for azimuth in AZIMUTHS.tolist() for s in (-1, 1)
+    )
     return max(views, key=merit)
 
 

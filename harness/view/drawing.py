@@ -31,19 +31,27 @@ class Drawing(AbstractContextManager["Drawing"]):
             if the run is to go on without it where nothing can draw.
         video: Where to write an MP4 of the run; None for none.
         lidar: Show the beams.
+        camera: One of harness.view.camera.CAMERAS; "" leaves it to picture and video.
         backend: The OpenGL to be used, as MUJOCO_GL names it; "" for whichever works.
     """
 
     def __init__(
-        self, picture: Path | None, video: Path | None, *, lidar: bool, backend: str = ""
+        self,
+        picture: Path | None,
+        video: Path | None,
+        *,
+        lidar: bool,
+        backend: str = "",
+        camera: str = "",
     ) -> None:
         named = {"--picture": picture, "--video": video}
         self._targets = {flag: path for flag, path in named.items() if path is not None}
-        self._lidar, self._backend = lidar, backend
+        self._lidar, self._backend, self._camera = lidar, backend, camera
         self.lack = ""
         self._at_end = ExitStack()
         self._artist: Artist | None = None
         self._writers: list[StateWriter] = []
+        self._drawn: dict[str, Path] = {}
 
     @property
     def wanted(self) -> bool:
@@ -81,22 +89,33 @@ class Drawing(AbstractContextManager["Drawing"]):
         """What keeps the states of each rover; empty if nothing is to be drawn."""
         return self._writers
 
-    def finish(self, show: Callable[[int, int], None], beside: Path = BESIDE) -> list[Path]:
-        """Draws in a process of its own; returns the files written, or raises DrawingFailed.
+    def begin(self, beside: Path = BESIDE) -> None:
+        """Has the picture drawn while the caller does other things.
 
         Args:
-            show: Is called with the number of frames drawn and of all frames; of a picture there is one.
             beside: The log of the run.
         """
-        if self._artist is None:
-            return []
+        if self._artist is None or self._drawn:
+            return
         for writer in self._writers:
             writer.close()
-        targets = {
+        self._drawn = {
             flag: beside.with_suffix(SUFFIXES[flag]) if path == BESIDE else path
             for flag, path in self._targets.items()
         }
-        words = [word for flag, path in targets.items() for word in (flag, str(path))]
-        lidar = ["--lidar"] if self._lidar else []
-        self._artist.draw([*(str(w.path) for w in self._writers), *words, *lidar], show)
-        return list(targets.values())
+        words = [word for flag, path in self._drawn.items() for word in (flag, str(path))]
+        more = ["--lidar"] * self._lidar + (["--camera", self._camera] if self._camera else [])
+        self._artist.begin([*(str(w.path) for w in self._writers), *words, *more])
+
+    def finish(self, show: Callable[[int, int], None], beside: Path = BESIDE) -> list[Path]:
+        """Waits for what is drawn in a process of its own; returns the files, or raises DrawingFailed.
+
+        Args:
+            show: Is called with the number of frames drawn and of all frames; of a picture there is one.
+            beside: The log of the run, if `begin` was not told.
+        """
+        if self._artist is None:
+            return []
+        self.begin(beside)
+        self._artist.finish(show)
+        return list(self._drawn.values())

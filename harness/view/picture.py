@@ -30,7 +30,7 @@ from harness.physics.scene import build_scenes
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.view.camera import View, best_view, chase_view
+from harness.view.camera import CAMERAS, View, best_view, chase_view, scale_of
 from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
@@ -56,6 +56,7 @@ class Studio(AbstractContextManager["Studio"]):
         recording: The states of the first rover, which are as many as those of each other one.
         data: The state that was posed last.
         half_width: Half the width of an image at unit distance.
+        scale: Size of the first rover as a share of the usual one.
     """
 
     def __init__(self, paths: Sequence[Path], quality: Quality, *, lidar: bool) -> None:
@@ -71,6 +72,7 @@ class Studio(AbstractContextManager["Studio"]):
         self._lidars = [
             Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
         ]
+        self.scale = scale_of(scenes[0].rover)
         self._marks, self._ruts, self._pressed = list[Mark](), drawn_ruts(scenes), 0
         for scene, states in self._rovers:
             self._marks += path_marks(states, world.ground)
@@ -144,28 +146,34 @@ def _tell(done: int, total: int) -> None:
     print(f"{done}/{total}", flush=True)
 
 
-def _draw_picture(recordings: Sequence[Path], target: Path, *, lidar: bool) -> None:
+def _draw_picture(recordings: Sequence[Path], target: Path, camera: str, *, lidar: bool) -> None:
     """Draws the end of a recording with the path that led there, as PNG."""
     _tell(0, 1)
     with Studio(recordings, QUALITY, lidar=lidar) as studio:
         states = studio.recording
         studio.pose(-1)
         yaw, others = states.yaw[-1], studio.others()
-        view = best_view(studio.model, studio.data, states.path, yaw, studio.half_width, others)
+        scale, place = studio.scale, states.path[-1]
+        view = (
+            chase_view(place, yaw, scale, camera)
+            if camera
+            else best_view(studio.model, studio.data, states.path, yaw, studio.half_width, others, scale)
+        )
         image = Image.fromarray(studio.image(-1, view)).reduce(SCALE)
     with whole_file(target) as part:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG")
     _tell(1, 1)
 
 
-def _draw_video(recordings: Sequence[Path], target: Path, *, lidar: bool) -> None:
+def _draw_video(recordings: Sequence[Path], target: Path, camera: str, *, lidar: bool) -> None:
     """Draws a recording as H.264 in MP4: the camera follows the rover, the path grows behind it."""
     import av  # noqa: PLC0415 - its extra may be missing
 
     with Studio(recordings, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
         count = len(studio.recording.times)
         frames = range(0, count, -(-count // MOST_FRAMES))
-        views, times, speeds = chase(studio.recording), studio.recording.times, studio.recording.speed
+        views = chase(studio.recording, studio.scale, camera or "chase")
+        times, speeds = studio.recording.times, studio.recording.speed
         with av.open(str(part), "w", format="mp4") as container:
             stream = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "23"})
             stream.width, stream.height = VIDEO_QUALITY.width, VIDEO_QUALITY.height
@@ -179,10 +187,11 @@ def _draw_video(recordings: Sequence[Path], target: Path, *, lidar: bool) -> Non
         _tell(len(frames), len(frames))
 
 
-def chase(recording: States) -> list[View]:
-    """Returns a view from behind at each state; a low-pass makes it turn more calmly than the rover."""
+def chase(recording: States, scale: float = 1.0, camera: str = "chase") -> list[View]:
+    """Returns a view at each state that follows; a low-pass makes it turn more calmly than the rover."""
     headings = accumulate(recording.yaw.tolist(), lambda calm, yaw: calm + (yaw - calm) / CALMED)
-    return [chase_view(place, yaw) for place, yaw in zip(recording.path, headings, strict=True)]
+    places = zip(recording.path, headings, strict=True)
+    return [chase_view(place, yaw, scale, camera) for place, yaw in places]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -196,9 +205,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             words = sys.stdin.readline()
             options = _parser().parse_args(json.loads(words) if words else [])
         if options.picture is not None:
-            _draw_picture(options.recordings, options.picture, lidar=options.lidar)
+            _draw_picture(options.recordings, options.picture, options.camera, lidar=options.lidar)
         if options.video is not None:
-            _draw_video(options.recordings, options.video, lidar=options.lidar)
+            _draw_video(options.recordings, options.video, options.camera, lidar=options.lidar)
     except (HarnessError, OSError) as error:
         print(f"harness.view.picture: {error}", file=sys.stderr)
         return error.exit_code if isinstance(error, HarnessError) else 1
@@ -218,6 +227,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--wait", action="store_true", help="try out OpenGL, then read these words as JSON"
     )
+    about = "from where; default: a picture from where much is seen, a video from behind"
+    parser.add_argument("--camera", choices=CAMERAS, default="", help=about)
     parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")
     return parser
 

@@ -5,12 +5,14 @@ from pathlib import Path
 
 from harness.base.errors import UsageError, find_named
 from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, MESH_UNITS, SOLIDS, WorldSpec
+from harness.world.heightmap.cloud import SUFFIXES as CLOUDS
+from harness.world.heightmap.cloud import is_cloud
 from harness.world.solids.mesh_file import SUFFIXES as MESHES
 from harness.world.solids.mesh_file import UP
 from harness.world.terrains import TERRAINS
 from harness.world.world import RoverNeeds, World
 
-RASTERS = (".tif", ".tiff", ".png", ".npy")
+RASTERS = (".tif", ".tiff", ".png", ".npy", *CLOUDS)
 WORLDS = (".world", ".sdf")
 
 
@@ -35,6 +37,8 @@ def check_terrain(spec: WorldSpec) -> None:
     else:
         kind = find_named("terrain", spec.terrain, TERRAINS).name
     for name, valid in FILE_FIELDS.items():
+        if name == "terrain_cell" and is_cloud(Path(spec.terrain)):
+            continue
         if kind != valid and getattr(spec, name) not in (None, (), ""):
             flag, terrain = name.replace("_", "-"), Path(spec.terrain).name
             raise UsageError(f"--{flag} applies to {valid} only; leave it out with {terrain}")
@@ -56,7 +60,7 @@ def file_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
     if is_heightmap(spec.terrain):
         from harness.world.heightmap.dem import heightmap_world  # noqa: PLC0415
 
-        return heightmap_world(spec, seed, needs_start=rover.needs_start)
+        return heightmap_world(spec, seed, rover)
     from harness.world.solids.assembly import solid_world  # noqa: PLC0415
 
     return solid_world(spec, rover, seed)

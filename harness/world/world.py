@@ -32,6 +32,7 @@ class RoverNeeds:
 
     clearance: float = 0.1  # height of obstacles that the rover drives over [m]
     step_limit: float = 0.07  # highest step that the rover climbs [m]
+    wheel_radius: float = 0.0  # [m]; 0 if it does not matter
     needs_start: bool = True  # whether a place to start from is to be looked for
 
 

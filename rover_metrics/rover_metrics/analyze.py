@@ -25,7 +25,7 @@ try:
     from rover_metrics.analysis.outcome import analyse
     from rover_metrics.analysis.output import prepare_folder, save_all
     from rover_metrics.analysis.pairing import PairingError, Pairs, pair
-    from rover_metrics.analysis.program import different, read_each, show
+    from rover_metrics.analysis.program import different, inside, read_each, show
     from rover_metrics.analysis.study import Member, Options, Study, labels
     from rover_metrics.analysis.tables import sheets
 except ImportError as error:
@@ -34,6 +34,8 @@ except ImportError as error:
     raise SystemExit(2) from None
 
 from rover_metrics.errors import counted, run_program
+
+SOCIAL = "social_log"  # how the names of logs begin that `social` reads
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -67,7 +69,8 @@ def _run(options: argparse.Namespace) -> int:
 def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
     """The study of every log that can be read, those that cannot, and the exit code."""
     groups = tuple(options.group_names) if options.versus else ("all logs",)
-    paths = [different("analyze", named) for named in (options.logs, options.versus)]
+    both = (inside(named, "*.csv", without=SOCIAL) for named in (options.logs, options.versus))
+    paths = [different("analyze", named) for named in both]
     metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
     members: list[Member] = []
     skipped: list[Skipped] = []

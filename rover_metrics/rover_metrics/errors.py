@@ -19,7 +19,12 @@ from typing import Any, NoReturn
 
 from rover_metrics.number import number, whole
 
-EXTRAS = {"av": "[video]", "rclpy": "[ros]", "sklearn": "[tune]"}  # by what they bring
+EXTRAS = {
+    "av": "[video]",
+    "rclpy": "[ros]",
+    "sklearn": "[tune]",
+    "laspy": "[cloud]",
+}  # by what they bring
 OWN = ("harness", "rover_metrics")
 SCRIPTS = ("rover-", "rover ")  # how the names of the installed commands begin: rover-run, rover run
 COMPLETED = "_ARGCOMPLETE"  # set while a shell completes a word: which of its words is the program

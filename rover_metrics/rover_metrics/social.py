@@ -20,7 +20,7 @@ from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program
 if __name__ == "__main__":
     begin_program("social")
 
-from rover_metrics.analysis.program import different, level, positive, read_each, show, tell
+from rover_metrics.analysis.program import different, inside, level, positive, read_each, show, tell
 from rover_metrics.analysis.social.comparison import Group as Runs
 from rover_metrics.analysis.social.comparison import differences, make_group
 from rover_metrics.analysis.social.log import SocialLog, read_social_log
@@ -73,13 +73,14 @@ def _values(groups: dict[str, Runs], compared: Sequence[Any]) -> dict[str, Any]:
 
 
 def _files(named: Sequence[Path]) -> list[Path]:
-    """The logs named, and those in the folders named; each once."""
+    """The logs named, and those in the folders named and below; each once."""
     files: list[Path] = []
     for path in named:
-        inside = sorted(path.glob("*.csv")) if path.is_dir() else [path]
-        if not inside:
+        found = [*inside([path], "social_log*.csv")]
+        found = [*inside([path], "*.csv")] if found == [path] else found
+        if found == [path] and path.is_dir():
             raise GroupError(f"{path}: there is no log (*.csv) in this folder; name another")
-        files += inside
+        files += found
     return different("social", files)
 
 

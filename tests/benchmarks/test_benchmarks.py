@@ -94,7 +94,7 @@ def test_readme_is_the_one_that_the_benchmarks_wrote() -> None:
 
 FIRST_PAGE = (README.parents[1] / "README.md").read_text()
 FIGURES = {  # what the first page says: the row it is from, and its column
-    r"at (\d+) times real time": ("| leo | through ROS 2 |", "times real time"),
+    r"to (\d+) times real time": ("| leo | through ROS 2 |", "times real time"),
     r"Of ([\d,]+) messages": ("| in this process |", "messages"),
     r"messages (\d+) are lost": ("| in this process |", "lost"),
     r"row (\d\.\d) s after": ("| through ROS 2 |", "to the first row"),

@@ -82,7 +82,7 @@ class GoldenRun:
     def plan(self) -> dict[str, Any]:
         """What happens when, by the names of the fields of a plan."""
         is_led = self.mission == "route" and self.driver == "goal"
-        plan = {} if is_led else PLAN.get(self.driver, {})
+        plan = {} if is_led else dict(PLAN.get(self.driver, {}))
         plan |= {} if self.reset == NONE else {"resets": (float(self.reset),)}
         link = {"link_losses": ((0.8, 1.0),), "aborts": (2.2,), "resumes": (2.6,)}
         return plan | (link if self.mission == "link" else {})

@@ -67,7 +67,7 @@ def test_tables_and_pictures_are_as_checked(logs: Path, capsys: pytest.CaptureFi
         (["{0}/fast", "--groups", "quick"], 2, "has no log; the folders of the logs are: fast"),
         (["{0}/fast", "--groups", "a=*", "b=*_0.csv"], 2, "fast_0.csv is in groups a and b"),
         (["{0}/fast", "--groups", "fast", "fast"], 2, "give each group a name of its own"),
-        (["{0}"], 2, "there is no log (*.csv) in this folder"),
+        (["{0}/empty"], 2, "there is no log (*.csv) in this folder"),
         (["{0}/none.csv"], 2, "skipped {0}/none.csv: there is no such file"),
         (["{0}/fast", "{0}/fast/none.csv"], 2, "skipped"),
         (["{0}/fast", "{0}/slow/slow_0.csv", "--groups", "fast"], 0, "slow_0.csv is in no group"),
@@ -77,6 +77,7 @@ def test_tables_and_pictures_are_as_checked(logs: Path, capsys: pytest.CaptureFi
 def test_mistakes_are_told_in_one_line(
     words: list[str], code: int, told: str, logs: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    (logs / "empty").mkdir(exist_ok=True)
     assert social.main([word.format(logs) for word in words]) == code
     error = capsys.readouterr().err
     assert told.format(logs) in error
@@ -89,3 +90,8 @@ def test_mistakes_are_told_in_one_line(
         ["--risk-distance", "1_0"],
     ):
         assert "is not valid; give a" in complaint(social.main, ["log.csv", *wrong], capsys)
+
+
+def test_a_folder_is_read_with_those_below_it(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert social.main([str(logs), "--json"]) == 0
+    assert set(json.loads(capsys.readouterr().out)["groups"]) == {"fast", "slow"}

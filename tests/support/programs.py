@@ -9,7 +9,7 @@ from harness import call, check, robot, topics
 from harness.cli import programs
 from harness.cli.run_parser import run_parser
 from harness.course import __main__ as course
-from harness.gym import policy_node
+from harness.gym import policy, policy_node
 from harness.scenario import __main__ as scenario
 from harness.tune import __main__ as tune
 from harness.validate import __main__ as validate
@@ -24,6 +24,7 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.robot": robot._parser,
     "harness.scenario": scenario._parser,
     "harness.course": course._parser,
+    "harness.gym.policy": policy._parser,
     "harness.gym.policy_node": policy_node._parser,
     "harness.topics": topics._parser,
     "harness.call": call._parser,
@@ -42,6 +43,6 @@ def module_of(words: list[str]) -> tuple[str, list[str]]:
         return words[2], words[3:]
     if words[0].startswith("rover-"):
         words = ["rover", words[0].removeprefix("rover-"), *words[1:]]
-    if words[0] == "rover":
+    if words[0] == "rover" and words[1] in programs.PROGRAMS:
         return programs.PROGRAMS[words[1]].module.removesuffix(".__main__"), words[2:]
     return "", words

@@ -68,7 +68,8 @@ def test_the_action_installs_itself_drives_and_uploads_what_it_is_asked_for(
 ) -> None:
     action = yaml((ROOT / "action.yml").read_text())
     inputs = {name: str(one["default"]) for name, one in action["inputs"].items()} | given
-    python, install, drive, upload = action["runs"]["steps"]
+    python, cache, install, drive, upload = action["runs"]["steps"]
+    assert cache["with"]["path"] == "~/.cache/pip"
     told = json.dumps(action["runs"])
     assert set(re.findall(r"inputs\.([\w-]+)", told)) == set(inputs)
     assert "${{" not in install["run"] + drive["run"]  # an input is data

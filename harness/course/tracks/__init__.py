@@ -28,6 +28,7 @@ TRACKS: dict[str, Track] = {
             name="rocky",
             summary="to a point behind boulders, over rocks",
             world={"terrain": "rocky", "difficulty": 1.0},
+            robot="jackal",
         ),
         Ground(
             name="dunes",

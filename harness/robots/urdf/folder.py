@@ -22,6 +22,7 @@ from harness.robots.urdf.source import read_urdf
 
 SCHEMA = "rover.schema.json"  # for editors
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+NAMES = "letters, digits, '_', '-' or '.'"
 # Keys whose derived values the file shows, so that whoever knows better can set them.
 SHOWN = (
     "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
@@ -73,7 +74,7 @@ def write_folder(
         UsageError: An argument or the URDF is not valid, or the folder exists.
     """
     if not NAME.fullmatch(name):
-        raise UsageError(f"name '{name}' is not valid; give letters, digits, '_', '-' or '.'")
+        raise UsageError(f"name '{name}' is not valid; give {NAMES}")
     if folder.exists():
         raise UsageError(f"{folder} exists already, not overwriting; choose another NAME or --out")
     source = read_urdf(urdf, folders, trust_xacro=trust_xacro)

@@ -16,7 +16,7 @@ from harness.world.heightfield import Field, Heightfield, filled, resampled
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
-from harness.world.world import ORIGIN, STEEPEST_START, Start, World
+from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
 MOST_VERTICES = 1500 * 1500
@@ -26,14 +26,19 @@ START_REACH = 0.4  # [m] around the start that must not be steeper
 START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
-def heightmap_world(spec: WorldSpec, seed: int, *, needs_start: bool) -> World:
-    """Makes a world without obstacles from a heightmap, with a start where one is needed."""
+def heightmap_world(spec: WorldSpec, seed: int, rover: RoverNeeds) -> World:
+    """Makes a world without obstacles from a heightmap, with a start where the rover needs one."""
     path = Path(spec.terrain)
-    raster = read_raster(path)
+    raster = read_raster(path, spec.terrain_cell)
     try:
         notes = list(raster.notes)
         ground = _ground(raster, spec, notes)
-        start = _start(ground, notes) if needs_start else ORIGIN
+        if ground.cell > rover.wheel_radius > 0.0:
+            notes.append(
+                f"its cells of {ground.cell:.3g} m are coarser than the wheels, whose radius is "
+                f"{rover.wheel_radius:.3g} m: what is smaller is not there"
+            )
+        start = _start(ground, notes) if rover.needs_start else ORIGIN
     except UsageError as error:
         raise UsageError(f"terrain {path}: {error}") from error
     return World(path.name, ground, (), seed, None, tuple(notes), start)

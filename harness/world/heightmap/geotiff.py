@@ -6,19 +6,21 @@ those name the units (OGC GeoTIFF 1.1). Without them the unit is taken to be the
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import tifffile
 from numpy.typing import NDArray
+from pymap3d import rcurve
 
 from harness.base.errors import UsageError
 
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION = 33550, 33922, 34264  # tags
 GEOGRAPHIC, GEOCENTRIC = 2, 3  # model types
 PIXEL_IS_POINT = 2  # raster type: the tie point is the middle of a pixel, not its corner
-METRE = 9001
+METRE, DEGREE = 9001, 9102
+NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
 UNITS = {  # EPSG's numbers: name, length [m]
     METRE: ("metre", 1.0),
     9002: ("foot", 0.3048),
@@ -58,7 +60,7 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
     keys: Mapping[str, Any] = page.geotiff_tags or {}
     affine = _affine(page)
     if keys.get("GTModelTypeGeoKey") == GEOGRAPHIC:
-        return Grid("its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)", 1.0)
+        return _projected(affine, keys, page)
     if keys.get("GTModelTypeGeoKey") == GEOCENTRIC:
         return Grid("its coordinates are geocentric (gdalwarp -t_srs EPSG:... gives metres)")
     number = keys.get("ProjLinearUnitsGeoKey", METRE)
@@ -67,6 +69,26 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
     if affine is None:
         return Grid()
     return _placed(affine, keys, page)
+
+
+def _projected(affine: Affine | None, keys: Mapping[str, Any], page: tifffile.TiffPage) -> Grid:
+    """Degrees as metres along the meridian and the parallel of the middle, on WGS-84."""
+    unit = keys.get("GeogAngularUnitsGeoKey", DEGREE)
+    middle = None if affine is None else affine @ _half(keys, page)
+    if affine is None or middle is None or unit != DEGREE or abs(middle[1]) > NEAREST_POLE:
+        return Grid("its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)", 1.0)
+    east = rcurve.transverse(middle[1]) * math.cos(math.radians(middle[1]))
+    metres = np.radians([east, rcurve.meridian(middle[1])])
+    placed = _placed(affine * metres[:, None], keys, page)
+    note = f"its pixels are degrees: projected about its middle, {middle[1]:.6g}, {middle[0]:.6g}"
+    return replace(placed, notes=(note, *placed.notes[:-1]))
+
+
+def _half(keys: Mapping[str, Any], page: tifffile.TiffPage) -> tuple[float, float, float]:
+    """The middle of a page, in columns and rows."""
+    outer = 1 if keys.get("GTRasterTypeGeoKey") == PIXEL_IS_POINT else 0
+    rows, columns = page.shape
+    return (columns - outer) / 2, (rows - outer) / 2, 1.0
 
 
 def _affine(page: tifffile.TiffPage) -> Affine | None:
@@ -123,9 +145,7 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
 
 
 def _middle(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> str:
-    outer = 1 if keys.get("GTRasterTypeGeoKey") == PIXEL_IS_POINT else 0
-    rows, columns = page.shape
-    x, y = (affine @ ((columns - outer) / 2, (rows - outer) / 2, 1.0)).tolist()
+    x, y = (affine @ _half(keys, page)).tolist()
     return f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates"
 
 

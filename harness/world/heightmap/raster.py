@@ -1,4 +1,4 @@
-"""Heights from a file: TIFF and GeoTIFF, PNG, .npy, told apart by their first bytes.
+"""Heights from a file: TIFF and GeoTIFF, PNG, .npy, told apart by their first bytes; clouds of points.
 
 Nothing in a file is trusted: sizes are checked before anything is decoded, pickles are never loaded. A
 raster's first row is the north edge (largest y), its first column the west edge, as in every image.
@@ -16,6 +16,7 @@ from PIL import Image
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
+from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
 from rover_metrics.number import number
@@ -42,13 +43,24 @@ class Raster:
     notes: tuple[str, ...] = ()  # what its file says of it that a reader should know
 
 
-def read_raster(path: Path) -> Raster:
-    """Reads a file of any format; UsageError if it is missing, too large, damaged or no heightmap."""
+def read_raster(path: Path, cell: float | None = None) -> Raster:
+    """Reads a file of any format; UsageError if it is missing, too large, damaged or no heightmap.
+
+    Args:
+        path: The file.
+        cell: Distance of the heights that a cloud of points becomes [m]; None chooses it.
+    """
     kind = _kind(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a file's flaws are one line, or nothing
-            raster = {"npy": _read_npy, "png": _read_png, "tiff": _read_tiff}[kind](path)
+            if is_cloud(path):
+                raster = _of_cloud(path, cell)
+            else:
+                raster = {"npy": _read_npy, "png": _read_png, "tiff": _read_tiff}[kind](path)
+    except ImportError as error:
+        reason = f"LAS and LAZ need laspy; pip install '.[cloud]' ({error})"
+        raise UsageError(f"terrain {path}: {reason}") from error
     except UsageError as error:
         raise UsageError(f"terrain {path}: {error}") from error
     except Exception as error:  # decoders raise anything at all over a damaged file
@@ -83,10 +95,18 @@ def _kind(path: Path) -> str:
         and int.from_bytes(start[8:], "little") > MOST_HEADER
     ):
         raise UsageError(f"terrain {path} is damaged: the header of an array is not that long")
+    if path.suffix.lower() in SUFFIXES:
+        return "cloud"
     for magic, kind in FORMATS.items():
         if start.startswith(magic):
             return kind
-    raise UsageError(f"terrain {path} is not a heightmap; readable are TIFF, PNG and .npy")
+    raise UsageError(f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, PLY, LAS, LAZ")
+
+
+def _of_cloud(path: Path, cell: float | None) -> Raster:
+    heights, cell, notes = gridded(read_points(path), cell)
+    _check_size(heights.shape[1], heights.shape[0])
+    return Raster(heights, (cell, cell), True, notes)
 
 
 def _check_size(columns: int, rows: int, fewest: int = FEWEST_PIXELS) -> None:

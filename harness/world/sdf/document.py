@@ -13,11 +13,12 @@ from harness.base.errors import UsageError
 from harness.robots.spec import GRAVITY
 from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
-from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
+from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file
-from harness.world.solid import Color, Solid
+from harness.world.solid import Color, Plane, Solid
 
 MOST_SOLIDS = 20_000
+GROUND = Plane((0.0, 0.0, 1.0), (100.0, 100.0))  # of a list of models
 MOST_INCLUDES = 2_000
 EARTH = "0 0 -9.8"  # SDF's default
 
@@ -44,6 +45,7 @@ class Document:
     # names of those that were left out; `missing` says what else was, and why
     plugins: dict[str, None] = field(default_factory=dict)
     missing: dict[str, None] = field(default_factory=dict)
+    added: str = ""  # what was put in, and why
     movable: list[str] = field(default_factory=list)  # names of the models that Gazebo would let fall
     includes: int = 0  # how many there were
 
@@ -55,7 +57,8 @@ class Document:
             ("not static, but nothing moves here", self.movable),
         )
         lists = (f"{what}: {', '.join(names)}" for what, names in left if names)
-        return (*(f"left out: {name}" for name in self.missing), *lists)
+        added = (self.added,) if self.added else ()
+        return (*added, *(f"left out: {name}" for name in self.missing), *lists)
 
 
 def read_document(path: Path, resources: Resources) -> Document:
@@ -111,7 +114,12 @@ class _Reading:
         self._document, self._resources = document, resources
 
     def file(self, path: Path) -> None:
-        root = self._root(path)
+        models = read_list(path)
+        if models is None:
+            root = self._root(path)
+        else:
+            root = models
+            self._document.files.append(path)
         world = root.find("world")
         place = _Place(IDENTITY, (), (path.resolve(),))
         if world is None:
@@ -128,6 +136,9 @@ class _Reading:
             )
         self._document.gravity = -gravity[2]
         self._scope(world, Frames("world"), place)
+        if models is not None and not any(isinstance(s.shape, Plane) for s in self._document.solids):
+            self._document.solids.append(Solid("ground_plane", GROUND, IDENTITY))
+            self._document.added = "its models stand in no world: put on a level plane"
 
     def _root(self, path: Path) -> Element:
         root = read_xml(path)

@@ -1,6 +1,7 @@
 """XML of strangers: opened without entities, of bounded size and depth; plain texts and numbers."""
 
 import math
+import re
 from pathlib import Path
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
@@ -11,6 +12,8 @@ from rover_metrics.number import number
 
 MOST_BYTES = 64 * 2**20
 DEEPEST = 100  # elements within elements
+MODEL = re.compile(rb"\s*<model\b")
+DECLARATION = re.compile(rb"^\s*<\?xml[^>]*\?>")
 MOST_ELEMENTS = 4_000_000  # a million way points have three each
 
 
@@ -21,6 +24,12 @@ def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
         return parse_xml(data)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
+
+
+def read_list(path: Path) -> Element | None:
+    """Returns an <sdf> around the models that stand in a file without a root; None if there are none."""
+    data = DECLARATION.sub(b"", read_bytes(path, MOST_BYTES), count=1)
+    return parse_xml(b"<sdf>" + data + b"</sdf>") if MODEL.match(data) else None
 
 
 def parse_xml(data: bytes) -> Element:

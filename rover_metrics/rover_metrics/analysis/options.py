@@ -63,7 +63,13 @@ def _parser() -> OneLineParser:
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("logs", nargs="+", type=Path, metavar="LOG", help="CSV written by metrics_node")
+    add(
+        "logs",
+        nargs="+",
+        type=Path,
+        metavar="LOG",
+        help="CSV written by metrics_node, or a folder of them and of folders",
+    )
     add(
         "-m",
         "--metrics",

@@ -22,6 +22,7 @@ from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables import sheets
 from rover_metrics.core.columns import Field
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.log.files import whole_file
 from rover_metrics.sheet.render import csv_text, latex
 
 _LONGEST_NAME = 60  # letters of a file name
@@ -66,11 +67,10 @@ def save_all(
         files += write_csv(result, folder) if as_csv else []
         for sheet in sheets(result) if as_latex else ():
             files.append(folder / f"{sheet.file}.tex")
-            files[-1].write_text(latex(sheet), encoding="utf-8")
+            _write(files[-1], latex(sheet))
         if outliers:
             files.append(folder / "outliers.csv")
-            text = csv_text(list(_outliers(study)), OUTLIER)
-            files[-1].write_text(text, encoding="utf-8", newline="")
+            _write(files[-1], csv_text(list(_outliers(study)), OUTLIER))
     except OSError as error:
         raise OutputError(folder, error) from error
     return files
@@ -113,8 +113,13 @@ def write_csv(result: Result, folder: Path) -> list[Path]:
     }
     files = {folder / f"{name}.csv": rows for name, rows in tables.items() if rows}
     for path, rows in files.items():
-        path.write_text(csv_text(rows), encoding="utf-8", newline="")
+        _write(path, csv_text(rows))
     return list(files)
+
+
+def _write(path: Path, text: str) -> None:
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8", newline="")
 
 
 def _logs(result: Result) -> Iterator[dict[str, Any]]:

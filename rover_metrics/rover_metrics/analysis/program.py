@@ -4,7 +4,7 @@ import argparse
 import contextlib
 import math
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
@@ -52,6 +52,21 @@ def read_each(
             skipped.append(Skipped(str(path), str(error)))
             code = max(code, error.exit_code)
     return logs, skipped, code
+
+
+def inside(paths: Iterable[Path], pattern: str, *, without: str = "") -> Iterator[Path]:
+    """Yields the files named, and those of a pattern in the folders named and in folders below.
+
+    A folder without any is named itself, so that whoever reads it says that it is no log.
+
+    Args:
+        paths: Files and folders.
+        pattern: Of the names of files in folders.
+        without: How names begin that are left out.
+    """
+    for path in paths:
+        found = sorted(path.rglob(pattern)) if path.is_dir() else []
+        yield from [file for file in found if not (without and file.name.startswith(without))] or [path]
 
 
 def different(program: str, paths: Iterable[Path]) -> list[Path]:

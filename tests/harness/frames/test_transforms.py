@@ -35,7 +35,7 @@ def drive(robot: str, options: FrameOptions | None) -> Iterator[tuple[Episode, T
         if index % 5 == 1:
             episode.begin_period(index - 1)
         episode.drive_wheels(1)
-        episode.simulation.physics.run(1)
+        episode.simulation.physics.run()
         assert list(episode.simulation.physics.shown()) == [0]
         episode.observe(index)
         yield episode, episode.end_period(is_last=False).ticks[0]

@@ -50,7 +50,7 @@ def as_json(told: object) -> str:
 def test_gymnasiums_checker_and_stable_baselines3s_have_nothing_to_say(
     make: Make, checker: str, name: str
 ) -> None:
-    reason = "stable-baselines3 is not installed (examples/requirements-train.txt)"
+    reason = "stable-baselines3 is not installed (extra [train])"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what its own imports say
         check_env = pytest.importorskip(f"{checker}.env_checker", reason=reason).check_env

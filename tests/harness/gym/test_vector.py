@@ -21,12 +21,21 @@ def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # 
 
 
 @pytest.mark.parametrize("mode", AutoresetMode)
-@pytest.mark.parametrize(("count", "threads"), [(1, 0), (3, 1), (3, 2), (3, 8)])
+@pytest.mark.parametrize(
+    ("count", "workers"),
+    [
+        (1, {"threads": 0}),
+        (3, {"threads": 1}),
+        (3, {"threads": 2}),
+        (3, {"threads": 8}),
+        (3, {"processes": 2}),
+    ],
+)
 def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
-    small: dict[str, Any], mode: AutoresetMode, count: int, threads: int
+    small: dict[str, Any], mode: AutoresetMode, count: int, workers: dict[str, int]
 ) -> None:
     options, named = {**small, **SHORT}, mode.name if count == 1 else mode.value
-    ours = vector(options, count, autoreset_mode=named, threads=threads)
+    ours = vector(options, count, autoreset_mode=named, **workers)
     plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * count, autoreset_mode=mode)
     assert ours.observation_space == plain.observation_space
     assert ours.action_space == plain.action_space
@@ -77,6 +86,9 @@ def assert_alike(one: Any, other: Any) -> None:  # noqa: ANN401 - what steps and
 WRONG = [
     ({"num_envs": 0}, "num_envs 0 is not valid; give 1 or more"),
     ({"threads": -1}, "threads -1 is not valid; give 1 or more, or 0 for all processors"),
+    ({"processes": -1}, "processes -1 is not valid; give 1 or more, or 0 for all processors"),
+    ({"processes": 2, "num_envs": 0}, "num_envs 0 is not valid; give 1 or more"),
+    ({"processes": 2, "robot": "spirit"}, "robot 'spirit' does not exist"),
     ({"autoreset_mode": "never"}, "'never' does not exist; available: NextStep, SameStep, Disabled"),
     ({"robot": "spirit"}, "robot 'spirit' does not exist"),
 ]

@@ -46,7 +46,7 @@ def test_ticks_in_one_go_give_the_bits_and_the_contacts_of_single_steps(
     model, data, touched = stepped.model, stepped.data, 0
     for number, period in enumerate(SPEEDS.reshape(-1, 5, 4)):
         going.command_ahead(period)
-        going.physics.run(5, watched=watched)
+        going.physics.run(watched=watched)
         for tick in going.physics.shown():
             stepped.command_wheels(period[tick])
             total, strongest = np.zeros(model.nsensordata), 0.0
@@ -88,7 +88,7 @@ def test_what_goes_wrong_within_a_span_is_told_of_its_tick_after_those_before(
 
 def ticks_of(simulation: Simulation, commands: np.ndarray) -> Iterator[int]:
     simulation.command_ahead(commands)
-    simulation.physics.run(len(commands))
+    simulation.physics.run()
     return simulation.physics.shown()
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
@@ -66,11 +66,12 @@ MADE = {
     "two_wheels": Known(
         car(wheel("l", "0 0.15 0.1") + wheel("r", "0 -0.15 0.1"), motors(l=4, r=6)), ("l",), ("r",)
     ),
-    # The rear axle is higher, its wheels larger and wider, its motors slower; a hinge without a motor.
+    # The rear axle hangs in the air, its wheels are larger and wider, its motors slower; a hinge without
+    # a motor.
     "unequal_axles": Known(
         car(
             "".join(wheel(n, FOUR[n]) for n in "ac")
-            + "".join(wheel(n, FOUR[n].replace("0.1", "0.15"), 0.15, 0.08, "ellipsoid") for n in "bd")
+            + "".join(wheel(n, FOUR[n].replace("0.1", "0.17"), 0.15, 0.08, "ellipsoid") for n in "bd")
             + '<body name="mast" pos="0 0 0.3"><joint name="pan" axis="0 0 1"/>'
             '<geom type="sphere" size="0.02"/></body>',
             motors(a=8, b=3, c=8, d=3),
@@ -80,10 +81,10 @@ MADE = {
         "lidar: {body: mast, xyz: [0.1, 0.2, 0.3], rpy: [0, 0, 1.5]}\nimu: {body: mast}\n",
         lidar=(0.1, 0.2, 0.6, 1.5),
     ),
-    "lone_shell": Known(  # nothing but wheels and a mass collides
-        car("".join(wheel(n, FOUR[n]) for n in FOUR), motors(a=3, b=3, c=3, d=3)).replace(
-            'name="hull"', 'name="hull" contype="0" conaffinity="0"'
-        ),
+    "lone_shell": Known(  # nothing but slippery wheels and a mass collides
+        car("".join(wheel(n, FOUR[n]) for n in FOUR), motors(a=3, b=3, c=3, d=3))
+        .replace('name="hull"', 'name="hull" contype="0" conaffinity="0"')
+        .replace('<geom type="cylinder"', '<geom friction="0.5" type="cylinder"'),
         ("a", "b"),
         ("c", "d"),
     ),
@@ -119,6 +120,11 @@ MADE = {
         ("front_L", "rear_L"),
         ("front_R", "rear_R"),
     ),
+}
+STEERS = MADE["six_wheels"]
+MADE |= {  # whose smallest angle is an end of a joint, not of a motor
+    "stops_right": replace(STEERS, model=STEERS.model.replace("-25 35", "-15 35")),
+    "stops_left": replace(STEERS, model=STEERS.model.replace("-30 20", "-30 15")),
 }
 
 
@@ -239,6 +245,11 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
         "steered_wheels": steered_wheels,
         "wheel_radius": radius,
         "wheel_width": max(s[1][1] - s[1][0] for s in box.values()),
+        "wheel_friction": max(
+            model.geom_friction[g, 0] if model.geom_priority[g] else max(model.geom_friction[g, 0], 1.0)
+            for tyre in tyres.values()
+            for g in tyre
+        ),
         "wheel_speed_limit": limit,
         "gravity": -model.opt.gravity[2],
         "lidar_x": lidar[0],

@@ -94,14 +94,14 @@ def test_a_reading_is_the_mean_over_every_step_since_the_last_one(
             for name, values in (("imu_accelerometer", force), ("imu_gyro", rate)):
                 start = int(simulation.model.sensor(name).adr[0])
                 simulation.tick_sum[start : start + 3] = values[of_tick].sum(axis=0)
-            imu.observe()
+            imu.observe(simulation.tick_sum[None])
         reading = imu.read()
         assert reading.linear_acceleration == pytest.approx(force.mean(axis=0))
         assert reading.angular_velocity == pytest.approx(rate.mean(axis=0))
     for value in (70.0, steps):
         imu.after_reset()  # what is forgotten is never read
         simulation.tick_sum[:] = value
-        imu.observe()
+        imu.observe(simulation.tick_sum[None])
     reading = imu.read()
     assert reading.linear_acceleration == reading.angular_velocity == (1.0, 1.0, 1.0)
 
@@ -113,7 +113,7 @@ def test_orientation_is_that_of_the_mounted_sensor_in_the_world(simulate: MakeSi
         simulation.model.site("imu").quat[:] = R_model_imu.as_quat(scalar_first=True)
         imu = ImuSensor(simulation, 5)
         simulation.data.qpos[3:7] = R_world_model.as_quat(scalar_first=True)
-        imu.observe()
+        imu.observe(simulation.tick_sum[None])
         turn = Rotation.from_quat(imu.read().orientation).inv() * R_world_model * R_model_imu
         assert turn.magnitude() == pytest.approx(0.0, abs=1e-9)
 
@@ -127,7 +127,7 @@ def test_at_rest_on_a_slope_it_reads_gravity_upwards_in_its_own_frame(
     imu = ImuSensor(simulation, 5)
     for _ in range(5):
         simulation.tick()
-        imu.observe()
+        imu.observe(simulation.tick_sum[None])
     reading = imu.read()
     assert reading.stamp_ns == 50_000_000
     attitude = Rotation.from_quat(reading.orientation).as_matrix()

@@ -74,6 +74,9 @@ def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> No
         "no trial": table.head(0),
         "no trial of smooth": table.assign(wheel="square"),
         "above 0": table.assign(load="heavy"),
+        "trial of smooth .* with": table.assign(load="9" * 400),
+        "grousered with": table.assign(load=True),
+        "speeds are 0 or more": table.assign(load="5_0"),
     }
     for told, bad in wrong.items():
         bad.to_csv(file, index=False)
@@ -81,6 +84,8 @@ def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> No
             read_trials(file)
     assert main(["--rig", "--trials", str(tmp_path / "none.csv")]) == 2
     assert main(["--trials", str(file)]) == 2
+    table.assign(load=20.0, slip_angle_deg=90.0).to_csv(file, index=False)
+    assert main(["--rig", "--trials", str(file)]) == 2
 
 
 def test_what_is_not_measured_is_left_out_and_told(trials: Path) -> None:

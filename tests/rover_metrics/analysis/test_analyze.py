@@ -2,6 +2,7 @@
 
 import csv
 import json
+import resource
 import runpy
 import subprocess
 import sys
@@ -100,6 +101,18 @@ def test_two_groups_are_compared(
     parts = [out, *(f"== {path.name}\n{path.read_text()}" for path in files)]
     parts += [f"== {name}\n{described(figure)}" for name, figure in drawn.items()]
     check_snapshot("analyze.txt", "\n".join(parts).replace(str(tmp_path), "FOLDER"))
+
+
+def test_a_folder_is_read_with_those_below_it_but_for_logs_of_people(
+    run: Run, write_log: WriteLog, row: Row, tmp_path: Path
+) -> None:
+    log = write_log("a.csv", [row(i) for i in range(20)])
+    folder = tmp_path / "logs"
+    for place in ("a.csv", "rover2/b.csv", "social/social_log_1.csv"):
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        (folder / place).write_text(log.read_text() if "social" not in place else "Time,Ann\n")
+    found = as_json(run(folder, "-m", "OC", "-p", "--json"))
+    assert {Path(one["path"]).name for one in found["logs"]} == {"a.csv", "b.csv"}
 
 
 def test_outliers_are_counted(run: Run, write_log: WriteLog, row: Row, tmp_path: Path) -> None:
@@ -232,6 +245,21 @@ def test_no_name_of_a_log_breaks_anything(run: Run, write_log: WriteLog, tmp_pat
     written = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert written == ["time_series_CV.pdf", "time_series_CV.png"]
     assert {path for path in tmp_path.rglob("*") if "out" not in path.parts} == before
+
+
+@pytest.mark.parametrize("words", ["--csv", "--latex", "-p correlation", "--save-outliers"])
+def test_a_disk_that_takes_nothing_is_told_and_left_without_a_torn_file(
+    words: str, run: Run, write_log: WriteLog, tmp_path: Path
+) -> None:
+    log = write_log()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
+        code, _, err = run(log, *words.split())
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (code, "File too large; choose another folder with -o" in err) == (2, True)
+    assert list((tmp_path / "out").iterdir()) == []
 
 
 def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) -> None:

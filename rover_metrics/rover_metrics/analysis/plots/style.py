@@ -13,6 +13,7 @@ from matplotlib.text import Text
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.study import Study
 from rover_metrics.core.thresholds import THRESHOLD_INFO
+from rover_metrics.log.files import whole_file
 
 _PANEL_HEIGHT = 1.75  # inches
 _MOST_PANELS = 16  # of one figure; more are not seen together
@@ -103,8 +104,9 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
     for text in figure.findobj(Text):
         text.set_parse_math(False)  # a $ in a file name is a $; rcParams can say so only from 3.6 on
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
-    figure.savefig(paths[0], dpi=DPI)
-    figure.savefig(paths[1], metadata={"CreationDate": None})  # same log, same bytes
+    with whole_file(paths[0]) as png, whole_file(paths[1]) as pdf:
+        figure.savefig(png, format="png", dpi=DPI)
+        figure.savefig(pdf, format="pdf", metadata={"CreationDate": None})  # same log, same bytes
     return paths
 
 

@@ -322,7 +322,7 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "nul\0.tif": (lambda _: None, "cannot be read: embedded null byte"),
     "folder.tif": (Path.mkdir, "Is a directory"),
     "empty.tif": (Path.touch, "is empty"),
-    "text.tif": (lambda path: path.write_text("x,y,z\n1,2,3\n"), "is not a heightmap; readable are"),
+    "text.tif": (lambda path: path.write_text("x,y,z\n1,2,3\n"), "is not a heightmap; readable: "),
     **{f"cut{kind}": (_cut, "damaged or cut short") for kind in (".tif", ".png", ".npy")},
     "bomb.tif": (_bomb, "unpacks to more than its size"),
     "bomb.png": (lambda path: _png_header(path, 30000, 30000), "too many pixels"),

@@ -128,6 +128,15 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
     assert not read(tmp_path, scale=(2, 3, 0), keys={**keys, VERTICAL_UNIT: 5103}).in_metres
 
 
+def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
+    tie = (5.0, 4.5, 0.0, -70.0, 45.0, 0.0)  # the middle of 10 x 9 pixels
+    raster = read(tmp_path, scale=(1e-5, 1e-5, 0), tie=tie, keys={MODEL_TYPE: 2})
+    # A degree at 45 deg on WGS-84, as tables have it: 111,131.7 m of latitude, 78,846.8 m of longitude.
+    np.testing.assert_allclose(raster.pixel, (0.788468, 1.111317), rtol=1e-5)  # type: ignore[arg-type]
+    assert raster.in_metres
+    assert raster.notes == ("its pixels are degrees: projected about its middle, 45, -70",)
+
+
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
@@ -137,7 +146,9 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
     ],
 )
 def test_degrees_and_unknown_units_are_named(tmp_path: Path, keys: dict[int, int], said: str) -> None:
-    raster = read(tmp_path, scale=(1e-5, 1e-5, 0), keys=keys, values=VALUES.astype(np.uint8))
+    near_a_pole = (0.0, 0.0, 0.0, 10.0, 89.0, 0.0)
+    values = VALUES.astype(np.uint8)
+    raster = read(tmp_path, scale=(1e-5, 1e-5, 0), tie=near_a_pole, keys=keys, values=values)
     assert isinstance(raster.pixel, str)
     assert raster.pixel.startswith(said)
     assert raster.in_metres is (keys[MODEL_TYPE] == 2)  # heights above degrees are in metres

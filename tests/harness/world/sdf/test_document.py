@@ -278,3 +278,13 @@ def test_includes_that_double_themselves_are_bounded(
         monkeypatch.setattr(module, "MOST_SOLIDS", solids)
         with pytest.raises(UsageError, match=f"more than {note}; take") if note else nullcontext():
             assert len(read_document(tmp_path / "0.sdf", Resources()).solids) == 32
+
+
+def test_models_without_a_root_stand_on_a_plane(tmp_path: Path) -> None:
+    collision = "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>"
+    model = "<model name='{}'><static>1</static><link name='l'>" + collision + "</link></model>"
+    (tmp_path / "a.sdf").write_text("<?xml version='1.0'?>\n" + model.format("a") + model.format("b"))
+    document = read_document(tmp_path / "a.sdf", Resources([]))
+    assert [solid.name for solid in document.solids] == ["a::l::c", "b::l::c", "ground_plane"]
+    assert document.notes[0] == "its models stand in no world: put on a level plane"
+    assert document.files == [tmp_path / "a.sdf"]

@@ -1,28 +1,26 @@
-"""How often a policy reaches its goal in worlds that it has not seen, as a table with intervals.
+"""How often a policy reaches its goal in worlds that it has not seen, as a table with intervals."""
 
-python examples/evaluate_policy.py examples/point_nav.npz
-"""
-
-import argparse
 import os
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 import gymnasium
 import numpy as np
+from scipy.stats import binomtest
 
 import harness.gym  # noqa: F401 - registers
-from harness.base.errors import HarnessError
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy
-from harness.scenario.verdict import wilson
+from harness.base.version import __version__
+from harness.drivers.policy import BESIDE_LIDAR, Policy
+from harness.page.shell import fill
+from rover_metrics.sheet.sheet import Sheet
 
+TITLES = ("policy", "terrain", "reached", "95 % interval", "else", "time, median")
 ID, UNSEEN = "RoverHarness/PointNav-v0", 1_000_000  # the first seed; learning begins with small ones
 
 
@@ -63,26 +61,25 @@ def straight_ahead(beams: int) -> Policy:
     return Policy(((weights, np.zeros(2, np.float32)),))
 
 
-def row(name: str, terrain: str, outcomes: list[Outcome]) -> str:
-    """Returns a line of the table."""
+def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
+    """Returns a row of the table, in the order of TITLES."""
     endings = Counter(outcome.ending for outcome in outcomes)
     good, count = endings.pop("reached", 0), len(outcomes)
-    low, high = wilson(good, count)
+    share = binomtest(good, count).proportion_ci(0.95, method="wilson")
     failures = ", ".join(f"{ending} {number}" for ending, number in sorted(endings.items()))
     times = [outcome.seconds for outcome in outcomes if outcome.ending == "reached"]
-    cells = (
+    return (
         name,
         terrain,
         f"{good} of {count}",
-        f"{low:.0%} to {high:.0%}",
+        f"{share.low:.0%} to {share.high:.0%}",
         failures or "-",
         f"{median(times):.1f} s" if times else "-",
     )
-    return f"| {' | '.join(cells)} |"
 
 
-def table(policy: Policy, terrains: list[str], episodes: int, **options: object) -> Iterator[str]:
-    """Yields the lines of the table, of the policy and of one that drives straight.
+def table(policy: Policy, terrains: Sequence[str], episodes: int, **options: object) -> Sheet:
+    """Returns how a policy does, beside one that drives straight to its goal.
 
     Args:
         policy: What is evaluated.
@@ -90,34 +87,18 @@ def table(policy: Policy, terrains: list[str], episodes: int, **options: object)
         episodes: On each terrain.
         options: Of the environment.
     """
-    yield "| policy | terrain | reached | 95 % interval | else | time, median |"
-    yield "|---|---|---:|---:|---|---:|"
+    rows: list[tuple[str, ...]] = []
     options["lidar_beams"] = policy.beams
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for terrain in terrains:
             for name, driver in (("learned", policy), ("straight", straight_ahead(policy.beams))):
                 task = partial(drive, driver, {**options, "terrain": terrain})
-                yield row(name, terrain, list(pool.map(task, range(UNSEEN, UNSEEN + episodes))))
+                seeds = range(UNSEEN, UNSEEN + episodes)
+                rows.append(row(name, terrain, list(pool.map(task, seeds))))
+    return Sheet(TITLES, tuple(rows), "Goals reached in unseen worlds")
 
 
-def main() -> None:
-    """Prints the table."""
-    parser = argparse.ArgumentParser(description="How often a policy of PointNav reaches its goal.")
-    parser.add_argument("policy", type=Path, metavar="FILE.npz", help="what docs/gym.md describes")
-    about = "where, default gravel and rocky"
-    parser.add_argument("--terrain", nargs="+", default=["gravel", "rocky"], metavar="NAME", help=about)
-    about = "on each, default %(default)s"
-    parser.add_argument("--episodes", type=int, default=100, metavar="N", help=about)
-    parser.add_argument("--robot", default="leo", metavar="NAME", help="default %(default)s")
-    given = parser.parse_args()
-    if given.episodes < 1:
-        parser.error(f"--episodes {given.episodes} is not valid; give 1 or more")
-    try:
-        for line in table(read_policy(given.policy), given.terrain, given.episodes, robot=given.robot):
-            print(line, flush=True)
-    except HarnessError as error:
-        parser.error(str(error))
-
-
-if __name__ == "__main__":
-    main()
+def page_of(sheet: Sheet, policy: str) -> str:
+    """Returns the HTML of an evaluation; `policy` is what its file is called."""
+    content = {"version": __version__, "policy_file": policy, "table": sheet, "figures": {}}
+    return fill("evaluation", content, package="harness.gym")

@@ -1,35 +1,63 @@
-"""Learns RoverHarness/PointNav by PPO on two processors; writes a policy that `harness.run` drives.
+"""Learns RoverHarness/PointNav by PPO of stable-baselines3, and writes a policy."""
 
-pip install -e '.[gym]' -r examples/requirements-train.txt
-python examples/train_ppo.py point_nav.npz --curve learning.png
-python examples/evaluate_policy.py point_nav.npz
-"""
-
-import argparse
 import time
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import gymnasium
 import numpy as np
 import torch
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from pydantic import Field
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 import harness.gym  # noqa: F401 - registers
+from harness.base.errors import find_named
+from harness.base.files import check_target
 from harness.drivers.policy import Policy, write_policy
+from harness.robots import find_rover
+from harness.spec.value import Value, listed, made
+from harness.world.terrains import TERRAINS
 
-ID, TERRAINS = "RoverHarness/PointNav-v0", ("gravel", "rocky")
-STEPS = 120_000
-ENVIRONMENTS, HOLD = 16, 4  # steps for which an action is held while learning: 0.2 s
-TIME_LIMIT = 30.0  # [s] of an episode while learning; it is 60 s afterwards
+ID = "RoverHarness/PointNav-v0"
 BEAMS, FAR = 64, 3.0  # of the lidar that the policy looks at, and how far [m]
 GAMMA = 0.98  # a reward of 7 s later counts half
 SHOWN = 50  # episodes of a terrain that a point of the curve is the mean of
+
+
+class Training(Value):
+    """What CONFIG says.
+
+    Attributes:
+        policy: Where the policy is written, .npz.
+        curve: Where the learning curve is drawn, .png; "" for nowhere.
+        robot: Which rover learns.
+        terrains: Where.
+        difficulty: Of the terrains.
+        steps: Of 50 ms, of all environments together.
+        environments: How many learn at once.
+        hold: Steps for which an action is held.
+        time_limit: Of an episode while learning [s].
+        learning_rate: At first; it falls to 0.
+        seed: Of the worlds and the network.
+    """
+
+    policy: Path
+    curve: str = ""
+    robot: str = "leo"
+    terrains: Annotated[tuple[str, ...], listed(), Field(min_length=1)] = ("gravel", "rocky")
+    difficulty: Annotated[float, Field(ge=0.0, le=1.0)] = 0.5
+    steps: Annotated[int, Field(ge=1)] = 120_000
+    environments: Annotated[int, Field(ge=1, le=1024)] = 16
+    hold: Annotated[int, Field(ge=1, le=100)] = 4
+    time_limit: Annotated[float, Field(gt=0.0, le=600.0)] = 30.0
+    learning_rate: Annotated[float, Field(gt=0.0, le=1.0)] = 1e-3
+    seed: Annotated[int, Field(ge=0)] = 1
 
 
 class HeldVecEnv(VecEnv):
@@ -93,7 +121,7 @@ class Features(BaseFeaturesExtractor):
     How near every tenth beam's hit is, the way to the goal, attitude and speeds; signed numbers as two.
     """
 
-    def __init__(self, space: gymnasium.spaces.Dict) -> None:
+    def __init__(self, space: Any) -> None:
         weights, bias = fixed_layer(space["lidar"].shape[0])
         super().__init__(space, len(bias))
         self.register_buffer("weights", torch.from_numpy(weights))
@@ -116,18 +144,18 @@ def fixed_layer(beams: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     return weights, np.array([bias for *_, bias in units], np.float32)
 
 
-def learner(envs: VecEnv, seed: int) -> PPO:
-    """Returns PPO with the settings that were used."""
+def learner(envs: VecEnv, config: Training) -> PPO:
+    """Returns PPO with the settings of a training."""
     torch.set_num_threads(1)  # the network is small, and sums keep their order
     return PPO(
         "MultiInputPolicy",
         envs,
-        learning_rate=lambda left: 1e-3 * left,
+        learning_rate=lambda left: config.learning_rate * left,
         n_steps=64,
         batch_size=256,
         n_epochs=10,
         gamma=GAMMA,
-        seed=seed,
+        seed=config.seed,
         device="cpu",
         policy_kwargs={
             "features_extractor_class": Features,
@@ -167,11 +195,11 @@ class Progress(BaseCallback):
         return True
 
 
-def curve(episodes: list[tuple[int, str, bool]]) -> Figure:
+def curve(episodes: list[tuple[int, str, bool]], terrains: tuple[str, ...]) -> Figure:
     """Returns the share of episodes that reached their goal over the steps, for each terrain."""
     figure = Figure(figsize=(7.0, 3.4), layout="constrained")
     axes = figure.subplots()
-    for terrain in TERRAINS:
+    for terrain in terrains:
         own = [(steps, success) for steps, where, success in episodes if where == terrain]
         steps, successes = np.array(own, float).reshape(-1, 2).T
         share = np.convolve(successes, np.ones(SHOWN) / SHOWN, mode="valid")
@@ -183,50 +211,43 @@ def curve(episodes: list[tuple[int, str, bool]]) -> Figure:
     return figure
 
 
-def main() -> None:
-    """Learns, then writes the policy and the curve; Ctrl-C ends learning early."""
-    given = parser().parse_args()
-    for path in filter(None, (given.policy, given.curve)):
-        if not path.absolute().parent.is_dir():
-            parser().error(f"folder {path.parent} does not exist; create it, or name another")
-    envs: Any = gymnasium.make_vec(
-        ID,
-        num_envs=ENVIRONMENTS,
-        autoreset_mode="SameStep",
-        threads=2,
-        terrain=TERRAINS,
-        time_limit=TIME_LIMIT,
-    )
-    held = HeldVecEnv(envs, HOLD, given.seed)
-    model = learner(VecNormalize(held, norm_obs=False, gamma=GAMMA), given.seed)
+def train(values: Mapping[str, object], where: str) -> None:
+    """Learns, then writes the policy and the curve; Ctrl-C ends learning early.
+
+    Args:
+        values: Of a Training.
+        where: What they were read from, for messages.
+
+    Raises:
+        UsageError: One is not valid, or a file cannot be written.
+    """
+    config = made(Training, values, where)
+    for terrain in config.terrains:
+        find_named(f"{where}: terrain", terrain, TERRAINS)
+    find_rover(config.robot)
+    check_target(f"{where}: policy", config.policy, ".npz")
+    if config.curve:
+        check_target(f"{where}: curve", Path(config.curve))
+    held = HeldVecEnv(_environments(config), config.hold, config.seed)
+    model = learner(VecNormalize(held, norm_obs=False, gamma=GAMMA), config)
     try:
-        model.learn(given.steps // HOLD, callback=Progress(held))
+        model.learn(config.steps // config.hold, callback=Progress(held))
     except KeyboardInterrupt:
         print("stopped early; what was learned until here is written")
-    write_policy(given.policy, exported(model))
-    if given.curve is not None:
-        curve(held.episodes).savefig(given.curve, dpi=110)
+    write_policy(config.policy, exported(model))
+    if config.curve:
+        curve(held.episodes, config.terrains).savefig(config.curve, dpi=110)
     held.close()
 
 
-def parser() -> argparse.ArgumentParser:
-    """Returns the parser of the command line."""
-    made = argparse.ArgumentParser(description="Learns PointNav on gravel and rocky by PPO.")
-    made.add_argument("policy", type=Path, metavar="FILE.npz", help="where to write the policy")
-    made.add_argument("--curve", type=Path, metavar="FILE.png", help="where to draw the learning curve")
-    about = "of all environments together, default %(default)s"
-    made.add_argument("--steps", type=positive, default=STEPS, metavar="N", help=about)
-    about = "of the worlds and the network, default %(default)s"
-    made.add_argument("--seed", type=int, default=1, metavar="N", help=about)
-    return made
-
-
-def positive(text: str) -> int:
-    """Returns a whole number from 1 up."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a whole number from 1 up")
-    return int(text)
-
-
-if __name__ == "__main__":
-    main()
+def _environments(config: Training) -> Any:
+    return gymnasium.make_vec(
+        ID,
+        num_envs=config.environments,
+        autoreset_mode="SameStep",
+        threads=2,
+        robot=config.robot,
+        terrain=config.terrains,
+        difficulty=config.difficulty,
+        time_limit=config.time_limit,
+    )

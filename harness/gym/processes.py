@@ -1,0 +1,250 @@
+"""Many environments in processes that own a part of them each, and write what it saw into shared memory.
+
+Threads share the interpreter's lock, processes do not. What the environments do is the same, to the bit.
+The memory has no name: nothing of it is left, whichever way the processes end.
+"""
+
+import contextlib
+import multiprocessing
+import signal
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from multiprocessing.connection import Connection
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import InvalidAction
+from gymnasium.vector import AutoresetMode
+from joblib import cpu_count
+from numpy.typing import NDArray
+
+from harness.base.errors import RunFailed, UsageError
+from harness.base.interrupt import held_back
+from harness.gym.env import Info, RoverEnv
+from harness.gym.observation import Observation
+from harness.gym.vector import Flags, ManyRovers, RoverVectorEnv
+
+EXIT_PATIENCE = 0.5  # [s] for a process to leave before it is killed
+
+
+class Shared(NamedTuple):
+    """What the processes exchange of each step, a row for each environment."""
+
+    observations: dict[str, NDArray[np.float32]]
+    actions: NDArray[np.float64]
+    rewards: NDArray[np.float64]
+    terminated: Flags
+    truncated: Flags
+
+    @classmethod
+    def of(cls, memory: Any, sizes: dict[str, int], count: int) -> "Shared":  # noqa: ANN401 - a RawArray
+        """Returns views of a memory, of so many environments that observe parts of these sizes."""
+        left = memoryview(memory).cast("B")
+
+        def part(dtype: type, *shape: int) -> NDArray[Any]:
+            nonlocal left
+            array: NDArray[Any] = np.frombuffer(left, dtype, int(np.prod(shape))).reshape(shape)
+            left = left[array.nbytes :]
+            return array
+
+        rewards, actions = part(np.float64, count), part(np.float64, count, 2)
+        observations = {name: part(np.float32, count, size) for name, size in sizes.items()}
+        return cls(observations, actions, rewards, part(np.bool_, count), part(np.bool_, count))
+
+    @staticmethod
+    def size(sizes: dict[str, int], count: int) -> int:
+        """Returns the bytes that it takes."""
+        return count * (8 + 8 * 2 + 4 * sum(sizes.values()) + 2)
+
+    def rows(self, part: slice) -> "Shared":
+        """Returns the rows of some environments."""
+        _, actions, rewards, terminated, truncated = self
+        observations = {name: array[part] for name, array in self.observations.items()}
+        return Shared(observations, actions[part], rewards[part], terminated[part], truncated[part])
+
+
+def vector(
+    make: Callable[..., RoverEnv[Any]],
+    *,
+    processes: int = 1,
+    threads: int = 0,
+    **options: Any,  # noqa: ANN401 - those of the two classes
+) -> "RoverVectorEnv | ProcessVectorEnv":
+    """Returns many environments in this process, or in several.
+
+    Args:
+        make: Makes one environment.
+        processes: Number of processes; 0 for one a processor, 1 for this one.
+        threads: Number of threads of this process, 0 for one a processor; of several one if left out.
+        options: Of the vector and of each environment.
+
+    Raises:
+        UsageError: A value is not valid.
+    """
+    if processes < 0:
+        raise UsageError(f"processes {processes} is not valid; give 1 or more, or 0 for all processors")
+    if (processes or cpu_count()) == 1:
+        return RoverVectorEnv(make, threads=threads, **options)
+    return ProcessVectorEnv(make, processes=processes or cpu_count(), threads=threads or 1, **options)
+
+
+class ProcessVectorEnv(ManyRovers):
+    """Environments of one kind in several processes; otherwise as RoverVectorEnv.
+
+    Args:
+        make: Makes one environment from a render mode and options; can be pickled.
+        num_envs: Number of environments.
+        processes: Number of processes.
+        autoreset_mode: As of RoverVectorEnv.
+        threads: Number of threads of each process.
+        render_mode: Render mode of each environment.
+        options: Options of each environment.
+
+    Raises:
+        UsageError: A value is not valid.
+    """
+
+    def __init__(
+        self,
+        make: Callable[..., RoverEnv[Any]],
+        *,
+        num_envs: int = 1,
+        processes: int,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        threads: int = 1,
+        render_mode: str | None = None,
+        **options: object,
+    ) -> None:
+        settings: dict[str, Any] = {"threads": threads, "render_mode": render_mode, **options}
+        (one,) = RoverVectorEnv(make, **settings).envs  # or a UsageError that needs no process
+        super().__init__(one, num_envs, autoreset_mode)
+        context, sizes = multiprocessing.get_context("spawn"), _sizes(one.observation_space)
+        memory = context.RawArray("b", Shared.size(sizes, num_envs))
+        self._shared = Shared.of(memory, sizes, num_envs)
+        ends = np.linspace(0, num_envs, min(processes, num_envs) + 1).astype(int).tolist()
+        self._parts = [slice(*part) for part in pairwise(ends)]
+        self._children: list[tuple[Connection, Any]] = []
+        given = {"autoreset_mode": self._mode, **settings}
+        try:
+            with held_back():
+                for part in self._parts:
+                    here, there = context.Pipe()
+                    args = there, make, (memory, sizes, num_envs, part), given
+                    child = context.Process(target=_serve, args=args, daemon=True)
+                    child.start()
+                    there.close()
+                    self._children.append((here, child))
+        except BaseException:
+            self.close()
+            raise
+
+    def reset_each(
+        self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]
+    ) -> list[Info]:
+        """Begins an episode in those of a mask; returns the info of each, empty of others."""
+        return self._ask("reset", [(mask[part], seeds[part], options) for part in self._parts])
+
+    def accept(self, actions: NDArray[np.floating[Any]]) -> None:
+        """Takes the actions of the next step, or raises as `step`: a mistake changes nothing."""
+        if np.shape(actions) != self._shared.actions.shape:
+            raise InvalidAction(f"actions of shape {np.shape(actions)} are not valid; give two each")
+        self._shared.actions[:] = actions
+        is_sure = self._begun and self._mode is not AutoresetMode.DISABLED
+        if not (is_sure and np.isfinite(actions).all()):  # else nobody can refuse: one call less
+            self._ask("accept", [()] * len(self._parts))
+
+    def step_each(self, rewards: NDArray[np.float64], terminated: Flags, truncated: Flags) -> list[Info]:
+        """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
+        infos, shared = self._ask("step", [()] * len(self._parts)), self._shared
+        rewards[:], terminated[:], truncated[:] = shared.rewards, shared.terminated, shared.truncated
+        return infos
+
+    def render(self) -> tuple[Any, ...]:
+        """Returns what each environment draws."""
+        return tuple(self._ask("render", [()] * len(self._parts)))
+
+    def close_extras(self, **_: Any) -> None:  # noqa: ANN401 - gymnasium's signature
+        """Ends the processes."""
+        for connection, _child in self._children:
+            connection.close()
+        for _connection, child in self._children:
+            child.join(EXIT_PATIENCE)
+            if child.is_alive():
+                child.kill()
+                child.join()
+        self._children.clear()
+
+    def _ask(self, what: str, args: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """Asks all processes at once; returns their answers, one after the other, or raises an error."""
+        if not self._children:
+            raise RuntimeError("the environments are closed")
+        try:
+            for (connection, _), given in zip(self._children, args, strict=True):
+                with contextlib.suppress(ConnectionError):  # the answer tells why
+                    connection.send((what, *given))
+            answers = [_received(*child) for child in self._children]
+        except BaseException:  # of a signal too: who answers now would answer too late
+            self.close()
+            raise
+        for answer in answers:
+            if isinstance(answer, Exception):
+                raise answer
+        return [one for answer in answers for one in answer]
+
+    def _observations(self) -> Observation:
+        return {name: array.copy() for name, array in self._shared.observations.items()}
+
+
+def _received(connection: Connection, child: Any) -> Any:  # noqa: ANN401 - whatever is answered
+    try:
+        return connection.recv()
+    except (EOFError, ConnectionError) as error:
+        child.join(EXIT_PATIENCE)
+        message = f"a process of the environments died (exit code {child.exitcode})"
+        raise RunFailed(message) from error
+
+
+def _sizes(space: spaces.Dict) -> dict[str, int]:
+    return {name: int(np.prod(part.shape or ())) for name, part in space.spaces.items()}
+
+
+def _serve(
+    connection: Connection,
+    make: Callable[..., RoverEnv[Any]],
+    place: tuple[Any, dict[str, int], int, slice],
+    given: dict[str, Any],
+) -> None:
+    """A process: does what it is asked until nobody listens."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for who asks
+    *memory, part = place
+    shared = Shared.of(*memory).rows(part)
+    envs = RoverVectorEnv(make, num_envs=part.stop - part.start, **given)
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            what, *args = connection.recv()
+            try:
+                answer: object = _answer(envs, shared, what, args)
+            except Exception as error:  # noqa: BLE001 - it is raised where it was asked for
+                answer = error
+            connection.send(answer)
+
+
+def _answer(envs: RoverVectorEnv, shared: Shared, what: str, args: list[Any]) -> Sequence[Any]:
+    if what == "render":
+        return envs.render()
+    if what != "reset":
+        envs.accept(shared.actions)
+    if what == "accept":
+        return ()
+    if what == "step":
+        for flags in (shared.terminated, shared.truncated):
+            flags.fill(False)
+        shared.rewards.fill(0.0)
+        infos = envs.step_each(shared.rewards, shared.terminated, shared.truncated)
+    else:
+        infos = envs.reset_each(*args)
+    for name, part in shared.observations.items():
+        for row, seen in zip(part, envs.seen, strict=True):
+            row[:] = seen[name]
+    return infos

@@ -1,0 +1,200 @@
+"""Steps of MuJoCo one after the other in one compiled call, which leaves the interpreter to others.
+
+Between two steps nobody needs Python: what the ends of the clock ticks looked like is recorded, and of
+what was touched in a tick the strongest contact of each kind.
+"""
+
+import ctypes
+import sys
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.base.compiled import inlined, kernel, native
+from harness.base.sim_time import TICKS_PER_CONTROL
+
+SPAN = TICKS_PER_CONTROL  # clock ticks that are simulated in one go, at most
+FOUND = 14  # numbers of a strongest contact: see `Watched`
+WHEEL, BODY, ROCK, HAZARD = 1, 2, 3, 4  # what a geom is to a rover; 0: ground
+LIBRARIES = {"win32": "mujoco.dll", "darwin": f"libmujoco.{mujoco.__version__}.dylib"}
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+# Which sensor values are counts of contacts, (rovers, 2): from and to; what each geom is to each rover,
+# (rovers, geoms); where the rovers' poses stand in qpos, (rovers,); the strongest contact of each kind,
+# (rovers, SPAN, 3, FOUND): its place in the order of the kinds' first ones, 0 for none, then normal
+# force [N], geoms of the rover and of the other, position [m] and pose of the rover.
+Watched = tuple[Integers, NDArray[np.int8], Integers, Doubles]
+# MuJoCo's own: count of contacts, contacts as rows of numbers and of integers, where in a row the
+# position stands and the geoms do.
+Contacts = tuple[NDArray[np.int32], Doubles, NDArray[np.int32], Integers]
+
+_step = native(ctypes.c_void_p, ctypes.c_void_p)
+_contact_force = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
+
+
+@cache
+def addresses() -> tuple[int, int]:
+    """Returns the addresses of MuJoCo's mj_step and mj_contactForce in this process."""
+    name = LIBRARIES.get(sys.platform, f"libmujoco.so.{mujoco.__version__}")
+    library = ctypes.CDLL(str(Path(mujoco.__file__).with_name(name)))
+    step, force = (
+        ctypes.cast(function, ctypes.c_void_p).value
+        for function in (library.mj_step, library.mj_contactForce)
+    )
+    return step or 0, force or 0
+
+
+@inlined
+def _begin_tick(control: tuple[Doubles, Integers, Doubles], tick: int) -> None:
+    controls, motors, commands = control
+    for place in range(motors.size):
+        controls[motors[place]] = commands[tick, place]
+
+
+@inlined
+def _kind(mine: int, other: int) -> int:
+    """Hazard, rock or scrape, counted from 0, by what the two geoms of a contact are; -1 for none."""
+    if other == HAZARD:
+        return 0
+    if other == ROCK:
+        return 1
+    return 2 if mine == BODY else -1
+
+
+@inlined
+def _look(
+    told: tuple[int, int, int], qpos: Doubles, contacts: Contacts, watched: Watched, at: tuple[int, int]
+) -> None:
+    """Takes the contacts of a rover in the present step, which belongs to a tick, into account."""
+    (count, doubles, integers, places), (_, kinds, poses, found), (rover, tick) = contacts, watched, at
+    force = np.empty(6)
+    for contact in range(count[0]):
+        part, thing = integers[contact, places[1]], integers[contact, places[1] + 1]
+        if kinds[rover, part] != WHEEL and kinds[rover, part] != BODY:
+            part, thing = thing, part
+            if kinds[rover, part] != WHEEL and kinds[rover, part] != BODY:
+                continue  # another rover's
+        kind = _kind(kinds[rover, part], kinds[rover, thing])
+        if kind < 0:
+            continue  # a wheel on the ground
+        _contact_force(told[0], (told[1], told[2], contact, force.ctypes.data))
+        row = found[rover, tick, kind]
+        if row[0] == 0.0:
+            row[0] = 1.0 + np.count_nonzero(found[rover, tick, :, 0])
+        elif force[0] <= row[1]:
+            continue
+        row[1], row[2], row[3] = force[0], part, thing
+        row[4:7] = doubles[contact, places[0] : places[0] + 3]
+        row[7:] = qpos[poses[rover] : poses[rover] + 7]
+
+
+@inlined
+def _look_at_all(
+    told: tuple[int, int, int],
+    state: tuple[Doubles, Doubles],
+    contacts: Contacts,
+    watched: Watched,
+    tick: int,
+) -> bool:
+    counts, touches = watched[0], False
+    for rover in range(counts.shape[0]):
+        if np.any(state[1][counts[rover, 0] : counts[rover, 1]]):
+            touches = True
+            if contacts[1].size:
+                _look(told, state[0], contacts, watched, (rover, tick))
+    return touches
+
+
+@kernel(
+    "boolean(UniTuple(int64, 3), UniTuple(float64[::1], 2),"
+    "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
+    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])), int64)"
+)
+def look(
+    told: tuple[int, int, int],
+    state: tuple[Doubles, Doubles],
+    contacts: Contacts,
+    watched: Watched,
+    tick: int,
+) -> bool:
+    """Takes the contacts of the present step into account, those of rovers that touch something.
+
+    Args:
+        told: Addresses of mj_contactForce, of the model and of its data.
+        state: The data's positions and its sensor values.
+        contacts: Its contacts; none as long as nobody knows where they are.
+        watched: What is looked for, and where the strongest of a kind comes.
+        tick: To which they belong.
+
+    Returns:
+        Whether a rover touches something.
+    """
+    return _look_at_all(told, state, contacts, watched, tick)
+
+
+@inlined
+def _is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
+    warnings, fence = health
+    for rover in range(fence.shape[0]):
+        at = int(fence[rover, 0])
+        x, y = qpos[at], qpos[at + 1]
+        if not (fence[rover, 1] < x < fence[rover, 2] and fence[rover, 3] < y < fence[rover, 4]):
+            return True
+    return bool(np.any(warnings))
+
+
+@kernel(
+    "int64(UniTuple(int64, 4), UniTuple(int64, 3), Tuple((float64[::1], int64[::1], float64[:,::1])),"
+    "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
+    "Tuple((UniTuple(float64[::1], 3), UniTuple(float64[:,::1], 3))),"
+    "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
+    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])))"
+)
+def advance(
+    told: tuple[int, int, int, int],
+    steps: tuple[int, int, int],
+    control: tuple[Doubles, Integers, Doubles],
+    health: tuple[NDArray[np.int32], Doubles],
+    felt: tuple[Doubles, Doubles],
+    recorded: tuple[tuple[Doubles, ...], tuple[Doubles, ...]],
+    contacts: Contacts,
+    watched: Watched,
+) -> int:
+    """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
+
+    Args:
+        told: Addresses of mj_step, of mj_contactForce, of the model and of its data.
+        steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
+        control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
+        health: The data's counters of warnings; the rovers' `Span.fence`.
+        felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
+        recorded: What of the data is recorded, qpos first; where it comes, each (ticks, ...).
+        contacts: As `look` has it.
+        watched: As there.
+
+    Returns:
+        Where it ended, counted as in `steps`; negative after such a touch.
+    """
+    begin, end, per_tick = steps
+    (sensors, sums), (state, record) = felt, recorded
+    for step in range(begin, end):
+        tick, within = step // per_tick, step % per_tick
+        if within == 0:
+            _begin_tick(control, tick)
+            sums[tick] = 0.0
+        _step(told[0], (told[2], told[3]))
+        sums[tick] += sensors
+        touches = _look_at_all((told[1], told[2], told[3]), (state[0], sensors), contacts, watched, tick)
+        is_last = within == per_tick - 1
+        if is_last:
+            for part in range(len(state)):
+                record[part][tick] = state[part]
+        if is_last and _is_wrong(health, state[0]):
+            return step + 1
+        if touches and not contacts[1].size:
+            return -(step + 1)
+    return end

@@ -1,0 +1,86 @@
+"""What GitHub shows of scenarios: a job's summary, and an annotation where the file expects too much."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from harness.base.errors import how_many
+from harness.scenario.case import scenario_name
+from harness.scenario.terminal import kept_limits
+from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
+from rover_metrics.sheet.render import markdown
+from rover_metrics.sheet.sheet import Sheet
+
+PROPERTY = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A", ":": "%3A", ",": "%2C"})
+DATA = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A"})
+
+
+def tell_github(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> None:
+    """Prints an annotation of each bad run and appends to the job's summary, if this is a job of GitHub.
+
+    Args:
+        verdicts: Of the scenarios.
+        environment: Of the process; `GITHUB_ACTIONS` says that it is one.
+    """
+    if environment.get("GITHUB_ACTIONS") != "true":
+        return
+    for line in dict.fromkeys(map(annotation, _bad(verdicts))):  # what ails many runs is told once
+        print(line)
+    if target := environment.get("GITHUB_STEP_SUMMARY"):
+        with Path(target).open("a", encoding="utf-8") as file:
+            file.write(summary(verdicts, environment))
+
+
+def annotation(attempt: Attempt) -> str:
+    """Returns the workflow command that marks the line of a scenario which a run did not keep."""
+    path, reason = attempt.case.path, reasons_of(attempt)[0]
+    place = f"file={str(path).translate(PROPERTY)},line={_line(path, reason)}"
+    title = scenario_name(path).translate(PROPERTY)
+    return f"::error {place},title={title}::{reason.translate(DATA)}"
+
+
+def summary(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> str:
+    """Returns Markdown: a row each scenario, the first failure, where its evidence is."""
+    passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
+    parts = [
+        f"### {passed} of {how_many(len(verdicts), 'scenario')} passed",
+        markdown(_table(verdicts)).strip(),
+    ]
+    first = next(_bad(verdicts), None)
+    if first is not None:
+        reasons = "\n".join(f"    {line}" for line in reasons_of(first))
+        parts.append(f"First failure, `{first.case.name}`:\n\n{reasons}\n\n    {first.case.command}")
+        parts.append(f"[Page, log and evidence of what failed]({_run_of(environment)}#artifacts)")
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(verdicts: Sequence[Verdict]) -> Sheet:
+    return Sheet.of(
+        {
+            "scenario": scenario_name(verdict.path),
+            "outcome": verdict.outcome.value,
+            "runs": str(len(verdict.attempts)),
+            "against its limits": "; ".join(kept_limits(verdict.attempts[0])),
+        }
+        for verdict in verdicts
+    )
+
+
+def _bad(verdicts: Sequence[Verdict]) -> Iterator[Attempt]:
+    for verdict in verdicts:
+        if verdict.outcome is not Outcome.PASSED:
+            yield from (each for each in verdict.attempts if not outcome_of(each).is_good)
+
+
+def _line(path: Path, reason: str) -> int:
+    """The line of a scenario's file that names the quantity of a breach; the first one if none does."""
+    name = reason.partition(": ")[0].partition(" of ")[0]
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    key = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*:")
+    return next((number for number, line in enumerate(lines, 1) if key.match(line)), 1)
+
+
+def _run_of(environment: Mapping[str, str]) -> str:
+    server = environment.get("GITHUB_SERVER_URL", "https://github.com")
+    repository, run = environment.get("GITHUB_REPOSITORY", ""), environment.get("GITHUB_RUN_ID", "")
+    return f"{server}/{repository}/actions/runs/{run}"

@@ -1,0 +1,94 @@
+"""Clouds of points as ground: a plane comes back as that plane, whatever the file."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from numpy.typing import NDArray
+
+from harness.base.errors import UsageError
+from harness.spec.world import WorldSpec
+from harness.world.files import check_terrain, file_world
+from harness.world.world import RoverNeeds, World
+
+SLOPE_X, SLOPE_Y, EAST, NORTH = 0.1, -0.05, 500_000.0, 4_100_000.0
+SIDE = 12.0  # [m]
+
+
+def cloud() -> NDArray[np.float64]:
+    """Points of a tilted plane, as many as make the mean of a cell its middle, in metres of a survey."""
+    axis = np.arange(0.0, SIDE + 1e-9, 0.05)
+    x, y = np.meshgrid(axis, axis)
+    z = 300.0 + SLOPE_X * x + SLOPE_Y * y
+    return np.column_stack([x.ravel() + EAST, y.ravel() + NORTH, z.ravel()])
+
+
+def write_npy(path: Path) -> None:
+    np.save(path, cloud())
+
+
+def write_ply(path: Path) -> None:
+    trimesh.PointCloud(cloud()).export(path)  # type: ignore[no-untyped-call]
+
+
+def write_las(path: Path) -> None:
+    laspy = pytest.importorskip("laspy", reason="the extra [cloud] is not installed")
+    header = laspy.LasHeader(point_format=0, version="1.2")
+    header.scales, header.offsets = [1e-3] * 3, [EAST, NORTH, 0.0]
+    las = laspy.LasData(header)
+    las.x, las.y, las.z = cloud().T
+    las.write(path)
+
+
+def world(path: Path, **values: float) -> World:
+    spec = WorldSpec(terrain=str(path), **values)  # type: ignore[arg-type]
+    check_terrain(spec)
+    return file_world(spec, RoverNeeds(wheel_radius=0.06), 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "tolerance"),
+    [
+        ("a.npy", write_npy, 1e-6),
+        ("a.ply", write_ply, 0.2),
+        ("a.las", write_las, 2e-3),
+        ("a.laz", write_las, 2e-3),
+    ],
+)
+def test_a_plane_of_points_becomes_that_plane(
+    name: str, write: Callable[[Path], None], tolerance: float, tmp_path: Path
+) -> None:
+    write(tmp_path / name)
+    made = world(tmp_path / name, terrain_cell=0.25)
+    ground = made.ground
+    assert (ground.cell, ground.half_size) == (0.25, (SIDE / 2, SIDE / 2))
+    rise = ground.height_at(4.0, 1.0) - ground.height_at(-4.0, -1.0)
+    assert rise == pytest.approx(8.0 * SLOPE_X + 2.0 * SLOPE_Y, abs=tolerance)
+    assert any("points become a height each 0.25 m" in note for note in made.notes)
+    assert any("coarser than the wheels" in note for note in made.notes)
+
+
+def test_a_cell_is_chosen_by_the_density_of_the_points(tmp_path: Path) -> None:
+    write_npy(tmp_path / "a.npy")
+    assert world(tmp_path / "a.npy").ground.cell == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("array", "said"),
+    [
+        (np.zeros((8, 3)), "it has 8 points; 64 to "),
+        (np.full((99, 3), np.nan), "it has 0 points; 64 to "),
+        (cloud()[:200], "pixels are too few"),
+    ],
+)
+def test_a_cloud_that_is_no_ground_is_told_in_a_line(
+    array: NDArray[np.float64], said: str, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "a.npy", array)
+    with pytest.raises(UsageError, match=said):
+        world(tmp_path / "a.npy")
+    (tmp_path / "a.ply").write_bytes(b"ply\nnothing")
+    with pytest.raises(UsageError, match=r"a\.ply"):
+        world(tmp_path / "a.ply")
