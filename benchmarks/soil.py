@@ -43,7 +43,7 @@ def measure(effort: Effort) -> Table:
 
 
 def _seconds(effort: Effort) -> float:
-    return effort.seconds / 3
+    return round(effort.seconds / 3, 2)  # whole ticks
 
 
 def _steps(rounds: Rounds, ground: str, effort: Effort) -> str:

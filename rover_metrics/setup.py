@@ -20,6 +20,7 @@ setup(
         (f"share/{PACKAGE}/launch", sorted(map(str, Path("launch").glob("*.py")))),
     ],
     install_requires=[
+        "argcomplete",
         "matplotlib>=3.5",
         "mcap",
         "numpy",

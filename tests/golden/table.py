@@ -55,6 +55,7 @@ PLAN: dict[str, dict[str, Any]] = {  # what no command line says
     "cmd_vel": {"commands": ((0.0, 0.4, 0.3), (1.0, -0.2, -0.5), (2.0, 0.5, 0.0))},
     "goal": {"goals": ((0.2, 2.0, 1.0, 0.0), (1.6, -1.0, 2.0, 1.5))},
 }
+PLAN |= dict.fromkeys(("beeline", "gap", "dwa", "mppi"), PLAN["goal"])
 
 
 @dataclass(frozen=True)

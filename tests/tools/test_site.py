@@ -147,7 +147,7 @@ def test_the_page_of_a_scenarios_keys_has_each_with_type_and_default(written: Pa
     text = page(written, "reference/scenario_file.md")
     rules = json.loads((ROOT / "scenarios/scenario.schema.json").read_text())
     assert set(rules["properties"]) <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
-    assert "| `expect` | quantity: [Bound](#bound) or list of [Bound](#bound) | required |" in text
+    assert "| `expect` | quantity: [Bound](#bound) or list of [Bound](#bound) |" in text
 
 
 def test_the_site_shows_no_badges_and_names_the_repository_that_the_project_names(written: Path) -> None:

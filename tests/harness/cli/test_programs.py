@@ -18,6 +18,7 @@ SCRIPTS: dict[str, str] = tomllib.loads((ROOT / "pyproject.toml").read_text())["
 OURS = {name: place for name, place in SCRIPTS.items() if name.startswith("rover-")}
 # Nobody's daily work: they write what is kept in this repository, or are the inside of another.
 WITHOUT = {
+    "harness.gym.policy_node",
     "harness.scenario.schema",
     "harness.view.picture",
     "rover_metrics.__main__",

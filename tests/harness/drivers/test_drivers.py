@@ -5,7 +5,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from harness.drivers import DRIVERS, DriverContext, Goal, Observation
+from harness.drivers import DRIVERS, DriverContext, Observation, TakesGoals
 from harness.robots import find_rover
 from harness.samples import LaserScan
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -35,7 +35,7 @@ def test_drivers_that_look_at_scans_are_those_of_which_it_is_said(name: str) -> 
     bearings, rng = np.linspace(-np.pi, np.pi, 8), np.random.default_rng(0)
     context = DriverContext(find_rover("leo"), (20.0, 20.0), bearings, rng, (POST,))
     driver = DRIVERS[name](context)
-    if isinstance(driver, Goal):
+    if isinstance(driver, TakesGoals):
         driver.head_for(8.0, 3.0, 0.0)  # before, it stands
     with pytest.raises(Seen) if LaserScan in DRIVERS[name].senses else nullcontext():
         for period in range(200):

@@ -23,7 +23,12 @@ if TYPE_CHECKING:
     from tests.harness.drivers.conftest import IdealRover
 
 MEETING = ("ram", "reverse_into", "graze", "swing", "pass_by")
-TOP_SPEED = {"leo": 12.0 * 0.0625, "rover_zero4wd": 10.0 * 0.127}
+TOP_SPEED = {
+    "leo": 12.0 * 0.0625,
+    "rover_zero4wd": 10.0 * 0.127,
+    "husky": 6.1 * 0.1651,
+    "jackal": 20.5 * 0.098,
+}
 RADIUS = 0.3  # of a post [m]
 START = 6.0 - RADIUS - LEO.length / 2 - 1.2  # of the straight line to a post at x = 6 m
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from harness.drivers import DRIVERS
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.dwa import turned
+from harness.drivers.dwa_kernel import turned
 from harness.drivers.local_map import CELL, LocalMap
-from harness.drivers.mppi import STEPS, blended
+from harness.drivers.mppi import STEPS
+from harness.drivers.mppi_kernel import blended
 from harness.robots import find_rover
 from harness.samples import LaserScan
 from harness.sensors.lidar_spec import LidarSpec

@@ -9,13 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.base.errors import RunFailed
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs, RunResult
-from harness.physics.physics import Physics
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -98,17 +96,12 @@ def test_a_stop_ends_the_run_after_the_batch_in_hand_and_keeps_its_rows(tmp_path
     assert timestamps(result) == ["1"]
 
 
-def test_a_run_that_fails_keeps_its_rows_and_says_why(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def until(physics: Physics) -> None:
-        if physics.time_ns == 1_520_000_000:
-            raise RunFailed("the rover fell off")
-
-    monkeypatch.setattr(Physics, "check_place", until)
-    result = drive(tmp_path)
-    assert (result.failure, result.truth.time_ns) == ("the rover fell off", 1_520_000_000)
-    assert timestamps(result) == ["1"]
+def test_a_run_that_fails_keeps_its_rows_and_says_why(tmp_path: Path) -> None:
+    run = Run.of(**FLAT | {"terrain": "rocky", "start": "9.0,0,0", "duration": 20.0})
+    (result,) = run_direct(run, [Outputs(log_dir=tmp_path)], RosOptions(log_dir=tmp_path), StopRequest())
+    assert result.failure is not None
+    assert "left the map" in result.failure
+    assert timestamps(result) == [str(n + 1) for n in range(result.truth.time_ns // 1_000_000_000)]
     assert outcome(tmp_path) == "failed"
 
 

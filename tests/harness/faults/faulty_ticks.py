@@ -65,6 +65,8 @@ def _hints(kind: type[Sample]) -> dict[str, Any]:
 
 def _value(hint: Any, x: float) -> object:  # noqa: ANN401 - a type or an alias
     plain, parts = get_origin(hint) or hint, get_args(hint)
+    if type(None) in parts:
+        return None
     if plain is np.ndarray:
         return np.full(10, x, get_args(parts[1])[0])
     if plain is tuple:

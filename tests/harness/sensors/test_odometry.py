@@ -11,7 +11,12 @@ from harness.sensors.odometry import WheelOdometry
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-BELIEVED = {LEO.name: (0.0625, 0.358, 878.4), ROVER_ZERO4WD.name: (0.122, 0.24, 4096.0)}
+BELIEVED = {
+    LEO.name: (0.0625, 0.358, 878.4),
+    ROVER_ZERO4WD.name: (0.122, 0.24, 4096.0),
+    "husky": (0.1651, 1.07025, 80000.0),
+    "jackal": (0.098, 0.563385, 80000.0),
+}
 
 
 MakeSimulation = Callable[[RoverSpec], Simulation]
@@ -56,6 +61,8 @@ def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
 ) -> None:
     """Sums of cos and sin of (k + 1/2) a, as geometric series; the ends lie on the true circle."""
     rig = bench(rover, period_ticks)
+    finer = max(1, round(rig.resolution / 1300))
+    left, right = finer * left, finer * right
     distance = (left + right) / 2 * rig.count
     turn = (right - left) * rig.count / rig.separation
     readings = 200

@@ -19,7 +19,8 @@ from tests.support.rovers import LEO
 MakeSimulation = Callable[..., Simulation]
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-TORQUE_LIMIT, SERVO_GAIN = {"leo": 4.0, "rover_zero4wd": 7.0}, 20.0  # [N m], [N m s/rad]
+TORQUE_LIMIT = {"leo": 4.0, "rover_zero4wd": 7.0, "husky": 30.0, "jackal": 8.0}  # [N m]
+SERVO_GAIN = {"leo": 20.0, "rover_zero4wd": 20.0, "husky": 400.0, "jackal": 200.0}  # [N m s/rad]
 
 
 @pytest.fixture(params=range(4), ids="state {}".format)
@@ -71,7 +72,7 @@ def test_joints_tell_angle_speed_and_the_motors_torque_which_is_none_where_there
     mujoco.mj_forward(simulation.model, data)
     simulation.physics.step_count = 12
     limit = TORQUE_LIMIT[rover.name]
-    torques = np.clip(SERVO_GAIN * (commands - speeds), -limit, limit)
+    torques = np.clip(SERVO_GAIN[rover.name] * (commands - speeds), -limit, limit)
     joints = JointSensor(simulation, 2).read()
     idle = len(rover.passive_joints)
     assert joints.stamp_ns == 30_000_000

@@ -29,7 +29,7 @@ def test_all_rovers_are_driven_unless_one_is_chosen_and_a_miss_is_exit_code_1(
         calls.append((rover.name, seed))
         return checks
 
-    monkeypatch.setattr(validate, "validate", fake)
+    monkeypatch.setattr("harness.validate.suite.validate", fake)
     assert validate.main(words.split()) == 0
     assert (calls, capsys.readouterr().err) == (driven, "")
     checks.append(BAD)

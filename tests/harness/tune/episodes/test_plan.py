@@ -50,7 +50,7 @@ def test_hazards_and_grounds_of_every_kind_are_driven_and_alternate() -> None:
         (("leo",), 1, 0, 60.0, "give 2 or more"),
         (("leo", "leo"), 2, 0, 60.0, "twice"),
         (("leo",), 2, -1, 60.0, "seed -1 is not valid"),
-        (("mars",), 2, 0, 60.0, "available: leo"),
+        (("mars",), 2, 0, 60.0, "available: husky"),
         (("leo",), 2, 0, -5.0, "duration"),
     ],
 )
