@@ -97,10 +97,10 @@ def test_a_stop_ends_the_run_after_the_batch_in_hand_and_keeps_its_rows(tmp_path
 
 
 def test_a_run_that_fails_keeps_its_rows_and_says_why(tmp_path: Path) -> None:
-    run = Run.of(**FLAT | {"terrain": "rocky", "start": "9.0,0,0", "duration": 20.0})
+    run = Run.of(**FLAT | {"start": (18.5, 0.0, 0.0), "duration": 20.0})
     (result,) = run_direct(run, [Outputs(log_dir=tmp_path)], RosOptions(log_dir=tmp_path), StopRequest())
     assert result.failure is not None
-    assert "left the map" in result.failure
+    assert "edge of the map" in result.failure
     assert timestamps(result) == [str(n + 1) for n in range(result.truth.time_ns // 1_000_000_000)]
     assert outcome(tmp_path) == "failed"
 
