@@ -128,6 +128,7 @@ class Bed:
         sizes = [(w.radius, w.width, w.grousers, 1.0 if w.to_left else -1.0) for w in wheels]
         self._sizes = np.array(sizes)
         self._bodies = np.array([(w.body, w.joint, w.root) for w in wheels], np.int64)
+        self._held = model, data  # their memory is written to for as long as the bed is registered
         self._addresses = self._told(model, data)
         _register(self, data)
 

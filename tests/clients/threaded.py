@@ -1,6 +1,7 @@
 """A node that answers scans from a thread of its own, when the simulation has gone on or will not."""
 
 import queue
+import sys
 import threading
 
 import rclpy
@@ -41,7 +42,8 @@ class Threaded(Node):  # type: ignore[misc]  # rclpy has no types
             command = TwistStamped()
             command.header.stamp = scan.header.stamp
             command.twist.linear.x, command.twist.angular.z = 0.3, 0.8 * (self._count % 40 < 20)
-            self._commands.publish(command)
+            if "silent" not in sys.argv:
+                self._commands.publish(command)
 
 
 if __name__ == "__main__":
