@@ -94,7 +94,7 @@ class Clients:
             yield
             assert process.poll() is None, said.read_text()
         finally:
-            process.terminate()
+            process.kill()  # rclpy may lose a SIGTERM that comes while its executor goes to sleep
             process.wait()
             print(said.read_text())
 
