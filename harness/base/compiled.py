@@ -5,6 +5,7 @@ import os
 import stat
 import sys
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -35,15 +36,17 @@ F = TypeVar("F", bound=Callable[..., object])
 def kernel(signature: str) -> Callable[[F], F]:
     """Compiles a function for one signature; it releases the GIL, its code is kept in __pycache__.
 
-    Numba renews the cache when the kernel's own file changes, and only then: a kernel and its
-    `inlined` helpers belong in one file. No fastmath, no threads: equal input gives equal bits, those
-    that Python itself gives (NUMBA_DISABLE_JIT).
+    Numba renews the cache when the kernel's own file changes, and only then: so the name in the cache
+    tells what else a kernel is made of, the files of its `inlined` helpers and the numbers it names. No
+    fastmath, no threads: equal input gives equal bits, those of Python itself (NUMBA_DISABLE_JIT).
 
     Where neither __pycache__ nor the user's cache can be written, as in a container that is run by
     another user than built it, the code is kept in a temporary folder, or not at all.
     """
 
     def compiled(function: F) -> F:
+        if borrowed := _borrowed(function):
+            function.__qualname__ += f"_{zlib.crc32(borrowed):08x}"
         compiler = partial(numba.njit, signature, nogil=True, error_model="numpy")
         try:
             made: F = compiler(cache=True)(function)
@@ -54,6 +57,22 @@ def kernel(signature: str) -> Callable[[F], F]:
         return made
 
     return compiled
+
+
+def _borrowed(function: Callable[..., object]) -> bytes:
+    """Of what a kernel is made beside its own file: files of its helpers, and numbers that they name."""
+    functions, numbers = [function], set[str]()
+    for each in functions:  # grows
+        for name in each.__code__.co_names:
+            value = each.__globals__.get(name)
+            helper = getattr(value, "py_func", None)
+            if helper is not None and helper not in functions:
+                functions.append(helper)
+            elif isinstance(value, int | float):
+                numbers.add(f"{name} {value!r}")
+    files = {each.__code__.co_filename for each in functions} - {function.__code__.co_filename}
+    contents = (Path(file).read_bytes() for file in sorted(files))
+    return b"".join((*contents, *(number.encode() for number in sorted(numbers))))
 
 
 def _temporary_cache() -> str | None:

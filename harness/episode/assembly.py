@@ -71,7 +71,8 @@ def world_of(run: Run) -> World:
     """Returns the world, built once and then shared; a UsageError says why there can be none."""
     world = _terrain_world(run)
     if run.world.soil:
-        world = _of_soil(world, run.world.soil, run.world.terrain, modified_ns(Path(run.world.soil)))
+        spec = run.world
+        world = _of_soil(world, spec.soil, spec.terrain, spec.keep_ruts, modified_ns(Path(spec.soil)))
     targets = run.world.targets
     if targets:
         world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
@@ -209,8 +210,9 @@ def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int, _modified_ns: int
 
 
 @lru_cache(maxsize=2)
-def _of_soil(world: World, soil: str, terrain: str, _modified_ns: int) -> World:
-    return replace(world, soil=soils_on(soil, world.ground, terrain))
+def _of_soil(world: World, soil: str, terrain: str, keeps_ruts: bool, _modified_ns: int) -> World:
+    soils = soils_on(soil, world.ground, terrain)
+    return replace(world, soil=replace(soils, keeps_ruts=keeps_ruts))
 
 
 @lru_cache(maxsize=2)  # of a long way, each step is looked at

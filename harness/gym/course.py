@@ -27,6 +27,7 @@ from harness.world.world import Start, starting_at
 
 if TYPE_CHECKING:
     from harness.physics.rover import State
+    from harness.soil.bed import Bed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +84,7 @@ class Course:
         self.places = Places(world, rover)
         self._alike: tuple[Start, Variation] | None = None  # what the last state at time zero is of
         self._settled: list[State] = []
+        self._bed: Bed | None = None  # of the last simulation, if ruts are kept
 
     def camera_of(self, simulation: Simulation, lidar: Lidar, seed: int) -> RangeSensor | None:
         """Returns the rover's depth camera in an episode, with the seed of its noise; None without."""
@@ -116,16 +118,17 @@ class Course:
         `alike` is what `varied` made the scene from: equal if and only if the state at time zero is. A
         UsageError says that the rover cannot stand there, a RunFailed that it left the map or diverged.
         """
-        timestep_ns = self.run.timestep_ns
-        if alike == self._alike:
+        timestep_ns, ruts = self.run.timestep_ns, self._bed
+        if alike == self._alike and ruts is None:
             return Simulation(scene, timestep_ns, Physics((scene,), timestep_ns, self._settled))
         chosen = scene.world.start != self.scene.world.start
         if chosen:
             check_room(scene)
-        simulation = Simulation(scene, timestep_ns)
+        simulation = Simulation(scene, timestep_ns, Physics((scene,), timestep_ns, ruts=ruts))
         if chosen:
             check_start(scene, simulation.data)
-        self._alike = alike
+        self._alike, bed = alike, simulation.physics.bed
+        self._bed = bed if self.run.world.keep_ruts else None
         self._settled = [rover.state() for rover in simulation.physics.rovers]
         return simulation
 

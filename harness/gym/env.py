@@ -255,7 +255,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             raise ResetNeeded("there is nothing to draw yet; call reset() first")
         if self._painter is None:
             self._painter = Painter(window=self.render_mode == "human")
-        return self._painter.draw(self.course, self.driven.simulation.data, self.goal)
+        return self._painter.draw(self.course, self.driven.simulation, self.goal)
 
     def close(self) -> None:
         """Gives back the window and OpenGL; may be called twice."""

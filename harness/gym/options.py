@@ -58,9 +58,12 @@ if TYPE_CHECKING:
 
         robot: str = ""
         lidar_beams: int = 0
+        keep_ruts: bool = False
 else:
     RunOptions = create_model(
-        "RunOptions", __base__=Value, **keys_of("robot", "lidar_beams", "targets", "datum", *FILE_FIELDS)
+        "RunOptions",
+        __base__=Value,
+        **keys_of("robot", "lidar_beams", "targets", "datum", "keep_ruts", *FILE_FIELDS),
     )
 
 

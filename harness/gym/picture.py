@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.gym.course import Course
+from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas, gl_context
-from harness.physics.scene import build_scene
+from harness.physics.simulation import Simulation
 from harness.physics.stage import Quality, aim_sun, dress, visible_groups
 from harness.view.camera import chase_view
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks
+from harness.world.berths import Member
 
 QUALITY = Quality(width=640, height=400, samples=4, shadow_map=2048, slices=16)
 GOAL_COLOR = (0.05, 0.78, 0.86, 0.6)
@@ -49,7 +51,7 @@ class Painter:
         self._view: Any = None  # a Canvas, or a window of MuJoCo's
 
     def draw(
-        self, course: Course, shown: mujoco.MjData, goal: tuple[float, float]
+        self, course: Course, shown: Simulation, goal: tuple[float, float]
     ) -> NDArray[np.uint8] | None:
         """Draws a state; the image, shape (height, width, 3), or None into a window.
 
@@ -61,7 +63,11 @@ class Painter:
         if course is not self._course:
             self._leave()
             self._stage(course)
-        self._data.qpos[:] = shown.qpos
+        self._data.qpos[:] = shown.data.qpos
+        x, y, _ = shown.position
+        if shown.physics.bed is not None and (patch := shown.physics.bed.around(x, y)) is not None:
+            self._ground.take(patch)
+            self._ground.show(x, y, self._upload)
         mujoco.mj_forward(self._model, self._data)
         if self._window:
             self._view.sync()
@@ -79,15 +85,19 @@ class Painter:
 
     def _stage(self, course: Course) -> None:
         scene = course.scene
-        world = replace(scene.world, ground=drawn(scene.world.ground))
-        timestep = course.run.timestep
-        self._model = build_scene(world, scene.rover, timestep, partial(dress, quality=QUALITY)).model
+        self._ground = DrawnGround(scene.world)
+        if not self._ground.leaves_ruts:
+            self._ground = DrawnGround(replace(scene.world, ground=drawn(scene.world.ground)))
+        fleet, dressed = (Member("", scene.rover, scene.world.start),), partial(dress, quality=QUALITY)
+        self._model = self._ground.scenes(fleet, course.run.timestep, dressed)[0].model
         self._data = mujoco.MjData(self._model)
         if self._window:
             viewer = import_module("mujoco.viewer")
             self._view = viewer.launch_passive(self._model, self._data)
+            self._upload = self._view.update_hfield
         else:
             self._view = Canvas(self._model, self._context, MOST_GEOMS)
+            self._upload = partial(self._view.upload_heights, self._model)
         self._course = course
 
     def _leave(self) -> None:

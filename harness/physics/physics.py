@@ -7,6 +7,7 @@ knows ROS, drivers or sample rates.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -25,6 +26,9 @@ from harness.physics.steps_kernel import SPAN
 from harness.robots.model import keep_mujoco_quiet
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
+
+if TYPE_CHECKING:
+    from harness.soil.bed import Bed
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
@@ -45,6 +49,7 @@ class Physics:
         timestep_ns: Of the model.
         settled: The rovers' states at time zero, from when the same scenes settled before; saves to do
             it again.
+        ruts: What the ground is like at time zero; None for fresh ground.
 
     Attributes:
         rovers: What belongs to each.
@@ -60,7 +65,13 @@ class Physics:
         ground: What is driven on, with the ruts of now.
     """
 
-    def __init__(self, scenes: Sequence[Scene], timestep_ns: int, settled: Sequence[State] = ()) -> None:
+    def __init__(
+        self,
+        scenes: Sequence[Scene],
+        timestep_ns: int,
+        settled: Sequence[State] = (),
+        ruts: "Bed | None" = None,
+    ) -> None:
         keep_mujoco_quiet()  # its counters are checked on every tick
         self.model = scenes[0].model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
@@ -74,6 +85,8 @@ class Physics:
         if self.bed is not None:
             fine = soil_ground(scenes[0].world)
             self.ground = Heightfield(self.bed.surface, fine.cell, fine.middle)
+            if ruts is not None:
+                self.bed.lay(ruts)
         self.rovers = tuple(
             Rover(scene, self.data, contacts, parked, self.bed)
             for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
@@ -92,7 +105,8 @@ class Physics:
             rover.parking.hold(True)
         if not settled:
             self.settle([(rover, rover.scene.world.start) for rover in self.rovers])
-        self.smooth()
+        if self.bed is not None and ruts is None:
+            self.bed.smooth()
 
     @property
     def time_ns(self) -> int:
@@ -207,9 +221,14 @@ class Physics:
             rover.parking.hold(True)
         self.data.time = 0.0
 
-    def smooth(self) -> None:
-        """Takes all ruts out of the ground."""
-        if self.bed is not None:
+    def put_back(self, rover: Rover) -> None:
+        """Takes note that a rover is put elsewhere, and takes out all ruts once all have been in a tick.
+
+        One of several leaves the ruts to the others, which may stand in them.
+        """
+        rover.put_back_at, soil = self.step_count, rover.scene.world.soil
+        are_back = all(each.put_back_at == self.step_count for each in self.rovers)
+        if are_back and self.bed is not None and soil is not None and not soil.keeps_ruts:
             self.bed.smooth()
 
     def check_place(self) -> None:

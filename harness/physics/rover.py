@@ -39,6 +39,7 @@ class Rover:
             `driven` of them drive.
         ahead: To them in the ticks that are simulated next, shape (SPAN, motors).
         parked: Whether it is parked in each of these ticks.
+        put_back_at: Step at which it was put elsewhere last; -1 for never.
     """
 
     ahead: NDArray[np.float64]
@@ -57,6 +58,7 @@ class Rover:
         self.motors = np.array(motors_of(model, scene.all_own(scene.rover.motors)))
         self.driven = len(scene.rover.drive.driven)
         self.parked: list[bool] = []
+        self.put_back_at = -1
         joints = np.flatnonzero(model.body_rootid[model.jnt_bodyid] == scene.root)
         dofs = np.flatnonzero(model.body_rootid[model.dof_bodyid] == scene.root)
         motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))

@@ -176,8 +176,7 @@ def build_scenes(
 
 def soil_ground(world: World) -> Heightfield:
     """Returns the ground of a world, in cells fine enough for ruts where its soil leaves some."""
-    leaves_ruts = world.soil is not None and any(soil.leaves_ruts for soil in world.soil.kinds)
-    return _fine(world.ground) if leaves_ruts else world.ground
+    return _fine(world.ground) if world.soil and world.soil.leaves_ruts else world.ground
 
 
 @lru_cache(maxsize=2)

@@ -132,8 +132,7 @@ class Simulation:
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         self._rover.restore(self._start)
-        if len(self.physics.rovers) == 1:
-            self.physics.smooth()
+        self.physics.put_back(self._rover)
         self.command_wheels(self.data.ctrl[self.motors])
         for place in self._felt.values():
             self.tick_sum[place] = 0.0

@@ -1,15 +1,20 @@
 """Soil in a scene: a finer ground that sinks and rises, wheels that meet it by the soil's forces."""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 import mujoco
+import numpy as np
 
 from harness.base.errors import UsageError
 from harness.physics.scene import TERRAIN, Scene, soil_ground
+from harness.robots.model import COLLIDING_GROUP
 
 if TYPE_CHECKING:
     from harness.soil.bed import Bed, SoilWheel
+
+ROUND = 0.9  # least over largest reach of a wheel's rim from its axle: an octagon has 0.92
 
 
 def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
@@ -44,12 +49,35 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
     )
     wheels = [wheel for scene in scenes for wheel in _wheels(scene, data)]
     for wheel in wheels:
-        if wheel.width < ground.cell and any(soil.leaves_ruts for soil in world.soil.kinds):
+        if wheel.width < ground.cell and world.soil.leaves_ruts:
             raise UsageError(
                 f"wheels {1e3 * wheel.width:.0f} mm wide are too narrow for soil, whose ruts have "
                 f"cells of {1e3 * ground.cell:g} mm; leave out --soil"
             )
     return Bed(world.soil.kinds, told, wheels, model, data)
+
+
+def _roundness(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> float:
+    """How far the geoms of a wheel that collide reach from its axle, at least as a share of at most."""
+    geoms = model.body_weldid[model.geom_bodyid] == model.body_weldid[model.jnt_bodyid[joint]]
+    across = np.linalg.svd(data.xaxis[joint][None])[2][1:]  # two directions off the axle
+    angles = np.linspace(0.0, 2.0 * np.pi, 48)
+    reach = np.zeros(len(angles))
+    for geom in np.flatnonzero(geoms & (model.geom_group == COLLIDING_GROUP)).tolist():
+        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+            mesh = model.geom_dataid[geom]
+            corners = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+        elif model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_BOX:
+            corners = model.geom_size[geom] * list(product((-1.0, 1.0), repeat=3))
+        else:  # cylinders and their like begin with the radius
+            reach = np.maximum(reach, model.geom_size[geom, 0])
+            continue
+        turn, hub = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom] - data.xanchor[joint]
+        x, y = ((corners @ turn.T + hub) @ across.T).T
+        reach = np.maximum(
+            reach, (np.outer(np.cos(angles), x) + np.outer(np.sin(angles), y)).max(axis=1)
+        )
+    return float(reach.min() / reach.max())
 
 
 def _wheels(scene: Scene, data: mujoco.MjData) -> list["SoilWheel"]:
@@ -64,6 +92,8 @@ def _wheels(scene: Scene, data: mujoco.MjData) -> list["SoilWheel"]:
     for name in scene.all_own(rover.wheel_joints):
         joint = model.joint(name)
         to_left = bool(data.xaxis[joint.id] @ left > 0.0)
+        if _roundness(model, data, joint.id) < ROUND:
+            raise UsageError(f"wheel '{name}' is not round, which it must be on soil; leave out --soil")
         size = rover.wheel_radius, rover.wheel_width, rover.grousers
         made.append(SoilWheel(int(joint.bodyid[0]), joint.id, scene.root, *size, to_left, load))
     return made

@@ -62,6 +62,7 @@ class RoverFile(Value):
     footprint: Annotated[Bounds, AfterValidator(_not_empty)] = _measured(
         "x_min, x_max, y_min, y_max over the wheels, in the model frame"
     )
+    wheel_width: Positive = _measured("width of the widest wheel, which counts in soil")
     grousers: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
         default=0.0,
         description="of the wheels, in soil: 0 smooth, 1 as 24 of 5 mm on a wheel of 125 mm",
@@ -97,7 +98,6 @@ class ModelFacts(Value):
     passive_joints: tuple[str, ...]  # in /joint_states, neither driven nor wheels
     steered_wheels: tuple[str, ...] = ()  # joints of the wheels that the steering turns
     wheel_radius: Positive  # of the largest wheel [m]
-    wheel_width: Positive  # of the widest wheel [m]
     wheel_friction: Positive  # on ground of friction 1
     wheel_speed_limit: Positive  # largest speed of the slowest motor [rad/s]
     gravity: Annotated[float, Field(strict=True, ge=GRAVITY[0], le=GRAVITY[1])]  # downwards [m/s^2]

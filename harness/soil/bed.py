@@ -9,6 +9,7 @@ import math
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numba
@@ -17,8 +18,11 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.soil import wheel_kernel
+from harness.soil.press_kernel import BED, FELT, MUJOCO, pointer, press_bed
+from harness.soil.rig_kernel import steady_wheels
+from harness.soil.rim import COMPACTION
 from harness.soil.soils import SOIL_CONTACT, Soil
+from harness.soil.wheel_force import STATE, UNPLACED
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
@@ -27,7 +31,7 @@ TICK = TICK_NS / NANOSECONDS  # [s], a whole number of steps
 SEEN = 4.0  # [m] around a camera in which ruts are shown
 
 Doubles = NDArray[np.float64]
-Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights from 0 to 1
+Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights [m]
 
 
 @dataclass(frozen=True)
@@ -120,17 +124,14 @@ class Bed:
             _check(soil, numbers, self.wheels, gravity, float(model.opt.timestep))
         self._virgin, self.surface = ground.heights.copy(), ground.heights.copy()
         self._fresh = ground.field.copy()
-        frame = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
-        self._frame = np.array(frame)
-        self._solid_frame = np.array((*ground.corner, ground.solid_cell))
-        self.states = np.zeros((len(wheels), wheel_kernel.STATE))
-        self.felt = np.zeros((len(wheels), 8))
+        self.states = np.zeros((len(wheels), STATE))
+        self.felt = np.zeros((len(wheels), FELT))
         sizes = [(w.radius, w.width, w.grousers, 1.0 if w.to_left else -1.0) for w in wheels]
         self._sizes = np.array(sizes)
         self._bodies = np.array([(w.body, w.joint, w.root) for w in wheels], np.int64)
         self._held = model, data  # their memory is written to for as long as the bed is registered
-        self._addresses = self._told(model, data)
-        _register(self, data)
+        self._told = self._tell(model, data)
+        _register(data, self._told, self)
 
     @property
     def lift(self) -> Doubles:
@@ -143,32 +144,70 @@ class Bed:
         return slice(int(rows[0]), int(rows[-1]) + 1)
 
     def around(self, x: float, y: float) -> Patch | None:
-        """Returns MuJoCo's heights within SEEN of a place; None where nothing leaves ruts."""
+        """Returns heights within SEEN of a place; None where nothing leaves ruts."""
         if not self.leaves_ruts:
             return None
         (x0, y0), cell = self._ground.corner, self._ground.cell
         row, column = (max(int((at - SEEN) / cell), 0) for at in (y - y0, x - x0))
         across = int(2.0 * SEEN / cell)
-        return row, column, self._ground.field[row : row + across, column : column + across].copy()
+        heights = self.surface[row : row + across, column : column + across]
+        return row, column, heights.astype(np.float32)
+
+    def lay(self, other: "Bed") -> None:
+        """Takes over the ruts of another bed of the same ground."""
+        for mine, others in zip(self._grids(), other._grids(), strict=True):  # noqa: SLF001 - its own kind
+            mine[:] = others
+
+    def _grids(self) -> tuple[NDArray[Any], ...]:
+        return self._virgin, self.surface, self._ground.field
 
     def smooth(self) -> None:
         """Makes the ground as it was without ruts; what the wheels remember stays."""
         self._virgin[:] = self.surface[:] = self._ground.heights
         self._ground.field[:] = self._fresh
-        self.states[:, 5] = 0.0
+        self.states[:, UNPLACED] = 0.0
 
-    def _told(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int64]:
-        ground, geoms = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
-        arrays = (self._numbers, self._sizes, self._bodies, self._virgin, self._frame, self.surface)
-        moving = (data.xpos, data.xaxis, data.cvel, data.subtree_com, data.xipos)
-        self._touching = geoms, model.geom_aabb[geoms].copy()
-        placed = (data.geom_xpos, data.geom_xmat, model.geom_conaffinity)
-        solid = (*self._touching, *placed, ground.solid, self._solid_frame, ground.patches)
-        everything = (*arrays, ground.field, self.states, self.felt, *moving, *solid)
-        counts = (len(self.wheels), data.xfrc_applied.ctypes.data, *self.surface.shape)
-        counts += (model.nbody, model.njnt, geoms.size, model.ngeom, *ground.solid.shape)
-        addresses = (array.ctypes.data for array in everything)
-        return np.array([*counts, *addresses, len(self._numbers)], np.int64)
+    def _tell(self, model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+        """What the kernel is told, with the arrays whose addresses that holds kept alive."""
+        ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
+        self._near = near, model.geom_aabb[near].copy()
+        own = {
+            "soils": self._numbers,
+            "sizes": self._sizes,
+            "ids": self._bodies,
+            "virgin": self._virgin,
+            "surface": self.surface,
+            "field": ground.field,
+            "states": self.states,
+            "felt": self.felt,
+            "near": self._near[0],
+            "boxes": self._near[1],
+            "solid": ground.solid,
+            "patches": ground.patches,
+        }
+        arrays = own | {
+            name: getattr(model if name == "geom_conaffinity" else data, name) for name in MUJOCO
+        }
+        values = {name: array.ctypes.data for name, array in arrays.items()} | {
+            "kinds": len(self._numbers),
+            "wheels": len(self.wheels),
+            "bodies": model.nbody,
+            "joints": model.njnt,
+            "touching": near.size,
+            "geoms": model.ngeom,
+            "cell": ground.cell,
+            "base": ground.base,
+            "relief": ground.relief,
+            "dt": model.opt.timestep,
+            "solid_cell": ground.solid_cell,
+        }
+        values["x"], values["y"] = ground.corner
+        values["rows"], values["columns"] = self.surface.shape
+        values["solid_rows"], values["solid_columns"] = ground.solid.shape
+        told = np.zeros(1, BED)
+        for name, value in values.items():
+            told[name] = value
+        return told
 
 
 def _check(
@@ -181,14 +220,14 @@ def _check(
         trials[:] = wheel.radius, wheel.grousers, 0.01, 0.01, 0.0, 0.0
         trials[:, 5] = loads
         results = np.empty((3, 4))
-        wheel_kernel.steady_wheels(numbers, trials, wheel.width, results)
+        steady_wheels(numbers, trials, wheel.width, results)
         sinkages = results[:, 0]
         if np.isnan(sinkages).any():
             raise UsageError(
                 f"a wheel sinks in whole under {loads[-1]:.0f} N; give a soil of a larger k_phi"
             )
         stiffness = (loads[2] - loads[0]) / max(sinkages[2] - sinkages[0], 1e-9)
-        stiffness /= 1.0 - (1.0 - wheel_kernel.COMPACTION) * (soil.rebound == 0.0) * 0.8
+        stiffness /= 1.0 - (1.0 - COMPACTION) * (soil.rebound == 0.0) * 0.8
         swing = math.sqrt(stiffness * gravity / wheel.load) * timestep
         if swing > STABLE:
             raise UsageError(
@@ -203,7 +242,7 @@ _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of 
 _callback: list[object] = []  # as long as MuJoCo may call it
 
 
-def _register(bed: Bed, data: mujoco.MjData) -> None:
+def _register(data: mujoco.MjData, told: np.ndarray, bed: Bed) -> None:
     """Lets MuJoCo press the wheels of a bed whenever it steps that state, as long as the bed lives."""
     if not _callback:
         _callback.append(_compiled(_table.ctypes.data))
@@ -211,14 +250,14 @@ def _register(bed: Bed, data: mujoco.MjData) -> None:
     if not free.size:
         raise UsageError(f"more than {MOST_BEDS} simulations with soil in a process; use several")
     row = int(free[0])
-    _table[row] = data._address, bed._addresses.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
+    _table[row] = data._address, told.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
     mujoco.set_mjcb_control(_callback[0].ctypes)  # type: ignore[attr-defined]  # numba has no types
     weakref.finalize(bed, _table[row].fill, 0)
 
 
 def _compiled(table: int) -> object:
     """What MuJoCo calls in each step; the beds' table is at that address."""
-    press_bed, pointer, rows = wheel_kernel.press_bed, wheel_kernel.pointer, MOST_BEDS
+    rows = MOST_BEDS
 
     @numba.cfunc("void(int64, int64)")  # type: ignore[untyped-decorator]  # numba has no types
     def press(_: int, state: int) -> None:

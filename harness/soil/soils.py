@@ -24,6 +24,13 @@ Weight = Annotated[float, Field(ge=0.0, le=100.0)]
 Exponent = Annotated[float, Field(gt=0.0, le=10.0)]
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
 
+# What kernels take, in their order; `harness.soil.rim` reads those up to `stay_lateral`.
+NUMBERS = ("k", "n", "slip_n", "cohesion", "friction", "shear_length", "peak", "peak_driving")
+NUMBERS += ("peak_braking", "flowing", "flow_lateral", "flow_driving", "flow_braking", "flow_pressing")
+NUMBERS += ("dig_grousers", "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral")
+NUMBERS += ("rebound", "side_modulus", "side_exponent", "side_flow", "side_slip", "side_friction")
+NUMBERS += ("side_cohesion", "damping")
+
 
 class Soil(Value):
     """A soil in SI units; one without a word on flow, digging and grousers is Wong and Reece's."""
@@ -104,37 +111,14 @@ class Soil(Value):
         side = self.side_modulus
         if side is None:
             side = 0.5 * cohesive * weight * self.density * gravity
-        return np.array(
-            [
-                self.k_c / width + self.k_phi,
-                self.n,
-                self.slip_n,
-                self.cohesion,
-                math.tan(phi),
-                self.shear_length,
-                self.peak,
-                self.peak_driving,
-                self.peak_braking,
-                self.flowing,
-                self.flow_lateral,
-                self.flow_driving,
-                self.flow_braking,
-                self.flow_pressing,
-                self.dig_grousers,
-                self.grouser_friction,
-                self.grouser_shear,
-                self.stay_braking,
-                self.stay_lateral,
-                self.rebound,
-                side,
-                self.side_exponent,
-                self.side_flow,
-                self.side_slip**2,
-                self.side_friction,
-                cohesive * self.cohesion,
-                self.damping,
-            ]
-        )
+        given = self.model_dump() | {
+            "k": self.k_c / width + self.k_phi,
+            "friction": math.tan(phi),
+            "side_modulus": side,
+            "side_slip": self.side_slip**2,
+            "side_cohesion": cohesive * self.cohesion,
+        }
+        return np.array([given[name] for name in NUMBERS])
 
 
 LLL = "Land Locomotion Laboratory, in gz-terramechanics (unitsSpaceLab), soil_params.yaml"

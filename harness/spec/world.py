@@ -53,6 +53,9 @@ class WorldSpec(Value):
         description="ground that gives way (docs/soil.md): see --list, a YAML file of a soil or of a "
         "map of soils, or `terrain` for what the terrain has (dunes); default: rigid ground",
     )
+    keep_ruts: bool = Field(
+        default=False, description="leave ruts as they are when all rovers are put back to their starts"
+    )
     terrain_size: Annotated[
         tuple[MapLength, MapLength] | None, BeforeValidator(_both_lengths), Option("M", many=True)
     ] = Field(

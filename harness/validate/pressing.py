@@ -12,8 +12,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.soil.rig_kernel import press_wheel
 from harness.soil.soils import Soil
-from harness.soil.wheel_kernel import press_wheel
 from harness.validate.single_wheel import GRAVITY, RADIUS, WHEELS, WIDTH, read_table
 
 DEPTHS = (0.01, 0.02, 0.03, 0.04)  # [m]

@@ -20,8 +20,8 @@ from harness.base.errors import UsageError
 from harness.base.files import whole_file
 from harness.robots import RoverSpec
 from harness.robots.model import read_model
+from harness.soil.rig_kernel import steady_wheels
 from harness.soil.soils import Soil
-from harness.soil.wheel_kernel import steady_wheels
 from rover_metrics.number import number
 
 RADIUS = 0.0625  # [m], to the tips of the grousers

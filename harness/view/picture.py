@@ -25,8 +25,8 @@ from PIL import Image
 from harness.base.errors import HarnessError
 from harness.base.files import whole_file
 from harness.episode.assembly import scenery
-from harness.physics.ruts import drawn_ruts
-from harness.physics.scene import build_scenes
+from harness.physics.drawn_ground import NEAR, DrawnGround
+from harness.physics.ruts import PressedRuts
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
@@ -59,13 +59,16 @@ class Studio(AbstractContextManager["Studio"]):
         scale: Size of the first rover as a share of the usual one.
     """
 
-    def __init__(self, paths: Sequence[Path], quality: Quality, *, lidar: bool) -> None:
+    def __init__(
+        self, paths: Sequence[Path], quality: Quality, *, lidar: bool, reach: float = NEAR
+    ) -> None:
         recordings = [read_states(path) for path in paths]
         self.recording, run = recordings[0], recordings[0].run
         world, fleet = scenery(run)
         world = replace(world, ground=drawn(world.ground))
         dressed = partial(dress, quality=quality)
-        scenes = build_scenes(world, fleet, run.timestep, dressed)
+        self._ground = DrawnGround(world, reach)
+        scenes = self._ground.scenes(fleet, run.timestep, dressed)
         self._rovers, self.model = list(zip(scenes, recordings, strict=True)), scenes[0].model
         self.data = mujoco.MjData(self.model)
         spec = LidarSpec(beams=run.rover.lidar_beams)
@@ -73,10 +76,10 @@ class Studio(AbstractContextManager["Studio"]):
             Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
         ]
         self.scale = scale_of(scenes[0].rover)
-        self._marks, self._ruts, self._pressed = list[Mark](), drawn_ruts(scenes), 0
+        self._marks, self._ruts, self._pressed = list[Mark](), PressedRuts(self._ground, scenes), 0
         for scene, states in self._rovers:
             self._marks += path_marks(states, world.ground)
-            if self._ruts is None:
+            if not self._ground.leaves_ruts:
                 self._marks += track_marks(states, world.ground, scene.rover)
         half_height = math.tan(math.radians(0.5 * FIELD_OF_VIEW))
         self.half_width = quality.width / quality.height * half_height
@@ -112,18 +115,18 @@ class Studio(AbstractContextManager["Studio"]):
         return np.asarray(self._renderer.render())
 
     def _press_until(self, index: int) -> None:
-        """Leaves the ruts of all states up to one, of a video once a second: OpenGL takes its time."""
-        end = range(len(self.recording.times))[index] + 1
-        is_last = end == len(self.recording.times)
-        if self._ruts is None or (end < self._pressed + FRAME_RATE and not is_last):
+        """Leaves the ruts of all states up to one."""
+        if not self._ground.leaves_ruts:
             return
+        end = range(len(self.recording.times))[index] + 1
         for state in range(self._pressed, end):
             self.pose(state)
             self._ruts.press(self.data)
         self._pressed = end
         self._renderer._gl_context.make_current()  # noqa: SLF001 - MuJoCo offers no other way
         context = self._renderer._mjr_context  # noqa: SLF001
-        mujoco.mjr_uploadHField(self.model, context, self._ruts.field)
+        upload = partial(mujoco.mjr_uploadHField, self.model, context)
+        self._ground.show(*self.recording.path[index][:2].tolist(), upload)
 
     def others(self) -> NDArray[np.float64] | None:
         """Returns where the other rovers are at the end [m], shape (n, 3); None without any."""
@@ -149,7 +152,7 @@ def _tell(done: int, total: int) -> None:
 def _draw_picture(recordings: Sequence[Path], target: Path, camera: str, *, lidar: bool) -> None:
     """Draws the end of a recording with the path that led there, as PNG."""
     _tell(0, 1)
-    with Studio(recordings, QUALITY, lidar=lidar) as studio:
+    with Studio(recordings, QUALITY, lidar=lidar, reach=math.inf) as studio:
         states = studio.recording
         studio.pose(-1)
         yaw, others = states.yaw[-1], studio.others()

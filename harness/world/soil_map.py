@@ -1,7 +1,7 @@
 """Which soil lies where: one everywhere, a map of several, or those that a terrain has of its own."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -27,14 +27,21 @@ class Soils:
     Attributes:
         kinds: Which there are.
         patches: Which of them lies at each vertex of the ground, uint8 of shape (rows, columns).
+        keeps_ruts: Whether ruts stay when all rovers are put back.
     """
 
     kinds: tuple[Soil, ...]
     patches: NDArray[np.uint8]
+    keeps_ruts: bool = False
+
+    @property
+    def leaves_ruts(self) -> bool:
+        """Whether any of them stays where it was pressed to."""
+        return any(soil.leaves_ruts for soil in self.kinds)
 
     def but(self, stiffness: float, friction: float) -> Self:
         """Returns the same with other moduli and tangents of the friction angle, by these factors."""
-        return type(self)(tuple(_scaled(soil, stiffness, friction) for soil in self.kinds), self.patches)
+        return replace(self, kinds=tuple(_scaled(soil, stiffness, friction) for soil in self.kinds))
 
 
 class SoilMap(Value):

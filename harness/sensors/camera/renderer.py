@@ -13,9 +13,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas
-from harness.physics.ruts import drawn_ruts
-from harness.physics.scene import build_scenes
 from harness.physics.stage import FARTHEST, NEAREST, Quality, aim_sun, visible_groups
 from harness.robots.model import ROOT_ID
 from harness.sensors.camera.look import SUN_AZIMUTH, dress_for_cameras
@@ -55,8 +54,8 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
             width=width, height=height, samples=SAMPLES, shadow_map=SHADOW_MAP, slices=SLICES
         )
         dressed = partial(dress_for_cameras, quality=quality)
-        scenes = build_scenes(world, fleet, 0.002, dressed)
-        self._model, self._ruts = scenes[0].model, drawn_ruts(scenes)
+        self._ground = DrawnGround(world)
+        self._model = self._ground.scenes(fleet, 0.002, dressed)[0].model
         self._data = mujoco.MjData(self._model)
         self._canvas = Canvas(self._model, context, MOST_GEOMS)
 
@@ -68,9 +67,9 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         """Returns what the camera of a name sees in a state, shape (height, width, 3), RGB."""
         model, data = self._model, self._data
         mujoco.mj_setState(model, data, state.state, VISIBLE_STATE)
-        if self._ruts is not None and state.ground is not None:
-            self._ruts.show(state.ground)
-            self._canvas.upload_heights(model, self._ruts.field)
+        if state.ground is not None:
+            self._ground.take(state.ground)
+            self._ground.show(*state.position[:2], partial(self._canvas.upload_heights, model))
         mujoco.mj_kinematics(model, data)
         aim_sun(model, data.xpos[ROOT_ID], SUN_AZIMUTH)
         mujoco.mj_camlight(model, data)

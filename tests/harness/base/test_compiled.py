@@ -99,3 +99,24 @@ def test_a_temporary_folder_that_others_could_fill_is_not_trusted(
     for said in (1, 0):  # once
         assert compiled._temporary_cache() == str(folder)
         assert capsys.readouterr().err.count("\n") == said
+
+
+HELPER = "from harness.base import compiled\nFACTOR = 3\nhelp = compiled.inlined(lambda x: {} * x)\n"
+BORROWING = (
+    "from harness.base import compiled\nfrom helper import FACTOR, help\n"
+    "times = compiled.kernel('f8(f8)')(lambda x: FACTOR * help(x))\n"
+)
+
+
+def test_a_kernel_in_the_cache_is_renewed_when_a_helper_or_a_number_of_another_file_changes(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "borrowing.py").write_text(BORROWING)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    command, found = [sys.executable, "-c", "import borrowing; print(borrowing.times(1.0))"], []
+    for helper in (HELPER.format(2), HELPER.format(5), HELPER.format(5).replace("3", "4")):
+        (tmp_path / "helper.py").write_text(helper)
+        os.utime(tmp_path / "helper.py", ns=(len(found), 10**9 * len(found)))  # for Python's own cache
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        found.append(float(done.stdout))
+    assert found == [6.0, 15.0, 20.0]

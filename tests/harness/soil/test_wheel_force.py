@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from harness.soil.rig_kernel import steady_wheels
 from harness.soil.soils import SOILS, Soil
-from harness.soil.wheel_kernel import STATE, steady_wheels, wheel_force
+from harness.soil.wheel_force import STATE, wheel_force
 
 RADIUS, WIDTH, SPEED = 0.0625, 0.05, 0.01
 soils = st.sampled_from([SOILS[name] for name in ("dry_sand", "lll_sand", "clay", "lunar", "firm")])

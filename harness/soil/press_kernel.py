@@ -1,0 +1,255 @@
+"""One step of all wheels on a bed of soil, as MuJoCo calls it: compiled by numba.
+
+`BED` is what the step is told: counts, numbers, and addresses of arrays, those of MuJoCo by its names.
+"""
+
+import math
+from typing import Any
+
+import numba.extending
+import numpy as np
+from numba.core import cgutils
+from numpy.typing import NDArray
+
+from harness.base.compiled import inlined, kernel
+from harness.soil.prints import Frame, Grids, Pair, heap, level, press_down, window
+from harness.soil.rim import Doubles
+from harness.soil.soils import SOIL_CONTACT
+from harness.soil.wheel_force import REBOUND, SOIL_NUMBERS, STATE, UNPLACED, wheel_force
+
+HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a time
+NEAR = 0.02  # [m] around what touches the ground at most a step later, were it as fast as 8 m/s
+FELT = 8  # numbers that are told of a wheel
+
+COUNTS = ("kinds", "wheels", "rows", "columns", "bodies", "joints")
+COUNTS += ("touching", "geoms", "solid_rows", "solid_columns")
+NUMBERS = ("x", "y", "cell", "base", "relief", "dt", "solid_cell")
+OWN = (
+    "soils",  # a row for each, as Soil.numbers
+    "sizes",  # of each wheel: radius, width [m], grousers, 1 where its axis points left, else -1
+    "ids",  # of each wheel: body, joint and root body
+    "virgin",  # the grids of `prints`
+    "surface",
+    "field",
+    "states",
+    "felt",  # sinkage [m], forces ahead, left, up [N], speed of rim and hub [m/s], rut ahead [m]
+    "near",  # geoms that are no wheel and touch soil
+    "boxes",  # middle and half sizes of these
+    "solid",  # heights that they meet [m]
+    "patches",  # which soil lies there
+)
+MUJOCO = ("xpos", "xaxis", "cvel", "subtree_com", "xipos", "xfrc_applied")
+MUJOCO += ("geom_xpos", "geom_xmat", "geom_conaffinity")
+BED = np.dtype(
+    [(name, np.int64) for name in (*COUNTS, *OWN, *MUJOCO)] + [(name, np.float64) for name in NUMBERS]
+)
+
+Triple = tuple[float, float, float]
+
+
+@inlined
+def _ground_under(virgin: Doubles, at: Pair, ahead: Pair, size: Pair, cell: float) -> Triple:
+    """Height of the ground without ruts under a wheel [m], its slopes ahead and to the left."""
+    (u, v), (ex, ey), (r, b) = at, ahead, size
+    lx, ly = 0.8 * r / cell, 0.4 * b / cell
+    middle = level(virgin, u, v)
+    front, back = level(virgin, u + lx * ex, v + lx * ey), level(virgin, u - lx * ex, v - lx * ey)
+    left, right = level(virgin, u - ly * ey, v + ly * ex), level(virgin, u + ly * ey, v - ly * ex)
+    slope_x, slope_y = (front - back) / (1.6 * r), (left - right) / (0.8 * b)
+    return (2.0 * middle + front + back + left + right) / 6.0, slope_x, slope_y
+
+
+@inlined
+def _cross(a: Triple, b: Triple) -> Triple:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inlined
+def _dot(a: Triple, b: Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
+def _rut(virgin: Doubles, surface: Doubles, u: float, v: float) -> float:
+    """Depth of the ruts there [m], none where soil is heaped."""
+    return max(level(virgin, u, v) - level(surface, u, v), 0.0)
+
+
+@inlined
+def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba takes them
+    soils: Doubles,
+    sizes: Doubles,
+    ids: NDArray[np.int64],
+    grids: Grids,
+    frame: Frame,
+    states: Doubles,
+    felt: Doubles,
+    moving: tuple[Doubles, Doubles, Doubles, Doubles, Doubles],
+    pushed: Doubles,
+    dt: float,
+    patches: NDArray[np.uint8],
+    patch_cell: float,
+) -> None:
+    """Presses all wheels into the ground for one step; `moving` is MuJoCo's xpos to xipos."""
+    xpos, xaxis, cvel, subtree_com, xipos = moving
+    virgin, surface, _ = grids
+    x0, y0, cell = frame[0], frame[1], frame[2]
+    for i in range(ids.shape[0]):
+        body, joint, root = ids[i, 0], ids[i, 1], ids[i, 2]
+        r, b, to_left = sizes[i, 0], sizes[i, 1], sizes[i, 3]
+        hub = xpos[body, 0], xpos[body, 1], xpos[body, 2]
+        axle = to_left * xaxis[joint, 0], to_left * xaxis[joint, 1], to_left * xaxis[joint, 2]
+        flat = math.sqrt(axle[0] * axle[0] + axle[1] * axle[1])
+        ex, ey = (axle[1] / flat, -axle[0] / flat) if flat > 1e-6 else (1.0, 0.0)
+        u, v = (hub[0] - x0) / cell, (hub[1] - y0) / cell
+        height, slope_x, slope_y = _ground_under(virgin, (u, v), (ex, ey), (r, b), cell)
+        up = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        normal = (slope_y * ey - slope_x * ex) * up, (-slope_x * ey - slope_y * ex) * up, up
+        tilt = _dot(normal, axle)
+        reach = r * math.sqrt(max(1.0 - tilt * tilt, 0.0)) + 0.5 * b * abs(tilt)
+        sinkage = reach - (hub[2] - height) * up
+        # Ahead is across the axle and along the ground, left is across both.
+        fx, fy, fz = _cross(axle, normal)
+        norm = math.sqrt(fx * fx + fy * fy + fz * fz)
+        ahead = (fx / norm, fy / norm, fz / norm) if norm > 1e-6 else (fx, fy, fz)
+        left = _cross(normal, ahead)
+        turning = cvel[body, 0], cvel[body, 1], cvel[body, 2]
+        arm = hub[0] - subtree_com[root, 0], hub[1] - subtree_com[root, 1], hub[2] - subtree_com[root, 2]
+        moves = (
+            cvel[body, 3] + turning[1] * arm[2] - turning[2] * arm[1],
+            cvel[body, 4] + turning[2] * arm[0] - turning[0] * arm[2],
+            cvel[body, 5] + turning[0] * arm[1] - turning[1] * arm[0],
+        )
+        velocity = (
+            _dot(turning, axle) * r,
+            _dot(moves, ahead),
+            _dot(moves, left),
+            _dot(moves, normal),
+        )
+        length = r * math.sin(math.acos(1.0 - min(max(sinkage, 0.0), r) / r)) / cell + 1.2
+        rut = _rut(virgin, surface, u + length * ex, v + length * ey)
+        behind = _rut(virgin, surface, u - length * ex, v - length * ey)
+        row = min(max(int((hub[1] - y0) / patch_cell + 0.5), 0), patches.shape[0] - 1)
+        col = min(max(int((hub[0] - x0) / patch_cell + 0.5), 0), patches.shape[1] - 1)
+        soil, size = soils[patches[row, col]], (r, b, sizes[i, 2])
+        pull, side, lift, brake = wheel_force(
+            soil, size, (sinkage, rut), (sinkage, behind), velocity, states[i], dt
+        )
+        force = (
+            pull * ahead[0] + side * left[0] + lift * normal[0],
+            pull * ahead[1] + side * left[1] + lift * normal[1],
+            pull * ahead[2] + side * left[2] + lift * normal[2],
+        )
+        tilting = side * (r - 0.5 * max(sinkage, 0.0))  # the side force acts at the ground
+        off = hub[0] - xipos[body, 0], hub[1] - xipos[body, 1], hub[2] - xipos[body, 2]
+        moment = _cross(off, force)
+        for k in range(3):
+            pushed[body, k] = force[k]
+            pushed[body, 3 + k] = moment[k] - brake * axle[k] + tilting * ahead[k]
+        felt[i, 0], felt[i, 1], felt[i, 2], felt[i, 3] = sinkage, pull, side, lift
+        felt[i, 4], felt[i, 5], felt[i, 6], felt[i, 7] = velocity[0], velocity[1], velocity[2], rut
+        if lift > 0.0 and soil[REBOUND] < 1.0:
+            place, plane = (hub[0], hub[1]), (height, slope_x, slope_y, sinkage)
+            moved = states[i, UNPLACED]
+            moved += press_down(grids, frame, place, (ex, ey), (r, b), plane)
+            reach = r * math.sin(math.acos(1.0 - min(sinkage, r) / r))
+            if moved > HEAPED and heap(grids, frame, place, (ex, ey), (reach, b), moved):
+                moved = 0.0
+            states[i, UNPLACED] = moved
+
+
+@inlined
+def _let_near_touch(
+    near: NDArray[np.int64],
+    boxes: Doubles,
+    placed: tuple[Doubles, Doubles],
+    affinity: NDArray[np.int32],
+    solid: Doubles,
+    corner: tuple[float, float, float],
+) -> None:
+    """Lets MuJoCo look for contacts of the ground only with what will be near it in the next step.
+
+    Its look at the cells under an underside costs more than the rest of the step, and finds nothing.
+
+    Args:
+        near: Geoms that are no wheel and touch soil.
+        boxes: Middle and half sizes of each in its own frame [m], shape (n, 6).
+        placed: MuJoCo's geom_xpos and geom_xmat.
+        affinity: MuJoCo's geom_conaffinity.
+        solid: Heights that they meet [m].
+        corner: x, y of the solid heights and their distance [m].
+    """
+    x0, y0, cell = corner
+    rows, columns = solid.shape
+    for i in range(near.size):
+        geom = near[i]
+        at, turn = placed[0][geom], placed[1][geom]
+        low, reach = np.empty(3), np.empty(3)
+        for k in range(3):
+            middle, reach[k] = at[k], NEAR
+            for j in range(3):
+                middle += turn[3 * k + j] * boxes[i, j]
+                reach[k] += abs(turn[3 * k + j]) * boxes[i, 3 + j]
+            low[k] = middle - reach[k]
+        touches = False
+        for row in window(low[1], low[1] + 2.0 * reach[1], y0, cell, rows):
+            for col in window(low[0], low[0] + 2.0 * reach[0], x0, cell, columns):
+                touches |= solid[row, col] > low[2]
+            if touches:
+                break
+        affinity[geom] = affinity[geom] | SOIL_CONTACT if touches else affinity[geom] & ~SOIL_CONTACT
+
+
+@numba.extending.intrinsic  # type: ignore[untyped-decorator]  # numba has no types
+def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG001 - its type is what counts
+    """Makes an address, an integer, a pointer that numba.carray takes."""
+
+    def generate(_: object, builder: Any, __: object, args: Any) -> object:  # noqa: ANN401 - numba's
+        return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+    return numba.types.voidptr(numba.types.int64), generate
+
+
+@inlined
+def _doubles(address: int, rows: int, columns: int) -> Doubles:
+    return numba.carray(pointer(address), (rows, columns), np.float64)
+
+
+@kernel("void(int64)")
+def press_bed(address: int) -> None:
+    """Presses the wheels of a bed for one step; what it is told stands at that address."""
+    told = numba.carray(pointer(address), (1,), BED)[0]
+    wheels, shape = told.wheels, (told.rows, told.columns)
+    solid = _doubles(told.solid, told.solid_rows, told.solid_columns)
+    _let_near_touch(
+        numba.carray(pointer(told.near), (told.touching,), np.int64),
+        _doubles(told.boxes, told.touching, 6),
+        (_doubles(told.geom_xpos, told.geoms, 3), _doubles(told.geom_xmat, told.geoms, 9)),
+        numba.carray(pointer(told.geom_conaffinity), (told.geoms,), np.int32),
+        solid,
+        (told.x, told.y, told.solid_cell),
+    )
+    _press(
+        _doubles(told.soils, told.kinds, SOIL_NUMBERS),
+        _doubles(told.sizes, wheels, 4),
+        numba.carray(pointer(told.ids), (wheels, 3), np.int64),
+        (
+            _doubles(told.virgin, told.rows, told.columns),
+            _doubles(told.surface, told.rows, told.columns),
+            numba.carray(pointer(told.field), shape, np.float32),
+        ),
+        (told.x, told.y, told.cell, told.base, told.relief),
+        _doubles(told.states, wheels, STATE),
+        _doubles(told.felt, wheels, FELT),
+        (
+            _doubles(told.xpos, told.bodies, 3),
+            _doubles(told.xaxis, told.joints, 3),
+            _doubles(told.cvel, told.bodies, 6),
+            _doubles(told.subtree_com, told.bodies, 3),
+            _doubles(told.xipos, told.bodies, 3),
+        ),
+        _doubles(told.xfrc_applied, told.bodies, 6),
+        told.dt,
+        numba.carray(pointer(told.patches), solid.shape, np.uint8),
+        told.solid_cell,
+    )

@@ -1,0 +1,106 @@
+"""What a wheel leaves in the ground: its print, and what that displaced, heaped beside it.
+
+Compiled by numba. `grids` are heights of the ground without ruts and with them [m], and MuJoCo's of 0 to
+1, all of one shape. `frame` is the corner x, y of that grid, the distance of its vertices, the height
+of MuJoCo's 0 and of its 1 above that [m]. `ahead` is a unit vector, the wheel's heading on the map.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.base.compiled import inlined
+from harness.soil.rim import COMPACTION, Doubles
+
+Pair = tuple[float, float]
+Grids = tuple[Doubles, Doubles, NDArray[np.float32]]
+Frame = tuple[float, float, float, float, float]
+
+
+@inlined
+def level(field: Doubles, u: float, v: float) -> float:
+    """Value of a grid between its vertices, in cells from its corner; clamped to the map."""
+    rows, columns = field.shape
+    u, v = min(max(u, 0.0), columns - 1.001), min(max(v, 0.0), rows - 1.001)
+    col, row = int(u), int(v)
+    du, dv = u - col, v - row
+    low = field[row, col] * (1.0 - du) + field[row, col + 1] * du
+    high = field[row + 1, col] * (1.0 - du) + field[row + 1, col + 1] * du
+    return float(low * (1.0 - dv) + high * dv)
+
+
+@inlined
+def window(low: float, high: float, begin: float, cell: float, count: int) -> range:
+    """Rows or columns of a grid, which begins there, from one place to just behind another [m]."""
+    first, last = int((low - begin) / cell), int((high - begin) / cell) + 1
+    return range(max(first, 0), min(last, count - 1) + 1)
+
+
+@inlined
+def press_down(
+    grids: Grids,
+    frame: Frame,
+    hub: Pair,
+    ahead: Pair,
+    size: Pair,
+    plane: tuple[float, float, float, float],
+) -> float:
+    """Leaves the wheel's print in the ground; returns the sum of the heights that it took [m].
+
+    Args:
+        grids: See above.
+        frame: See above.
+        hub: Of the wheel in the world [m].
+        ahead: See above.
+        size: Radius and width of the wheel [m].
+        plane: Height of the ground under the hub [m], its slopes ahead and to the left, the sinkage [m].
+    """
+    _, surface, field = grids
+    x0, y0, cell, base, scale = frame[0], frame[1], frame[2], frame[3], 1.0 / frame[4]
+    (r, b), (height, slope_x, slope_y, sinkage) = size, plane
+    length = r * math.sin(math.acos(1.0 - min(sinkage, r) / r))
+    reach_x = abs(ahead[0]) * length + 0.5 * abs(ahead[1]) * b
+    reach_y = abs(ahead[1]) * length + 0.5 * abs(ahead[0]) * b
+    rows, columns = surface.shape
+    moved = 0.0
+    for row in window(hub[1] - reach_y, hub[1] + reach_y, y0, cell, rows):
+        for col in window(hub[0] - reach_x, hub[0] + reach_x, x0, cell, columns):
+            dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
+            x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
+            if abs(x) > length or abs(y) > 0.5 * b:
+                continue
+            depth = (sinkage - r + math.sqrt(r * r - x * x)) * (1.0 - COMPACTION)
+            bottom = height + slope_x * x + slope_y * y - depth
+            if depth > 0.0 and bottom < surface[row, col]:
+                moved += surface[row, col] - bottom
+                surface[row, col] = bottom
+                field[row, col] = (bottom - base) * scale
+    return moved
+
+
+@inlined
+def heap(grids: Grids, frame: Frame, hub: Pair, ahead: Pair, size: Pair, moved: float) -> bool:
+    """Heaps heights of that sum [m] beside a wheel of that reach and width; returns if it could."""
+    virgin, surface, field = grids
+    x0, y0, cell, base, scale = frame[0], frame[1], frame[2], frame[3], 1.0 / frame[4]
+    near, far = 0.5 * size[1] + cell, 0.5 * size[1] + 3.0 * cell
+    reach_x = abs(ahead[0]) * size[0] + abs(ahead[1]) * far
+    reach_y = abs(ahead[1]) * size[0] + abs(ahead[0]) * far
+    rows, columns = surface.shape
+    heaped, share = 0, 0.0
+    for turn in range(2):  # counts, then heaps
+        for row in window(hub[1] - reach_y, hub[1] + reach_y, y0, cell, rows):
+            for col in window(hub[0] - reach_x, hub[0] + reach_x, x0, cell, columns):
+                dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
+                x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
+                if abs(x) > size[0] or not near <= abs(y) <= far:
+                    continue
+                if turn == 0:
+                    heaped += 1
+                else:
+                    virgin[row, col] += share
+                    surface[row, col] += share
+                    field[row, col] = (surface[row, col] - base) * scale
+        share = moved / max(heaped, 1)
+    return heaped > 0
