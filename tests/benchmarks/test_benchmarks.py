@@ -130,10 +130,11 @@ def test_each_command_writes_its_part_of_the_readme_and_keeps_the_other(
     write_readme("Dogwood.", {"runs": speed})
     text = readme.read_text()
     assert text.startswith(TEMPLATE)
-    assert [text.count(f"{number} core") for number in ("one", "two", "three", "four")] == [1, 0, 1, 1]
-    assert (
-        text.index("one core.") < text.index("### Speed") < text.index("four cores.") < text.index(SOAK)
-    )
+    assert [text.count(machine) for machine in ("Alder", "Birch", "Cedar", "Dogwood")] == [1, 0, 1, 1]
+    places = [
+        text.index(part) for part in ("### Growth", "Alder", "### Speed", "Dogwood", SOAK, "Cedar")
+    ]
+    assert places == sorted(places)
     assert text.partition(SOAK)[2] == f"\n\nCedar.\n\n{markdown(days)}"
 
 
