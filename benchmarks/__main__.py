@@ -1,6 +1,6 @@
 """Command: measure, side by side, and print ratios.
 
-python -m benchmarks [name ...] [--hour] [--quick] [--write]
+python -m benchmarks [name ...] [--hour] [--quick | --write]
 """
 
 import argparse
@@ -28,8 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for benchmark in BENCHMARKS.values():
             console.print(f"[bold]{benchmark.name:10}[/] {benchmark.question}")
         return 0
-    if options.write and (options.names or options.quick):
-        parser.error("--write measures everything in full; leave out names and --quick")
+    if options.write and options.quick:
+        parser.error("--write measures in full; leave out --quick")
     effort = QUICK if options.quick else FULL
     told = f"{conditions()} Medians of {effort.rounds} rounds."
     console.print(told, highlight=False)
@@ -52,12 +52,12 @@ def _chosen(options: argparse.Namespace) -> list[Benchmark]:
     return [b for b in BENCHMARKS.values() if with_long_ones or not b.takes_minutes]
 
 
-def _measured(chosen: Sequence[Benchmark], effort: Effort, console: Console) -> list[Table]:
-    tables = []
+def _measured(chosen: Sequence[Benchmark], effort: Effort, console: Console) -> dict[str, Table]:
+    tables = {}
     for benchmark in chosen:
         with console.status(f"{benchmark.name}: {benchmark.question}"):
-            tables.append(benchmark.measure(effort))
-        console.print(printable(tables[-1]))
+            table = tables[benchmark.name] = benchmark.measure(effort)
+        console.print(printable(table))
     return tables
 
 
@@ -77,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--hour", action="store_true", help="memory over a simulated hour, too")
     parser.add_argument("--quick", action="store_true", help="a smoke test: the figures mean nothing")
-    parser.add_argument("--write", action="store_true", help="everything, into benchmarks/README.md")
+    parser.add_argument("--write", action="store_true", help="into benchmarks/README.md, in full")
     parser.add_argument("--list", action="store_true", help="name the benchmarks")
     return parser
 

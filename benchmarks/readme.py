@@ -2,18 +2,21 @@
 
 import os
 import platform
-from collections.abc import Iterable
+import re
+from collections.abc import Mapping
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from benchmarks.measuring import Table
+from benchmarks.registry import BENCHMARKS
 from harness import __version__
 
 README = Path(__file__).with_name("README.md")
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy", "pybullet")
 
-SOAK = "## The soak"
+RESULTS, SOAK = "## Results", "## The soak"
+SECTION = re.compile(r"<!-- (\w+) -->")  # before each benchmark's table
 TEMPLATE = """\
 # Benchmarks
 
@@ -22,7 +25,7 @@ make bench                           # all but memory, a few minutes
 python -m benchmarks lidar runs      # some of them; --list names them
 python -m benchmarks --hour          # with memory over a simulated hour
 python -m benchmarks --quick         # does everything still work? The figures mean nothing
-python -m benchmarks --write         # all of them, into this file
+python -m benchmarks runs --write    # its table into this file; without names all of them
 make soak                            # hours of broken sensors; its table at the end of this file
 ```
 
@@ -66,21 +69,25 @@ Written by `python -m benchmarks --write` and `make soak`: change benchmarks/rea
 """
 
 
-def write_readme(conditions: str, tables: Iterable[Table]) -> None:
-    """Writes the README with these tables, measured under these conditions; the soak's stays."""
-    parts = [TEMPLATE, f"## Results\n\n{conditions}\n", *(markdown(t) for t in tables)]
-    README.write_text("\n".join([*parts, *_soak_of(README.read_text())]))
+def write_readme(conditions: str, tables: Mapping[str, Table]) -> None:
+    """Writes tables into the README; those of other benchmarks and the soak's stay.
+
+    Args:
+        conditions: Under which they were measured.
+        tables: By the name of their benchmark.
+    """
+    text, soak, rest = README.read_text().partition(SOAK)
+    words = SECTION.split(text.partition(RESULTS)[2])
+    sections = dict(zip(words[1::2], words[2::2], strict=True))
+    sections |= {name: f"\n{markdown(table)}\n{conditions}\n\n" for name, table in tables.items()}
+    told = [f"<!-- {name} -->{sections[name]}" for name in BENCHMARKS if name in sections]
+    README.write_text(f"{TEMPLATE}\n{RESULTS}\n\n{''.join(told)}{soak}{rest}")
 
 
 def write_soak(conditions: str, table: Table) -> None:
     """Writes the soak's table into the README; everything else stays."""
     text = README.read_text().partition(SOAK)[0].rstrip()
     README.write_text(f"{text}\n\n{SOAK}\n\n{conditions}\n\n{markdown(table)}")
-
-
-def _soak_of(text: str) -> list[str]:
-    _, marker, rest = text.partition(SOAK)
-    return [marker + rest] if marker else []
 
 
 def conditions() -> str:

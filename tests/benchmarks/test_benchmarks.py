@@ -120,24 +120,29 @@ def test_each_command_writes_its_part_of_the_readme_and_keeps_the_other(
     readme = tmp_path / "README.md"
     readme.write_text("")
     monkeypatch.setattr("benchmarks.readme.README", readme)
-    tables = {t: Table(title=t, columns=("way",), rows=(("here",),)) for t in ("Speed", "Hours", "Days")}
-    write_readme("one core.", [tables["Speed"]])
-    write_soak("two cores.", tables["Hours"])
-    write_soak("three cores.", tables["Days"])
-    write_readme("four cores.", [tables["Speed"]])
+    speed, growth, hours, days = (
+        Table(title=title, columns=("way",), rows=(("here",),))
+        for title in ("Speed", "Growth", "Hours", "Days")
+    )
+    write_readme("Alder.", {"runs": speed, "growth": growth})
+    write_soak("Birch.", hours)
+    write_soak("Cedar.", days)
+    write_readme("Dogwood.", {"runs": speed})
     text = readme.read_text()
     assert text.startswith(TEMPLATE)
-    assert "one core." not in text
-    assert text.index("four cores.") < text.index("### Speed") < text.index(SOAK)
-    assert text.partition(SOAK)[2] == f"\n\nthree cores.\n\n{markdown(tables['Days'])}"
+    assert [text.count(machine) for machine in ("Alder", "Birch", "Cedar", "Dogwood")] == [1, 0, 1, 1]
+    places = [
+        text.index(part) for part in ("### Growth", "Alder", "### Speed", "Dogwood", SOAK, "Cedar")
+    ]
+    assert places == sorted(places)
+    assert text.partition(SOAK)[2] == f"\n\nCedar.\n\n{markdown(days)}"
 
 
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
         (["speed"], "benchmark 'speed' does not exist; available: lidar, growth"),
-        (["--write", "lidar"], "--write measures everything in full"),
-        (["--write", "--quick"], "--write measures everything in full"),
+        (["--write", "--quick"], "--write measures in full"),
     ],
 )
 def test_bad_argument_is_one_line(
