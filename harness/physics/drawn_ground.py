@@ -111,9 +111,14 @@ class DrawnGround:
             kept, terrain[covered] = terrain[covered].copy(), 0.0
             upload(self._terrain)
             terrain[covered] = kept  # for rays
-        heights = self._fresh[window].copy()  # along the edge there are no ruts
-        heights[1:-1, 1:-1] = self.heights[window][1:-1, 1:-1]
-        self._data(self._ruts)[:] = self._shares(heights)
+        ruts = self.heights[window] - self._fresh[window]
+        for across in (
+            ruts,
+            ruts.T,
+        ):  # softened: each cell is shaded as a whole, a wall would be a row of teeth
+            across[1:-1] = 0.25 * across[:-2] + 0.5 * across[1:-1] + 0.25 * across[2:]
+            across[[0, -1]] = 0.0  # along the edge there are none
+        self._data(self._ruts)[:] = self._shares(self._fresh[window] + ruts)
         upload(self._ruts)
 
     def _add(self, spec: mujoco.MjSpec) -> None:
@@ -125,6 +130,7 @@ class DrawnGround:
             size=[half_x, half_y, self._relief, BASE_THICKNESS],
             nrow=rows * self._parts + 1,
             ncol=columns * self._parts + 1,
+            userdata=[0.0] * ((rows * self._parts + 1) * (columns * self._parts + 1)),
         )
         spec.material(GROUND).texrepeat = [2.0 * half / tile for half in ground.half_size]
         material = spec.add_material(name=RUTS, specular=0.0, reflectance=0.0)
@@ -144,7 +150,8 @@ class DrawnGround:
         """Heights of a heightfield of the model, from 0 to 1, a view."""
         model = self._model
         shape = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
-        return model.hfield_data[model.hfield_adr[field] :][: math.prod(shape)].reshape(shape)
+        heights: NDArray[np.float32] = model.hfield_data[model.hfield_adr[field] :][: math.prod(shape)]
+        return heights.reshape(shape)
 
     def _shares(self, heights: Field) -> Field:
         return (heights - self._base) / self._relief

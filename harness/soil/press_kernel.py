@@ -21,7 +21,7 @@ HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a
 NEAR = 0.02  # [m] around what touches the ground at most a step later, were it as fast as 8 m/s
 FELT = 8  # numbers that are told of a wheel
 
-COUNTS = ("kinds", "wheels", "rows", "columns", "bodies", "joints")
+COUNTS: tuple[str, ...] = ("kinds", "wheels", "rows", "columns", "bodies", "joints")
 COUNTS += ("touching", "geoms", "solid_rows", "solid_columns")
 NUMBERS = ("x", "y", "cell", "base", "relief", "dt", "solid_cell")
 OWN = (
@@ -38,7 +38,7 @@ OWN = (
     "solid",  # heights that they meet [m]
     "patches",  # which soil lies there
 )
-MUJOCO = ("xpos", "xaxis", "cvel", "subtree_com", "xipos", "xfrc_applied")
+MUJOCO: tuple[str, ...] = ("xpos", "xaxis", "cvel", "subtree_com", "xipos", "xfrc_applied")
 MUJOCO += ("geom_xpos", "geom_xmat", "geom_conaffinity")
 BED = np.dtype(
     [(name, np.int64) for name in (*COUNTS, *OWN, *MUJOCO)] + [(name, np.float64) for name in NUMBERS]
@@ -212,7 +212,8 @@ def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG00
 
 @inlined
 def _doubles(address: int, rows: int, columns: int) -> Doubles:
-    return numba.carray(pointer(address), (rows, columns), np.float64)
+    values: Doubles = numba.carray(pointer(address), (rows, columns), np.float64)
+    return values
 
 
 @kernel("void(int64)")

@@ -25,7 +25,16 @@ Exponent = Annotated[float, Field(gt=0.0, le=10.0)]
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
 
 # What kernels take, in their order; `harness.soil.rim` reads those up to `stay_lateral`.
-NUMBERS = ("k", "n", "slip_n", "cohesion", "friction", "shear_length", "peak", "peak_driving")
+NUMBERS: tuple[str, ...] = (
+    "k",
+    "n",
+    "slip_n",
+    "cohesion",
+    "friction",
+    "shear_length",
+    "peak",
+    "peak_driving",
+)
 NUMBERS += ("peak_braking", "flowing", "flow_lateral", "flow_driving", "flow_braking", "flow_pressing")
 NUMBERS += ("dig_grousers", "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral")
 NUMBERS += ("rebound", "side_modulus", "side_exponent", "side_flow", "side_slip", "side_friction")

@@ -126,7 +126,8 @@ class Studio(AbstractContextManager["Studio"]):
         self._renderer._gl_context.make_current()  # noqa: SLF001 - MuJoCo offers no other way
         context = self._renderer._mjr_context  # noqa: SLF001
         upload = partial(mujoco.mjr_uploadHField, self.model, context)
-        self._ground.show(*self.recording.path[index][:2].tolist(), upload)
+        x, y, *_ = self.recording.path[index].tolist()
+        self._ground.show(x, y, upload)
 
     def others(self) -> NDArray[np.float64] | None:
         """Returns where the other rovers are at the end [m], shape (n, 3); None without any."""

@@ -113,7 +113,10 @@ def test_a_kernel_in_the_cache_is_renewed_when_a_helper_or_a_number_of_another_f
 ) -> None:
     (tmp_path / "borrowing.py").write_text(BORROWING)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-    command, found = [sys.executable, "-c", "import borrowing; print(borrowing.times(1.0))"], []
+    command, found = (
+        [sys.executable, "-c", "import borrowing; print(borrowing.times(1.0))"],
+        list[float](),
+    )
     for helper in (HELPER.format(2), HELPER.format(5), HELPER.format(5).replace("3", "4")):
         (tmp_path / "helper.py").write_text(helper)
         os.utime(tmp_path / "helper.py", ns=(len(found), 10**9 * len(found)))  # for Python's own cache

@@ -59,30 +59,13 @@ def test_ruts_are_seen_where_the_rover_drove(forth: Episode) -> None:
     assert ahead.min() == ahead.max() == 0.0
 
 
-@pytest.mark.parametrize("soil", ["dry_sand", "lll_sand", "clay", "lunar"])
-def test_the_second_pass_is_shallower_and_resisted_less(soil: str) -> None:
-    def passed(commands: tuple[tuple[float, float, float], ...], duration: float) -> tuple[float, float]:
-        """How deep the wheels press, and the power [W] that turning them takes, on average."""
-        run = {
-            "soil": soil,
-            "commands": commands,
-            "terrain": "flat",
-            "robot": "leo",
-            "driver": "cmd_vel",
-        }
-        episode = Episode(Run.of(duration=duration, **run))
-        data, motors = episode.simulation.data, episode.simulation.motors
-        powers = [
-            np.abs(data.actuator_force[motors] * data.actuator_velocity[motors]).sum()
-            for _ in episode.batches()
-        ]
-        bed = episode.simulation.physics.bed
+def test_the_second_pass_is_shallower() -> None:
+    def deeper(commands: tuple[tuple[float, float, float], ...], duration: float) -> float:
+        bed = driven(duration, commands=commands).simulation.physics.bed
         assert bed is not None
-        return float((bed.felt[:, 0] - bed.felt[:, 7]).mean()), float(np.mean(powers[-10:]))
+        return float((bed.felt[:, 0] - bed.felt[:, 7]).mean())
 
-    (second, eased), (first, hard) = passed(FORTH_AND_BACK, 8.0), passed(FORTH, 4.0)
-    assert second < 0.7 * first
-    assert eased < 0.9 * hard
+    assert deeper(FORTH_AND_BACK, 8.0) < 0.7 * deeper(FORTH, 4.0)
 
 
 @pytest.mark.parametrize(("count", "keep"), [(1, False), (2, False), (2, True)])
@@ -105,7 +88,7 @@ def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
     depths = [float(bed.surface.min()) for _ in together(episodes)]
     assert depths[-2] < -0.005
     far = bed.surface[:, bed.surface.shape[1] // 2 + 30 :]  # where nobody stands
-    assert (far.min() < -0.005) is keep
+    assert bool(far.min() < -0.005) is keep
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])

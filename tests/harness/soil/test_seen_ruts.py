@@ -23,7 +23,7 @@ BEHIND = (-0.9, 0.0, 0.6)
 TURN = np.array(
     [[-math.cos(0.6), 0.0, -math.sin(0.6)], [0.0, -1.0, 0.0], [-math.sin(0.6), 0.0, math.cos(0.6)]]
 )
-OPTICAL = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def heights(
 @pytest.mark.parametrize(
     ("options", "axes"),
     [
-        (DepthOptions(name="depth", width=80, height=60), OPTICAL @ TURN),
+        (DepthOptions(name="depth", width=80, height=60), TURN @ OPTICAL),
         (
             CloudLidarOptions(
                 name="cloud",
@@ -75,7 +75,7 @@ def test_points_of_depth_images_and_clouds_lie_on_the_bed(
     sensor = RangeSensor(simulation, mounted, 10)
     reading, pose = sensor.read(), sensor.pose()
     seen = np.isfinite(reading.ranges) & ~reading.on_obstacle & (reading.ranges < 2.0)
-    points = pose[0] + (reading.ranges[:, None] * options.directions())[seen] @ pose[1:]
+    points = pose[0] + (reading.ranges[:, None] * options.directions())[seen] @ pose[1:].T
     with_ruts, terrain = heights(simulation, *points[:, :2].T)
     assert seen.sum() > 500
     assert np.abs(points[:, 2] - with_ruts).max() < 0.004  # of cells that are split into triangles
