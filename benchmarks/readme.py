@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchmarks.measuring import Table
 from benchmarks.registry import BENCHMARKS
-from harness import __version__
+from harness.base.version import __version__
 
 README = Path(__file__).with_name("README.md")
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy", "pybullet")

@@ -15,12 +15,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from shutil import copy
 
-from harness.cli.edge import begin_program, run_program
+from harness.base.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.robot")
 
-from harness.sensors.camera.backend import keep_opengl_out
+from harness.base.opengl import keep_opengl_out
 from harness.view.drawing import Drawing
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from harness.cli.edge import begin_program, run_program
+from harness.base.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.run")
@@ -20,9 +20,10 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
-from harness.base.files import check_target, write_whole
+from harness.base.files import BESIDE, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.base.loading import loading
+from harness.base.opengl import keep_opengl_out
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
 from harness.episode.assembly import actor_names, check_world, world_of
@@ -33,8 +34,7 @@ from harness.episode.result import Drive, Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
-from harness.sensors.camera.backend import keep_opengl_out
-from harness.view.drawing import BESIDE, SUFFIXES, Drawing
+from harness.view.drawing import SUFFIXES, Drawing
 from harness.world.files import is_terrain_file
 from rover_metrics.errors import complain
 from rover_metrics.sheet.console import PlainConsole
@@ -68,15 +68,7 @@ def _command(options: RunOptions, console: Console) -> int:
     with loading():
         drive = _loaded(options)
     with StopRequest() as stop, drawing:
-        drawn = _prepared(options, console, drawing)
-        outputs = [
-            Outputs(
-                log_dir=options.log_dir(rover),
-                observers=tuple(each[number] for each in (logs, drawn, recorders) if each),
-                settings=options.settings[number],
-            )
-            for number, rover in enumerate(run.rovers)
-        ]
+        outputs = options.outputs(logs, _prepared(options, console, drawing), recorders)
         results = [
             _placed(result, options, output)
             for result, output in zip(

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from harness.cli.edge import begin_program, run_program
+from harness.base.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.topics")

@@ -7,7 +7,9 @@ from pathlib import Path
 from harness.base.errors import HarnessError, UsageError
 from rover_metrics.log.files import whole_file
 
-__all__ = ["check_target", "modified_ns", "whole_file", "write_whole"]
+__all__ = ["BESIDE", "check_target", "modified_ns", "whole_file", "write_whole"]
+
+BESIDE = Path()  # in place of a file: beside the log of a run, under its name
 
 
 def write_whole(

@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from harness.base.files import BESIDE
 from harness.episode.mishaps import KINDS, Kind
 from harness.spec.value import Option, Value, listed
-from harness.view.drawing import BESIDE
 
 
 class Files(Value):

@@ -12,7 +12,9 @@ from harness.cli.flags import flags_of, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
 from harness.drivers import takes_goals
 from harness.episode.assembly import check, fleet, gravity, has_soil, people
+from harness.episode.loop import Observer
 from harness.episode.metrics_feed import extended_settings
+from harness.episode.result import Outputs
 from harness.robots import find_rover
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import FrameOptions, RosOptions
@@ -48,6 +50,17 @@ class RunOptions:
     def log_dir(self, rover: RoverSetup) -> Path:
         """Returns the folder of a rover's logs: with its name, if there are several."""
         return self.ros.log_dir / rover.name
+
+    def outputs(self, *observers: Sequence[Observer]) -> list[Outputs]:
+        """Returns where the data of each rover go; each group of observers has one a rover, or none."""
+        return [
+            Outputs(
+                log_dir=self.log_dir(rover),
+                observers=tuple(group[number] for group in observers if group),
+                settings=self.settings[number],
+            )
+            for number, rover in enumerate(self.run.rovers)
+        ]
 
 
 def with_name(file: Path | None, rover: RoverSetup) -> Path | None:

@@ -10,8 +10,8 @@ import sys
 from functools import partial
 from typing import NamedTuple
 
+from harness.base.edge import begin_program
 from harness.base.version import __version__
-from harness.cli.edge import begin_program
 from rover_metrics.errors import COMPLETED, OneLineParser, unknown
 
 

@@ -24,6 +24,8 @@ class GoalCourse:
     clearance: float  # to hazards and the map's edge [m]
     rng: np.random.Generator  # source of randomness
     _account: GoalAccount = field(default_factory=GoalAccount, init=False)
+    _goal: Place = field(init=False)
+    _is_given: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         (x, y), (x_to, y_to) = self.space.low - EDGE_MARGIN, self.space.high + EDGE_MARGIN
@@ -46,11 +48,17 @@ class GoalCourse:
             UsageError: There is no free place in the area.
         """
         self._account.observe(time_s, place, orientation)
-        if self._account.goal is not None:
+        if self._account.goal is None:
+            self._goal = self.draw()
+            self._account.begin((self._goal.x, self._goal.y), time_s)
+        elif self._is_given:
             return None
-        goal = self.draw()
-        self._account.begin((goal.x, goal.y), time_s)
-        return goal
+        self._is_given = True
+        return self._goal
+
+    def again(self) -> None:
+        """Gives the goal once more that is in hand: its driver is new, or was put elsewhere."""
+        self._is_given = False
 
     def draw(self) -> Place:
         """Returns a free place, heading anywhere; UsageError if there is none."""

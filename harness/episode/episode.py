@@ -300,8 +300,8 @@ class Episode:
         self._give_again()
 
     def _give_again(self) -> None:
-        """A new driver, or one that was held, is given the way point that is in hand."""
-        if isinstance(self._course, RouteCourse):
+        """A new driver, or one that was held, is given the goal or way point that is in hand."""
+        if self._course is not None:
             self._course.again()
 
     def _observe(self) -> Observation:

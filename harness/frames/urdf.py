@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from harness.frames.rover_frames import SLIDE, Link, Matrix, RoverFrames, homogeneous
-from harness.physics.scene import VISUAL_GROUP
+from harness.robots.model import SEEN_GROUP
 
 BOX, CYLINDER, SPHERE, CAPSULE, MESH = (
     int(getattr(mujoco.mjtGeom, f"mjGEOM_{name}"))
@@ -71,7 +71,7 @@ def _add_inertial(element: ET.Element, link: Link, frames: RoverFrames) -> None:
 def _add_visuals(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     """What is to be seen of the link's body."""
     model, data = frames.model, frames.data
-    of_body = np.flatnonzero((model.geom_bodyid == link.body) & (model.geom_group == VISUAL_GROUP))
+    of_body = np.flatnonzero((model.geom_bodyid == link.body) & (model.geom_group == SEEN_GROUP))
     for geom in of_body.tolist():
         geom_in_base = homogeneous(data.geom_xpos[geom], data.geom_xmat[geom])
         geom_in_link = np.linalg.inv(link.in_base) @ geom_in_base

@@ -3,10 +3,6 @@
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
-
-from rclpy.context import Context
-from rclpy.parameter import Parameter
 
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
@@ -14,36 +10,9 @@ from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from harness.ros.remote import DISCOVERY_PATIENCE
-from rover_metrics.errors import RoverMetricsError
-from rover_metrics.extended.settings import Settings
 from rover_metrics.metrics_node import MetricsNode
 
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
-
-
-def metrics_node(
-    context: Context,
-    log_dir: Path,
-    namespace: str = "",
-    settings: Settings | None = None,
-) -> MetricsNode:
-    """Returns a MetricsNode on simulation time that logs into a folder.
-
-    Args:
-        context: The rclpy context that the node lives in.
-        log_dir: The folder, whatever the settings or the command line say.
-        namespace: Namespace of the node and of what it listens to, where there are several rovers.
-        settings: Defaults of the node's parameters, over which `--ros-args` wins.
-
-    Raises:
-        UsageError: The log cannot be created, or a parameter on the command line is not valid.
-    """
-    values = {"use_sim_time": True, "log_dir": str(log_dir)}
-    overrides = [Parameter(name, value=value) for name, value in values.items()]
-    try:
-        return MetricsNode(settings, context=context, parameter_overrides=overrides, namespace=namespace)
-    except RoverMetricsError as error:
-        raise UsageError(str(error)) from error
 
 
 class HostedMetrics:

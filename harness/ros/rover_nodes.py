@@ -8,6 +8,7 @@ from functools import partial
 from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.logging import get_logger
+from rclpy.parameter import Parameter
 
 from harness.base.errors import UsageError
 from harness.episode.assembly import actor_names, injector, scenery, sensor_rows
@@ -18,7 +19,7 @@ from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.commands import RCLError
-from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.hosted import HostedMetrics
 from harness.ros.navigation import Navigation
 from harness.samples import Twist
 from harness.sensors.camera.painter import CameraPainter
@@ -26,6 +27,8 @@ from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
+from rover_metrics.errors import RoverMetricsError
+from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.ros.arguments import refusal
 
 
@@ -35,6 +38,27 @@ def painter(run: Run, number: int = 0) -> CameraPainter:
     cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
     warn = get_logger("harness").warning
     return CameraPainter(partial(scenery, run), cameras, run.own_seed(number), warn)
+
+
+def metrics_node(context: Context, outputs: Outputs, namespace: str = "") -> MetricsNode:
+    """Returns a MetricsNode on simulation time.
+
+    Args:
+        context: The rclpy context that the node lives in.
+        outputs: The folder of its log, whatever the command line says, and the defaults of its
+            parameters, over which `--ros-args` wins.
+        namespace: Namespace of the node and of what it listens to, where there are several rovers.
+
+    Raises:
+        UsageError: The log cannot be created, or a parameter on the command line is not valid.
+    """
+    values = {"use_sim_time": True, "log_dir": str(outputs.log_dir)}
+    given = [Parameter(name, value=value) for name, value in values.items()]
+    settings = outputs.settings
+    try:
+        return MetricsNode(settings, context=context, parameter_overrides=given, namespace=namespace)
+    except RoverMetricsError as error:
+        raise UsageError(str(error)) from error
 
 
 class RoverNodes:
@@ -101,7 +125,7 @@ class RoverNodes:
         Raises:
             UsageError: DDS does not connect it, or its log cannot be created.
         """
-        node = metrics_node(self._context, outputs.log_dir, self.setup.name, settings=outputs.settings)
+        node = metrics_node(self._context, outputs, self.setup.name)
         self._at_end.callback(node.destroy_node)
         executor.add_node(node)
         self.hosted = HostedMetrics(self.bridge, node)

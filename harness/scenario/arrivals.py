@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from harness.base.errors import unknown
 from harness.base.sim_time import NANOSECONDS
+from harness.scenario.names import OF_TOPICS, TopicQuantity
 from harness.scenario.series import Series
-from harness.scenario.topic import MEASURES, TopicQuantity
 from harness.sensors.message_types import numbers_at
 from rover_metrics.topics import stamp_ns
 
@@ -84,7 +84,7 @@ def topic_series(
     own = heard[quantity.topic]
     times = np.array(own.times)
     nothing = f"nothing was heard on {quantity.topic}" if not len(times) else "there is no value"
-    unit, _ = MEASURES.get(quantity.what, ("", ""))
+    unit, _ = OF_TOPICS.get(quantity.what, ("", ""))
     match quantity.what:
         case "count":
             return Series(times / NANOSECONDS, np.ones(len(times)), is_tally=True)

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, StringConstraints, model_validator
 
-from harness.scenario.topic import FULL_NAME
+from harness.scenario.names import FULL_NAME
 from harness.spec.value import Finite, Seconds, Value, as_tuple
 
 Over = Literal["always", "end", "mean", "p95", "share"]

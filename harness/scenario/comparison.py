@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.scenario.bound import Bound
 from harness.scenario.case import cell_name
-from harness.scenario.topic import COUNT, topic_quantity
+from harness.scenario.names import COUNT, topic_quantity
 from harness.scenario.verdict import CONFIDENCE, Attempt, Verdict, outcome_of, wilson
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind

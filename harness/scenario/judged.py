@@ -7,8 +7,7 @@ from harness.episode.assembly import graded_world
 from harness.scenario import maps, poses
 from harness.scenario.arrivals import Reader
 from harness.scenario.case import Case
-from harness.scenario.map import map_quantity
-from harness.scenario.pose import pose_quantity
+from harness.scenario.names import map_quantity, pose_quantity
 from harness.scenario.series import Series
 
 

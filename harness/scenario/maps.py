@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
-from harness.scenario.map import MapQuantity
+from harness.scenario.names import MapQuantity
 from harness.scenario.series import Series
 from harness.sensors.message_types import GRID_MAP
 from harness.world.grading import Cells, GradedMap
@@ -93,7 +93,7 @@ def map_series(quantity: MapQuantity, grids: Sequence[Grid], truth: GradedMap) -
 
 
 def share(what: str, grid: Grid, truth: GradedMap) -> float:
-    """Returns one of MEASURES of a map; NaN where no cell counts."""
+    """Returns one of OF_MAPS of a map; NaN where no cell counts."""
     x, y = grid.places()
     inset = truth.resolution * np.array(truth.layers["danger"].shape)[::-1] - EDGE_MARGIN
     low = np.array(truth.corner) + EDGE_MARGIN

@@ -14,7 +14,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import GroundTruth
 from harness.scenario import trajectory
-from harness.scenario.pose import MEASURES, TF, TF_STATIC, PoseQuantity
+from harness.scenario.names import OF_POSES, TF, TF_STATIC, PoseQuantity
 from harness.scenario.series import Series
 from rover_metrics.topics import stamp_ns
 
@@ -84,7 +84,7 @@ def pose_series(quantity: PoseQuantity, heard: Mapping[str, Sequence[Row]], trut
         heard: The rows of each topic, in the order of their arrival.
         truth: Of the run.
     """
-    unit, _ = MEASURES[quantity.what]
+    unit, _ = OF_POSES[quantity.what]
     rows = [row for topic in quantity.topics for row in heard.get(topic, ())]
     if quantity.frames is not None:
         rows = list(chained(heard.get(TF_STATIC, ()), heard.get(TF, ()), *quantity.frames))

@@ -10,12 +10,8 @@ from typing import NamedTuple
 from harness.base.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, SoilState, TruthState
-from harness.scenario.map import HINT as MAP_HINT
-from harness.scenario.map import MAP, map_quantity
 from harness.scenario.mission import OF_TARGET, MissionState
-from harness.scenario.pose import HINT as POSE_HINT
-from harness.scenario.pose import POSE, pose_quantity
-from harness.scenario.topic import TOPIC, check_topic
+from harness.scenario.names import MAP, POSE, TOPIC, check_heard
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.plugins import Table
@@ -223,12 +219,8 @@ def quantity_of(name: str) -> Quantity | None:
 
 def check_name(name: str) -> str | None:
     """Returns what to tell of a quantity that does not exist, None of one that does."""
-    if name.startswith(TOPIC):
-        return check_topic(name)
-    if name.startswith(MAP):
-        return None if map_quantity(name) else f"quantity '{name}' is none of a map; {MAP_HINT}"
-    if name.startswith(POSE):
-        return None if pose_quantity(name) else f"quantity '{name}' is none of a pose; {POSE_HINT}"
+    if name.startswith((TOPIC, POSE, MAP)):
+        return check_heard(name)
     if OF_TARGET.fullmatch(name):
         return None
     return None if name in QUANTITIES or name in names() else unknown("quantity", name, names())

@@ -16,14 +16,20 @@ from pydantic_core import PydanticCustomError
 
 from harness.base.errors import unknown
 from harness.scenario.bound import Bound, Measure, Point, Share, Text
-from harness.scenario.map import FORM as MAPS
-from harness.scenario.map import MAP
 from harness.scenario.mission import OF_TARGET
-from harness.scenario.pose import FORM as POSES
-from harness.scenario.pose import POSE
+from harness.scenario.names import (
+    COUNT,
+    LATENCY,
+    MAP,
+    MAP_FORM,
+    PATTERN,
+    POSE,
+    POSE_FORM,
+    TOPIC,
+    topic_quantity,
+)
 from harness.scenario.quantities import GOAL, ROUTE, TARGETS, check_name, names
 from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
-from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
 from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 from harness.world.targets.placing import target_names
@@ -36,7 +42,7 @@ SCHEMA: dict[str, Any] = {
             {"pattern": f"^{PATTERN}$"},
             *(
                 {"pattern": f"^{re.sub(r'[?]P<.+?>', '', form.pattern)}$"}
-                for form in (OF_TARGET, POSES, MAPS)
+                for form in (OF_TARGET, POSE_FORM, MAP_FORM)
             ),
         ]
     }

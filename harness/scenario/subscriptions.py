@@ -14,7 +14,7 @@ from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
 from harness.scenario.arrivals import Arrivals, Reader
-from harness.scenario.topic import AGE, TopicQuantity, check_messages
+from harness.scenario.names import AGE, TopicQuantity, check_messages
 from harness.sensors.message_types import read_message
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]

@@ -30,10 +30,10 @@ from harness.samples import Tick
 from harness.scenario.arrivals import topic_series
 from harness.scenario.case import Case, plan
 from harness.scenario.judged import judged_series, readers
+from harness.scenario.names import TopicQuantity, topic_quantity
 from harness.scenario.series import Series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
-from harness.scenario.topic import TopicQuantity, topic_quantity
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
 from harness.testing.evidence import LeavesEvidence, Recording

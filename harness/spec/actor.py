@@ -13,8 +13,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from harness.base.errors import UsageError, unknown
-from harness.spec.value import AsText, Value, made, parsed
+from harness.base.errors import UsageError
+from harness.spec.value import AsText, Value, made, parsed, words_of
 from rover_metrics import number
 
 FORM = "give [NAME=]FILE.sdf, NAME=X,Y/X,Y/..., NAME=random or NAME=social, and :KEY=VALUE,... behind it"
@@ -90,7 +90,7 @@ def parse_actor(text: str) -> ActorSpec:
     way, behind = (match["way"], match["options"] or "") if match else (text, "")
     name, sign, rest = way.partition("=")
     name, way = (name, rest) if sign and NAME.fullmatch(name) else ("", way)
-    options = _options(text, behind)
+    options = made(ActorOptions, words_of(behind), f"actor '{text}'")
     if way in WALKERS:
         return ActorSpec(text, name or way, options, walker=way)
     if POINTS.fullmatch(way):
@@ -101,14 +101,6 @@ def parse_actor(text: str) -> ActorSpec:
     if not way.lower().endswith(SUFFIXES):
         raise UsageError(f"actor '{text}' is not valid; {FORM}")
     return ActorSpec(text, name, options, file=way)
-
-
-def _options(text: str, behind: str) -> ActorOptions:
-    pairs = [pair.partition("=") for pair in behind.split(",") if behind]
-    for key, _, _ in pairs:
-        if key not in ActorOptions.model_fields:
-            raise UsageError(f"actor '{text}': {unknown('key', key, ActorOptions.model_fields)}")
-    return made(ActorOptions, {key: value for key, _, value in pairs}, f"actor '{text}'")
 
 
 ActorText = Annotated[ActorSpec, parsed(parse_actor), AsText]

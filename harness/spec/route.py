@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from harness.base.errors import UsageError, unknown
+from harness.base.errors import UsageError
 from harness.spec.target import NAME
-from harness.spec.value import Finite, Length, Value, as_tuple
+from harness.spec.value import Finite, Length, Value, as_tuple, words_of
 from rover_metrics import number
 
 FORM = "X,Y/TARGET/@LAT,LON[:KEY=VALUE,...]"
@@ -70,11 +70,7 @@ def parse_route(text: str) -> dict[str, Any]:
     found = TEXT.fullmatch(text.strip())
     if found is None:
         raise UsageError(f"route '{text}' is not valid; give {FORM}")
-    pairs = [pair.partition("=") for pair in (found["options"] or "").split(",") if pair]
-    given = {key: value for key, _, value in pairs}
-    for key in given:
-        if key not in (*OF_POINTS, *OF_ROUTE):
-            raise UsageError(f"route '{text}': {unknown('key', key, (*OF_POINTS, *OF_ROUTE))}")
+    given = words_of(found["options"] or "", (*OF_POINTS, *OF_ROUTE), f"route '{text}': ")
     shared = {key: given[key] for key in OF_POINTS if key in given}
     points = [_point(text, word) | shared for word in found["points"].split("/")]
     return {"points": points} | {key: given[key] for key in OF_ROUTE if key in given}

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from harness.base.errors import UsageError, unknown
-from harness.spec.value import AsText, Finite, Length, Value, made, parsed
+from harness.spec.value import AsText, Finite, Length, Value, made, parsed, words_of
 
 FORM = "[NAME=]KIND[:KEY=VALUE,...]"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -135,12 +135,8 @@ def parse_target(text: str) -> TargetSpec:
     kind = MESH if is_mesh else word
     if kind not in KINDS or word == MESH:
         raise UsageError(f"target '{text}': {unknown('kind', word, [*KINDS][:-1])}, or a FILE{MESH}")
-    pairs = [pair.partition("=") for pair in (found["options"] or "").split(",") if pair]
-    keys = (*PLACE, *KINDS[kind])
-    for key, _, _ in pairs:
-        if key not in keys:
-            raise UsageError(f"target '{text}': {unknown('key', key, keys)}")
-    options = made(TargetOptions, {key: value for key, _, value in pairs}, f"target '{text}'")
+    given = words_of(found["options"] or "", (*PLACE, *KINDS[kind]), f"target '{text}': ")
+    options = made(TargetOptions, given, f"target '{text}'")
     if kind == "gate" and options.faces and options.id + 1 >= DICTIONARIES[options.dictionary][0]:
         raise UsageError(f"target '{text}': a gate needs two ids; give a smaller one than {options.id}")
     return TargetSpec(text, name or "", kind, options, word if is_mesh else "")

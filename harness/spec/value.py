@@ -1,6 +1,6 @@
 """Frozen values, and the one door through which text and the keys of files become them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self, TypeVar, get_args
 
@@ -228,6 +228,21 @@ def checked(check: Callable[[Any], object]) -> Callable[[Any], Any]:
         return value
 
     return validate
+
+
+def words_of(text: str, known: Collection[str] = (), where: str = "") -> dict[str, str]:
+    """Returns the words of KEY=VALUE,KEY=VALUE,... by their keys; UsageError for one that is not known.
+
+    Args:
+        text: What a user has written; "" has no words.
+        known: Valid keys; all are where there are none.
+        where: How a message begins.
+    """
+    words = {key: value for key, _, value in (pair.partition("=") for pair in text.split(",") if pair)}
+    wrong = next((key for key in words if known and key not in known), None)
+    if wrong is not None:
+        raise UsageError(f"{where}{unknown('key', wrong, known)}")
+    return words
 
 
 AsText = PlainSerializer(str, return_type=str)

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.cli.edge import begin_program, run_program
+from harness.base.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.validate")

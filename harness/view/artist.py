@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
 
 from harness.base.errors import INSTALL_OPENGL, HarnessError, UsageError
-from harness.sensors.camera.backend import backends
+from harness.base.opengl import backends
 
 READY = "ready\n"  # harness.view.picture says it when it can draw
 FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it

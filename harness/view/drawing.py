@@ -7,14 +7,13 @@ from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
 
 from harness.base.errors import UsageError
-from harness.base.files import check_target
+from harness.base.files import BESIDE, check_target
 from harness.episode.loop import Observer
 from harness.spec.run import Run
 from harness.view.artist import Artist, artist
 from harness.view.states import StateWriter
 
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
-BESIDE = Path()  # in place of a file: beside the log of the run, under its name
 
 
 class Drawing(AbstractContextManager["Drawing"]):

@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 
+from harness.base.files import BESIDE
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.episode.batch import Batch
@@ -25,7 +26,7 @@ from harness.episode.loop import Observer
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.spec.run import Run
-from harness.view.drawing import BESIDE, Drawing
+from harness.view.drawing import Drawing
 from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import PATIENCE, under_load, wait_until
 

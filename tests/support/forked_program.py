@@ -125,7 +125,7 @@ def _begin(
     main = importlib.import_module(program).main if isinstance(program, str) else program
     vars(importlib.import_module("harness.episode.stream"))["multiprocessing"] = _Fork()
     if isinstance(program, str) and program.startswith("harness."):
-        importlib.import_module("harness.cli.edge").begin_program(program)
+        importlib.import_module("harness.base.edge").begin_program(program)
     ready.send(None)
     ready.close()
     raise SystemExit(main(words))

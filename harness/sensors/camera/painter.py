@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import HarnessError
 from harness.base.interrupt import held_back
-from harness.sensors.camera.backend import backends, keep_opengl_out
+from harness.base.opengl import backends, keep_opengl_out
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 
 if TYPE_CHECKING:

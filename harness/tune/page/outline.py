@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from harness.physics.scene import VISUAL_GROUP
 from harness.robots import RoverSpec
-from harness.robots.model import read_model
+from harness.robots.model import SEEN_GROUP, read_model
 
 ABOVE, SIDE = (0, 1), (0, 2)  # axes of the model frame that are seen
 BOX, MESH = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_MESH)
@@ -30,7 +29,7 @@ def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
     data.qpos[:3] = 0.0, 0.0, rover.rest_height
     mujoco.mj_kinematics(model, data)
     hulls = []
-    for geom in np.flatnonzero(model.geom_group == VISUAL_GROUP):
+    for geom in np.flatnonzero(model.geom_group == SEEN_GROUP):
         local = _surface(model.geom_type[geom], model.geom_size[geom]).reshape(-1, 3)
         points = local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
         hulls.append(points[:, axes][ConvexHull(points[:, axes]).vertices])

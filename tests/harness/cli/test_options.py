@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.files import BESIDE
 from harness.cli.files import Files
 from harness.cli.flags import flags_of
 from harness.cli.options import RunOptions, parse_run, with_name
@@ -16,7 +17,6 @@ from harness.episode.metrics_feed import extended_settings
 from harness.spec import Run
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.run import PARTS
-from harness.view.drawing import BESIDE
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD

@@ -45,6 +45,13 @@ def test_a_reset_gives_the_way_point_in_hand_again() -> None:
     assert progress.reached == [0, 1]
 
 
+def test_a_reset_gives_the_goal_of_an_area_again() -> None:
+    batches = driven(goal_area=(2.0, 3.0, 2.0, 3.0), resets=[2.0], duration=4.0)
+    first, second = (goal for batch in batches for goal in batch.goals)
+    assert first == second
+    assert batches[-1].truth.path_length - batches[41].truth.path_length > 0.2
+
+
 def test_a_rover_stands_from_an_abort_until_it_resumes() -> None:
     path = [b.truth.path_length for b in driven(route="9,0", aborts=[2.0], resumes=[5.0], duration=8.0)]
     assert path[99] - path[59] < 0.02  # from 3 s to 5 s

@@ -16,10 +16,11 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
 from harness.base.errors import RunFailed, UsageError
-from harness.episode.result import TopicCount
+from harness.episode.result import Outputs, TopicCount
 from harness.ros import hosted
-from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
+from harness.ros.hosted import HostedMetrics, heard_by
 from harness.ros.network import reserved_domain
+from harness.ros.rover_nodes import metrics_node
 from harness.samples import Imu, Pose, Tick, TruthState
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import ExtendedSettings, Settings
@@ -31,9 +32,9 @@ TICK_NS = 10_000_000
 class Nodes:
     """A bridge and a hosted MetricsNode in the test's context."""
 
-    def __init__(self, ros: Ros, log_dir: Path, settings: Settings | None = None) -> None:
+    def __init__(self, ros: Ros, outputs: Outputs) -> None:
         self.until, self.bridge = ros.until, ros.bridge()
-        self.metrics = ros.added(metrics_node(ros.context, log_dir, settings=settings))
+        self.metrics = ros.added(metrics_node(ros.context, outputs))
         self.hosted = HostedMetrics(self.bridge, self.metrics)
         self.hosted.await_match()
 
@@ -43,7 +44,7 @@ class Nodes:
 
 @pytest.fixture
 def nodes(ros: Ros, tmp_path: Path) -> Nodes:
-    return Nodes(ros, tmp_path)
+    return Nodes(ros, Outputs(log_dir=tmp_path))
 
 
 def tick(number: int) -> Tick:
@@ -92,7 +93,7 @@ def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
     ros: Ros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(hosted, "PATIENCE", 0.2)
-    nodes = Nodes(ros, tmp_path, Settings(extended_columns=True))
+    nodes = Nodes(ros, Outputs(log_dir=tmp_path, settings=Settings(extended_columns=True)))
     state = TruthState(TICK_NS, True, False, False, 5.0, 0.3, 1.0, (0.1, 0.1, 0.1, 0.1), 0.01)
     nodes.advance(Tick(TICK_NS, (state,)))
     contact, traversal = nodes.bridge.channels_of[TruthState]
@@ -143,7 +144,7 @@ def test_a_node_that_dds_does_not_connect_is_refused_with_its_topics(
     context, bridge = rclpy.Context(), ros.bridge()
     with reserved_domain() as elsewhere:
         rclpy.init(context=context, domain_id=elsewhere)
-        away = metrics_node(context, tmp_path)
+        away = metrics_node(context, Outputs(log_dir=tmp_path))
         with pytest.raises(UsageError, match=r"DDS did not connect /scan, .*, /clock within"):
             HostedMetrics(bridge, away).await_match()
         away.destroy_node()
@@ -162,7 +163,7 @@ def test_settings_reach_the_hosted_node_as_a_value_and_the_command_line_wins(
         thresholds=Thresholds(collision_threshold=0.7, distance_threshold=0.8),
         extended=ExtendedSettings(wheels="left,right"),
     )
-    node = metrics_node(context, tmp_path, "leo", settings=given)
+    node = metrics_node(context, Outputs(log_dir=tmp_path, settings=given), "leo")
     thresholds = Thresholds(collision_threshold=0.3, distance_threshold=0.8)
     assert node.settings == replace(given, log_dir=str(tmp_path), thresholds=thresholds)
     assert node.get_parameter("use_sim_time").value is True
@@ -172,7 +173,7 @@ def test_settings_reach_the_hosted_node_as_a_value_and_the_command_line_wins(
     node.destroy_node()
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="file"):
-        metrics_node(context, tmp_path / "file" / "logs")
+        metrics_node(context, Outputs(log_dir=tmp_path / "file" / "logs"))
     context.shutdown()
 
 

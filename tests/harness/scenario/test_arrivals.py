@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from harness.scenario.arrivals import Arrivals, topic_series
+from harness.scenario.names import TopicQuantity
 from harness.scenario.series import Series
-from harness.scenario.topic import TopicQuantity
 
 TICK_NS, END_NS = 10_000_000, 3_000_000_000
 TICKS = st.lists(st.integers(0, 300), max_size=40).map(sorted)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.scenario import trajectory
 from harness.scenario.case import plan
-from harness.scenario.pose import pose_quantity
+from harness.scenario.names import pose_quantity
 from harness.scenario.poses import Row, TruePath, chained, pose_series, rows_of
 
 Poses = trajectory.Poses

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from harness.scenario.names import PATTERN, TopicQuantity, check_messages
 from harness.scenario.quantities import check_name, names
-from harness.scenario.topic import PATTERN, TopicQuantity, check_messages
 
 
 @pytest.mark.parametrize(

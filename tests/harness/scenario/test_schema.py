@@ -10,10 +10,10 @@ from ruamel.yaml import YAML
 from harness.robots import find_rover
 from harness.robots.reading import model_hash
 from harness.scenario.case import cases_of
+from harness.scenario.names import OF_TOPICS
 from harness.scenario.quantities import QUANTITIES, RUN
 from harness.scenario.reading import read_scenario
 from harness.scenario.schema import schema
-from harness.scenario.topic import MEASURES
 
 ROOT = Path(__file__).parents[3]
 SCENARIOS = sorted((ROOT / "scenarios").glob("*.scenario.yaml"))
@@ -68,5 +68,5 @@ def test_the_document_has_every_quantity_with_its_meaning() -> None:
     text = (ROOT / "docs/scenarios.md").read_text()
     rows = [f"| `{name}` | {q.unit} | {q.meaning} |" for name, q in QUANTITIES.items()]
     rows += [f"| `{name}` |  | {meaning} |" for name, meaning in RUN.items()]
-    rows += [f"| `topic./NAME.{name}` | {unit} | {told} |" for name, (unit, told) in MEASURES.items()]
+    rows += [f"| `topic./NAME.{name}` | {unit} | {told} |" for name, (unit, told) in OF_TOPICS.items()]
     assert [row for row in rows if row not in text] == []

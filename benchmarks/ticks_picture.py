@@ -1,6 +1,6 @@
 """Makes docs/performance.png: where the time of a tick goes, measured now.
 
-python tools/performance_picture.py docs/performance.png
+python -m benchmarks.ticks_picture docs/performance.png
 """
 
 import sys
