@@ -20,7 +20,7 @@ from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
-OF_MISSIONS = ("targets", "route", "aborts", "resumes", "link_losses")  # there with a mission alone
+RARE = ("targets", "route", "aborts", "resumes", "link_losses", "keep_ruts")  # there if given alone
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
 
@@ -79,8 +79,8 @@ def _arguments(result: RunResult) -> dict[str, Any]:
 
 
 def _stated(values: dict[str, Any]) -> dict[str, Any]:
-    """Values without those of a mission where there is none."""
-    return {name: value for name, value in values.items() if value or name not in OF_MISSIONS}
+    """Values without the rare ones that nobody gave."""
+    return {name: value for name, value in values.items() if value or name not in RARE}
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:

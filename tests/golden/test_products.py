@@ -15,7 +15,7 @@ from tests.golden import kept
 from tests.golden.drive import make_files, run_options
 from tests.golden.table import NONE, RUNS, GoldenRun
 
-WORLD = ("terrain", "terrain_size", "terrain_cell", "mesh_unit", "rock")
+WORLD = ("terrain", "soil", "terrain_size", "terrain_cell", "mesh_unit", "rock")
 SETUP = ("robot", "driver", "noise", "sensors", "goal_area", "lidar_beams", "imu_rate", "actors")
 # What no file of a scenario says: several rovers, a plan, another timestep, the way of the frames.
 PLAIN = [run for run in RUNS if not run.is_fleet and not run.plan and run.numbers == NONE]
@@ -42,7 +42,7 @@ def test_an_environment_alone_ours_of_many_and_gymnasiums_see_the_same(
     run: GoldenRun, identifier: str, tmp_path: Path
 ) -> None:
     fields = run_options(run, make_files(tmp_path), tmp_path).run.fields()
-    options: dict[str, Any] = {key: fields[key] for key in ("robot", "terrain", "noise")}
+    options: dict[str, Any] = {key: fields[key] for key in ("robot", "terrain", "soil", "noise")}
     mode, actions = AutoresetMode.SAME_STEP, np.full((5, 2, 2), 0.4, np.float32)
     ours = gymnasium.make_vec(identifier, num_envs=2, autoreset_mode=mode, **options)
     theirs = SyncVectorEnv([lambda: gymnasium.make(identifier, **options)] * 2, autoreset_mode=mode)
