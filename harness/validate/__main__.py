@@ -86,7 +86,7 @@ def _rig(options: argparse.Namespace, console: Console) -> None:
     soil = find_soil(options.soil)
     if options.trials is None:
         rovers = list(ROVERS.values()) if options.robot is None else [find_rover(options.robot)]
-        header = ("soil", *(f"{rover.name} stalls at [deg]" for rover in rovers))
+        header = ("stalls at [deg]", *(rover.name for rover in rovers))
         soils = {**SOILS, options.soil: soil}
         _print_sheet(console, header, single_wheel.stall_table(soils, rovers))
         depths = (f"{1e3 * depth:.0f} mm [N]" for depth in pressing.DEPTHS)
