@@ -151,7 +151,9 @@ def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on() -> None:
         one.step(0.3)
         stamps = [m.header.stamp.sec + m.header.stamp.nanosec / 1e9 for m in imus.messages]
         assert stamps == pytest.approx(imus.times)
-        forces = [(a.x, a.y, a.z) for a in (m.linear_acceleration for m in imus.messages)]
+        forces: list[tuple[float, ...]] = [
+            (a.x, a.y, a.z) for a in (m.linear_acceleration for m in imus.messages)
+        ]
         return forces, [bytes(image.data) for image in images.messages]  # none without OpenGL
 
     with trial(seed=7, **config) as fresh:
