@@ -248,7 +248,8 @@ def _check_rover(rover: RoverSetup) -> None:
 
 
 def _check_plan(run: Run) -> None:
-    drivers = [rover.driver for rover in run.rovers]
+    later = [driver for _, driver in run.plan.drivers if driver]
+    drivers = [*(rover.driver for rover in run.rovers), *later]
     commands = run.plan.commands and CMD_VEL not in drivers
     if commands or (run.plan.goals and not any(map(takes_goals, drivers))):
         raise UsageError(
