@@ -14,10 +14,10 @@ TRACKS = Shipped[Track](
         "rocky": ".grounds:ROCKY",
         "dunes": ".grounds:DUNES",
         "marsyard": ".grounds:MARSYARD",
+        "mission": ".grounds:MISSION",
         "blind": ".grounds:BLIND",
     },
 )
-
 
 def find_track(name: str) -> Track:
     """Returns the track of that name; UsageError, which lists them, without one."""
