@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import timesteps
 from harness.soil.press_kernel import BED, FELT, MUJOCO, pointer, press_bed
 from harness.soil.rig_kernel import steady_wheels
 from harness.soil.rim import COMPACTION
@@ -26,8 +26,6 @@ from harness.soil.wheel_force import STATE, UNPLACED
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
-TICK = TICK_NS / NANOSECONDS  # [s], a whole number of steps
-
 SEEN = 4.0  # [m] around a camera in which ruts are shown
 
 Doubles = NDArray[np.float64]
@@ -230,11 +228,13 @@ def _check(
         stiffness /= 1.0 - (1.0 - COMPACTION) * (soil.rebound == 0.0) * 0.8
         swing = math.sqrt(stiffness * gravity / wheel.load) * timestep
         if swing > STABLE:
+            valid = [
+                f"--timestep {each:g}, or " for each in timesteps() if each * swing <= STABLE * timestep
+            ]
             raise UsageError(
                 f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by "
-                f"{swing:.2f} rad in one, more than {STABLE:g}; give "
-                f"--timestep {TICK / math.ceil(TICK * swing / (timestep * STABLE)):.3g}, "
-                "or a soil of a smaller k_phi"
+                f"{swing:.2f} rad in one, more than {STABLE:g}; give {''.join(valid[:1])}"
+                "a soil of a smaller k_phi"
             )
 
 

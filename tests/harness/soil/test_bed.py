@@ -176,9 +176,14 @@ def test_equal_runs_give_equal_bytes_beside_rocks_and_people() -> None:
 
 def test_an_own_soil_that_is_too_stiff_or_wrong_is_one_line(tmp_path: Path) -> None:
     file = tmp_path / "concrete.yaml"
-    file.write_text("k_phi: 1.0e+10\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
-    with pytest.raises(UsageError, match=r"too stiff .* --timestep"):
+    file.write_text("k_phi: 1.0e+12\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    with pytest.raises(UsageError, match=r"too stiff .* give a soil"):  # for the smallest step too
         driven(1.0, soil=str(file))
+    file.write_text("k_phi: 1.0e+8\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    with pytest.raises(UsageError, match=r"too stiff .* --timestep (\S+), or") as stiff:
+        driven(1.0, soil=str(file))
+    mend = float(str(stiff.value).partition("--timestep ")[2].partition(",")[0])
+    assert driven(0.6, soil=str(file), timestep=mend).simulation.physics.bed is not None
     file.write_text("k_phi: -1\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
     with pytest.raises(UsageError, match="k_phi"):
         driven(1.0, soil=str(file))
