@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import timesteps
-from harness.soil.press_kernel import BED, FELT, MUJOCO, pointer, press_bed
+from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
 from harness.soil.rig_kernel import steady_wheels
 from harness.soil.rim import COMPACTION
 from harness.soil.soils import SOIL_CONTACT, Soil
@@ -169,42 +169,17 @@ class Bed:
         """What the kernel is told, with the arrays whose addresses that holds kept alive."""
         ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         self._near = near, model.geom_aabb[near].copy()
-        own = {
-            "soils": self._numbers,
-            "sizes": self._sizes,
-            "ids": self._bodies,
-            "virgin": self._virgin,
-            "surface": self.surface,
-            "field": ground.field,
-            "states": self.states,
-            "felt": self.felt,
-            "near": self._near[0],
-            "boxes": self._near[1],
-            "solid": ground.solid,
-            "patches": ground.patches,
-        }
-        arrays = own | {
-            name: getattr(model if name == "geom_conaffinity" else data, name) for name in MUJOCO
-        }
-        values = {name: array.ctypes.data for name, array in arrays.items()} | {
-            "kinds": len(self._numbers),
-            "wheels": len(self.wheels),
-            "bodies": model.nbody,
-            "joints": model.njnt,
-            "touching": near.size,
-            "geoms": model.ngeom,
-            "cell": ground.cell,
-            "base": ground.base,
-            "relief": ground.relief,
-            "dt": model.opt.timestep,
-            "solid_cell": ground.solid_cell,
-        }
-        values["x"], values["y"] = ground.corner
-        values["rows"], values["columns"] = self.surface.shape
-        values["solid_rows"], values["solid_columns"] = ground.solid.shape
+        own = [self._numbers, self._sizes, self._bodies, *self._grids(), self.states, self.felt]
+        own += [*self._near, ground.solid, ground.patches]
+        arrays = dict(zip(OWN, own, strict=True))
+        for name in MUJOCO:
+            arrays[name] = getattr(model if name == "geom_conaffinity" else data, name)
         told = np.zeros(1, BED)
-        for name, value in values.items():
-            told[name] = value
+        for name, array in arrays.items():
+            told[name] = (array.ctypes.data, *array.shape, 1)[:3]
+        numbers = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
+        for name, number in zip(NUMBERS, (*numbers, ground.solid_cell), strict=True):
+            told[name] = number
         return told
 
 
