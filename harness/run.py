@@ -9,6 +9,7 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 import importlib
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,11 +28,13 @@ from harness.base.opengl import keep_opengl_out
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run, with_name
 from harness.episode.assembly import actor_names, check_world, world_of
+from harness.episode.helm import Helm
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
 from harness.episode.mishaps import mishaps
-from harness.episode.result import Drive, Outputs, RunResult
+from harness.episode.result import Drive, Outputs, RunResult, steered
 from harness.episode.social_recorder import SocialRecorder
+from harness.live import watched
 from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.view.drawing import SUFFIXES, Drawing
@@ -67,12 +70,15 @@ def _command(options: RunOptions, console: Console) -> int:
     logs = _social(options)
     with loading():
         drive = _loaded(options)
-    with StopRequest() as stop, drawing:
-        outputs = options.outputs(logs, _prepared(options, console, drawing), recorders)
+    with StopRequest() as stop, drawing, ExitStack() as at_end:
+        drawn = _prepared(options, console, drawing)
+        live = watched(run, options.live, options.ros.rate, stop)
+        helm, watching = at_end.enter_context(live)
+        outputs = options.outputs(logs, drawn, recorders, watching)
         results = [
             _placed(result, options, output)
             for result, output in zip(
-                _drive(drive, options, outputs, stop, console), outputs, strict=True
+                _drive(drive, options, outputs, stop, console, helm), outputs, strict=True
             )
         ]
         for number, log in enumerate(logs):
@@ -173,7 +179,8 @@ def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequen
     for flag, path in (("--json", options.files.summary), ("--page", options.files.page)):
         if path is not None and path != BESIDE:
             check_target(flag, path)
-    for note in world_of(run).notes if is_terrain_file(run.world.terrain) else ():
+    may_note = is_terrain_file(run.world.terrain) or run.world.actors
+    for note in world_of(run).notes if may_note else ():
         console.print(f"{run.world.terrain}: {note}", soft_wrap=True)
     check_world(run)
     drawing.prepare(run)
@@ -186,11 +193,13 @@ def _drive(
     outputs: Sequence[Outputs],
     stop: StopRequest,
     console: Console,
+    helm: Helm | None,
 ) -> tuple[RunResult, ...]:
     run = options.run
     robots = " and ".join(robot_name(rover.robot) for rover in run.rovers)
     with RunProgress(console, f"{robots} on {run.world.terrain}", run.duration) as bar:
-        return drive(run, outputs, options.ros, stop, bar.show)
+        results = drive(run, outputs, options.ros, stop, bar.show, helm)
+    return tuple(steered(result, helm) for result in results)
 
 
 def _report(

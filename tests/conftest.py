@@ -3,14 +3,14 @@
 import gc
 import shutil
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from harness.ros.network import reserved_domain
-from tests.support.browser import CHROMIUM, FLAGS
+from tests.support.browser import CHROMIUM, FLAGS, WEBGL
 from tests.support.forking import ForkedSimulations
 from tests.support.ros import Ros
 from tests.support.surroundings import receive_signals, settle_environment
@@ -69,10 +69,23 @@ def ros(ros_domain: int) -> Iterator[Ros]:  # noqa: ARG001 - sets the domain
 @pytest.fixture(scope="module")
 def browser() -> Iterator["Browser"]:
     """A headless Chromium."""
+    with _chromium(FLAGS) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def webgl() -> Iterator["Browser"]:
+    """A headless Chromium that draws in three dimensions."""
+    with _chromium(WEBGL) as browser:
+        yield browser
+
+
+@contextmanager
+def _chromium(flags: list[str]) -> Iterator["Browser"]:
     sync_api = pytest.importorskip(
         "playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'"
     )
     with sync_api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=flags)
         yield browser
         browser.close()

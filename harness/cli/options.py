@@ -17,6 +17,7 @@ from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import Outputs
 from harness.robots import find_rover
 from harness.spec.fleet import parse_rovers
+from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import CMD_VEL, RoverSetup, namespace_of
 from harness.spec.run import PARTS, Run, from_fields
@@ -38,6 +39,7 @@ class RunOptions:
         settings: Of each rover's metrics.
         params: The file that they come from; None without.
         files: What is left behind beside the log.
+        live: Where it can be watched meanwhile.
     """
 
     run: Run
@@ -46,6 +48,7 @@ class RunOptions:
     settings: tuple[Settings, ...]
     params: Path | None
     files: Files
+    live: LiveOptions = NOWHERE
 
     def log_dir(self, rover: RoverSetup) -> Path:
         """Returns the folder of a rover's logs: with its name, if there are several."""
@@ -82,13 +85,13 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     given = parser.parse_args(words)
     if given.list:
         return None
-    run, files = _run(given), from_flags(Files, given)
+    run, files, live = _run(given), from_flags(Files, given), from_flags(LiveOptions, given)
     log_dir = DEFAULT_LOG_DIR if files.out is None else files.out
     namespace = namespace_of(given.namespace)
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     ros = from_flags(
         RosOptions,
-        argparse.Namespace(**{"log_dir": log_dir} | vars(given)),
+        argparse.Namespace(**{"log_dir": log_dir, "rate": live.rate} | vars(given)),
         host_metrics=not given.no_metrics,
         ros_args=(*namespace_args, *ros_args),
         frames=from_flags(FrameOptions, given),
@@ -109,6 +112,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         settings=settings,
         params=given.params,
         files=files.in_one_folder(),
+        live=live,
     )
 
 

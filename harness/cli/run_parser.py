@@ -13,6 +13,7 @@ from harness.sensors.choice import kinds
 from harness.sensors.noise import PRESETS
 from harness.spec.fleet import FORM as ROVER_FORM
 from harness.spec.fleet import KEYS
+from harness.spec.live import LiveOptions
 from harness.spec.plan import Plan
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import DEFAULT_NOISE, RoverSetup
@@ -59,6 +60,7 @@ def run_parser() -> argparse.ArgumentParser:
     add_flags(parser.add_argument_group("sensors"), RoverSetup, IN_SENSORS, choices)
     add_flags(parser.add_argument_group("faults", describe_faults()), RoverSetup, ("faults",))
     _add_run(parser.add_argument_group("run"))
+    add_flags(parser.add_argument_group("live"), LiveOptions)
     add_flags(parser.add_argument_group("frames"), FrameOptions)
     commands = parser.add_argument_group("commands of --driver cmd_vel")
     add_flags(commands, RosOptions, ("cmd_vel",))

@@ -124,7 +124,8 @@ def actor_names(world: WorldSpec) -> tuple[str, ...]:
 
 def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
     """Returns the sensors that a rover carries, in publishing order."""
-    return chosen(find_rover(rover.robot), rover.sensors)
+    rows, noise = chosen(find_rover(rover.robot), rover.sensors), PRESETS.get(rover.noise or "")
+    return tuple(replace(row, noise=noise) for row in rows)
 
 
 def gravity(run: Run, number: int = 0) -> float:
@@ -248,7 +249,8 @@ def _check_rover(rover: RoverSetup) -> None:
 
 
 def _check_plan(run: Run) -> None:
-    drivers = [rover.driver for rover in run.rovers]
+    later = [driver for _, driver in run.plan.drivers if driver]
+    drivers = [*(rover.driver for rover in run.rovers), *later]
     commands = run.plan.commands and CMD_VEL not in drivers
     if commands or (run.plan.goals and not any(map(takes_goals, drivers))):
         raise UsageError(

@@ -5,10 +5,11 @@ from the sample, in the same order: a tick's samples first, then the row if a se
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import replace
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 
 from harness.base.errors import RunFailed, UsageError
@@ -17,6 +18,7 @@ from harness.drivers import sensed_by
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode, episodes_of, together
+from harness.episode.helm import Helm, follow
 from harness.episode.loop import Observer, Pacer, Route, drive
 from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
@@ -25,6 +27,8 @@ from harness.samples import Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from rover_metrics.core.columns import Row
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import LogError
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
@@ -38,6 +42,7 @@ def run_direct(
     options: RosOptions,
     stop: StopRequest,
     show: Show | None = None,
+    helm: Helm | None = None,
 ) -> tuple[RunResult, ...]:
     """Runs without ROS and returns what each rover's part came to, also when it failed underway.
 
@@ -47,6 +52,7 @@ def run_direct(
         options: Its `rate` counts.
         stop: Ends the run early.
         show: Is given the first rover's result up to now, again and again.
+        helm: Steers the run; its rate counts. None where nobody does.
 
     Raises:
         UsageError: The arguments are not valid or a log cannot be created.
@@ -58,12 +64,24 @@ def run_direct(
         for episode, output in zip(episodes, outputs, strict=True):
             begun = RunResult(run=run, number=episode.number, mode="direct, no ROS", info=episode.info)
             shown = None if logged else show
-            log = LoggedRun(begun, output.log_dir, output.settings, started=started, show=shown)
+            log = LoggedRun(
+                begun,
+                output.log_dir,
+                output.settings,
+                started=started,
+                show=shown,
+                paused_s=float if helm is None else lambda: helm.held_s,
+            )
             logged.append(at_end.enter_context(log))
             faults = injector(run, episode.number)
             routes.append(Route(faults, log.advance, (*output.observers, log)))
-        ticks = drive(together(episodes), routes, stop)
-        why = _driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop)
+        batches = together(episodes)
+        if helm is not None:
+            helm.metered = logged
+            followers = [partial(follow, episode) for episode in episodes]
+            batches = helm.steered(batches, followers, lambda: episodes[0].simulation.time_ns)
+        pacer = Pacer(options.rate, sleep=stop.sleep) if helm is None else helm
+        why = _driven(drive(batches, routes, stop), pacer, stop)
         return tuple(log.ended(*why) for log in logged)
 
 
@@ -76,6 +94,7 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         settings: Of the metrics.
         started: Wall time at which the command began [s], of time.monotonic.
         show: Is told the result up to now, again and again.
+        paused_s: Wall time for which the run was paused so far [s].
 
     Raises:
         UsageError: The log cannot be created.
@@ -89,8 +108,8 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         *,
         started: float,
         show: Show | None = None,
+        paused_s: Callable[[], float] = float,
     ) -> None:
-        self._settings = settings
         try:
             extended = settings.extended if settings.extended_columns else None
             session = MetricsSession(settings.thresholds, extended)
@@ -98,6 +117,7 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         except LogError as error:
             raise UsageError(str(error)) from error
         _mark(log, None)
+        self._session = session
         self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.rover.lidar_beams), log)
         self.advance = metrics.advance
 
@@ -107,7 +127,7 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
             return {f"{space}{topic}": TopicCount(n, n) for topic, n in metrics.fed.items()}
 
         begun = replace(begun, log_path=log.path)
-        self._account = RunAccount(begun, started, show, counts, lambda: log.rows)
+        self._account = RunAccount(begun, started, show, counts, lambda: log.rows, paused_s)
 
     def __exit__(self, *_: object) -> None:
         self._log.close()
@@ -123,8 +143,21 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         """
         _mark(self._log, COMPLETE if failure is None else failed(failure))
         result = self._account.ended(failure=failure, interrupted=interrupted)
-        last_row, thresholds = cells_of(self._metrics.last_row), self._settings.thresholds
-        return replace(result, last_row=last_row, thresholds=thresholds)
+        return replace(result, last_row=cells_of(self.last_row), thresholds=self.thresholds)
+
+    @property
+    def last_row(self) -> Row | None:
+        """The latest row of the log; None before the first."""
+        return self._metrics.last_row
+
+    @property
+    def thresholds(self) -> Thresholds:
+        """What counts as an event."""
+        return self._session.metrics.thresholds
+
+    def use(self, thresholds: Thresholds) -> None:
+        """Has other thresholds from the next sample on."""
+        self._session.metrics.thresholds = thresholds
 
 
 def run_unlogged(

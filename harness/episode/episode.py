@@ -95,7 +95,10 @@ class Episode:
         simulation: Simulation | None = None,
     ) -> None:
         self.run, self.number, self.setup = run, number, run.rovers[number]
-        (self.simulation,) = _simulated(run) if simulation is None else (simulation,)
+        if simulation is None:
+            run.check_single()
+            (simulation,) = _simulated(run)
+        self.simulation = simulation
         scene = self.simulation.scene
         rover, world = scene.rover, scene.world
         self.info = EpisodeInfo(
@@ -143,6 +146,7 @@ class Episode:
             ]
         planned += [(t, self._abort) for t in run.plan.aborts]
         planned += [(t, self._resume) for t in run.plan.resumes]
+        planned += [(t, partial(self.hand_over, driver)) for t, driver in run.plan.drivers]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in run.plan.commands]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in run.plan.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
@@ -156,7 +160,7 @@ class Episode:
         middle, half_size = scene.world.roaming
         seconds = self.setup.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
-        context = DriverContext(
+        self._context = DriverContext(
             scene.rover,
             half_size,
             self._bearings,
@@ -165,7 +169,11 @@ class Episode:
             command_timeout_ns=timeout_ns,
             middle=middle,
         )
-        self._driver: Driver = find_driver(self.setup.driver)(context)
+        self.hand_over("")
+
+    def hand_over(self, driver: str) -> None:
+        """Lets the driver of that name drive from now on, anew; "" for the run's own."""
+        self._driver: Driver = find_driver(driver or self.setup.driver)(self._context)
         self._give_again()
 
     def command(self, twist: Twist) -> None:

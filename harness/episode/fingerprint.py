@@ -80,7 +80,7 @@ def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[st
     with TemporaryDirectory(prefix="harness_check_") as folder:
         options = RosOptions(log_dir=Path(folder), ros_args=tuple(ros_args))
         outputs = (Outputs(log_dir=options.log_dir, observers=[stream]),)
-        (result,) = drive(run, outputs, options, stop, None)
+        (result,) = drive(run, outputs, options, stop, None, None)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
         if result.failure is not None or result.log_path is None:

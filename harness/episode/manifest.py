@@ -20,7 +20,8 @@ from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
-RARE = ("targets", "route", "aborts", "resumes", "link_losses", "keep_ruts")  # there if given alone
+# There if given alone.
+RARE = ("targets", "route", "drivers", "aborts", "resumes", "link_losses", "keep_ruts")
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
 

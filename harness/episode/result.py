@@ -9,6 +9,7 @@ from typing import Any
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch, EpisodeInfo
+from harness.episode.helm import Helm
 from harness.episode.loop import Observer
 from harness.episode.truth_account import TruthAccount, TruthAlong
 from harness.spec.ros import RosOptions
@@ -144,12 +145,21 @@ class Outputs:
 
 Show = Callable[[RunResult], None]
 # run_direct, or run_through_ros: returns what each rover's part came to.
-Drive = Callable[[Run, Sequence[Outputs], RosOptions, StopRequest, Show | None], tuple[RunResult, ...]]
+Drive = Callable[
+    [Run, Sequence[Outputs], RosOptions, StopRequest, Show | None, Helm | None], tuple[RunResult, ...]
+]
 
 
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
     """Returns the cells of a row by column name."""
     return None if row is None else dict(zip(row.columns, row.as_fields(), strict=True))
+
+
+def steered(result: RunResult, helm: Helm | None) -> RunResult:
+    """Returns the result of the run as it was driven: with what a helm has ordered underway, if any."""
+    if helm is None:
+        return result
+    return replace(result, run=helm.driven(result.run), mode=f"{result.mode}{helm.note(result.run)}")
 
 
 @dataclass

@@ -25,6 +25,7 @@ from harness.base.loading import loading
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.assembly import check_world, world_of
 from harness.episode.batch import Batch, EpisodeInfo
+from harness.episode.helm import Order, follow
 from harness.frames.tree import Description
 from harness.samples import Place, Twist
 from harness.spec.ros import FrameOptions
@@ -41,15 +42,6 @@ TOGETHER = 5  # no more than AHEAD, or both would wait
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
-class _Order(NamedTuple):
-    """What a batch begins with, in this order; with `reset` the rover goes to its start or `place`."""
-
-    reset: bool = False
-    place: Place | None = None
-    command: Twist | None = None
-    goal: Place | None = None
-
-
 class Begun(NamedTuple):
     """What one rover's episode was made of; `description` is of its transforms, None without any."""
 
@@ -63,7 +55,7 @@ class RoverOrders:
     def __init__(self, process: "EpisodeProcess", rover: RoverSetup) -> None:
         self._process = process
         self.obeys = rover.driver == CMD_VEL
-        self._next = _Order()
+        self._next = Order()
 
     def command(self, twist: Twist) -> None:
         """Sets the command from the next control period on (cmd_vel driver)."""
@@ -72,22 +64,26 @@ class RoverOrders:
 
     def reset(self) -> int | None:
         """Puts the rover back to its start, as `Episode.reset`; returns when [ns], None for never."""
-        return self._note(_Order(reset=True))
+        return self._note(Order(reset=True))
 
     def put(self, place: Place) -> int | None:
         """Puts the rover somewhere else; all else is as in `reset`."""
-        return self._note(_Order(reset=True, place=place))
+        return self._note(Order(reset=True, place=place))
 
     def head_for(self, goal: Place) -> int | None:
         """Gives the driver `goal` its next goal; returns from when on [ns], None for never."""
-        return self._note(self._next._replace(goal=goal))
+        return self.give(Order(goal=goal))
 
-    def take(self) -> _Order | None:
+    def give(self, order: Order) -> int | None:
+        """Orders something whatever drives; returns from when on [ns], None for never."""
+        return self._note(self._next.then(order))
+
+    def take(self) -> Order | None:
         """Returns the next order, once; None for nothing but to go on."""
-        order, self._next = self._next, _Order()
-        return None if order == _Order() else order
+        order, self._next = self._next, Order()
+        return None if order == Order() else order
 
-    def _note(self, order: _Order) -> int | None:
+    def _note(self, order: Order) -> int | None:
         """Makes that the next order; returns when it comes into effect."""
         at_ns = self._process.next_ns
         if at_ns is not None:
@@ -98,16 +94,20 @@ class RoverOrders:
 class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
-    Its `rovers` take the orders, in that order.
+    Its `rovers` take the orders, in that order; if it is prompt, each comes into effect with the next
+    batch, and nothing is simulated ahead.
     """
 
-    def __init__(self, run: Run, frame_options: FrameOptions | None = None) -> None:
+    def __init__(
+        self, run: Run, frame_options: FrameOptions | None = None, *, prompt: bool = False
+    ) -> None:
+        prompt = prompt or any(rover.driver == CMD_VEL for rover in run.rovers)
         self._periods = run.total_periods
         world = _built_world(run)
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(
-            target=_simulate, args=(remote, run, frame_options, world), daemon=True
+            target=_simulate, args=(remote, run, frame_options, world, prompt), daemon=True
         )
         try:
             with held_back(), _nothing_of_the_program():
@@ -120,7 +120,7 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
         remote.close()
         self.rovers = tuple(RoverOrders(self, rover) for rover in run.rovers)
         self._ordered = 0
-        for _ in range(0 if any(rover.obeys for rover in self.rovers) else AHEAD):
+        for _ in range(0 if prompt else AHEAD):
             self._order()
 
     def __exit__(self, *_: object) -> None:
@@ -198,7 +198,11 @@ def _simulate(connection: Connection, *of: Any) -> None:  # noqa: ANN401 - argum
 
 
 def _stream(
-    connection: Connection, run: Run, frame_options: FrameOptions | None, world: World | None
+    connection: Connection,
+    run: Run,
+    frame_options: FrameOptions | None,
+    world: World | None,
+    prompt: bool,
 ) -> None:
     with loading():
         # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
@@ -206,7 +210,7 @@ def _stream(
 
         episodes = episodes_of(run, frame_options, world)
     connection.send(tuple(Begun(episode.info, episode.description) for episode in episodes))
-    size = 1 if any(rover.driver == CMD_VEL for rover in run.rovers) else TOGETHER
+    size = 1 if prompt else TOGETHER
     unsent: list[tuple[Batch, ...]] = []
     try:
         for batches in _ordered(connection, episodes, run.total_periods):
@@ -228,18 +232,9 @@ def _ordered(
 
     batches = together(episodes)
     for _ in range(periods):
-        orders: tuple[_Order | None, ...] = connection.recv()
+        orders: tuple[Order | None, ...] = connection.recv()
         for episode, order in zip(episodes, orders, strict=True):
             if order is not None:
-                _follow(episode, order)
+                follow(episode, order)
         yield next(batches)
     next(batches, None)  # raises what the last of them failed of
-
-
-def _follow(episode: "Episode", order: _Order) -> None:
-    if order.reset:
-        episode.reset(order.place)
-    if order.command is not None:
-        episode.command(order.command)
-    if order.goal is not None:
-        episode.head_for(order.goal)

@@ -2,7 +2,9 @@
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
+
+from rclpy.parameter import Parameter
 
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
@@ -10,6 +12,8 @@ from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from harness.ros.remote import DISCOVERY_PATIENCE
+from rover_metrics.core.columns import Row
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.metrics_node import MetricsNode
 
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
@@ -54,6 +58,21 @@ class HostedMetrics:
                 f"DDS did not connect {', '.join(alone())} within {DISCOVERY_PATIENCE:.0f} s; "
                 "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
             )
+
+    @property
+    def last_row(self) -> Row | None:
+        """The latest row of the node's log; None before the first."""
+        return self.node.last_row
+
+    @property
+    def thresholds(self) -> Thresholds:
+        """What counts as an event."""
+        return self.node.settings.thresholds
+
+    def use(self, thresholds: Thresholds) -> None:
+        """Sets them as parameters of the node."""
+        values = asdict(thresholds).items()
+        self.node.set_parameters_atomically([Parameter(name, value=value) for name, value in values])
 
     def received(self) -> dict[str, int]:
         """Returns the messages handled, by topic."""

@@ -5,7 +5,7 @@ The first one's bridge tells the time, when all have sent the samples of a tick.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -15,11 +15,13 @@ from rclpy.executors import ExternalShutdownException
 from harness.base.errors import RunFailed
 from harness.base.interrupt import GRACE, Overdue, StopRequest
 from harness.base.sim_time import NANOSECONDS
+from harness.episode.batch import Batch
+from harness.episode.helm import Helm
 from harness.episode.loop import Pacer, Route, drive
 from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeProcess
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
-from harness.ros.context import make_executor, ros_context, spin_until
+from harness.ros.context import SPIN_TIMEOUT, make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.effect import awaited_effects
 from harness.ros.hosted import heard_by
@@ -40,6 +42,7 @@ def run_through_ros(
     options: RosOptions,
     stop: StopRequest,
     show: Show | None = None,
+    helm: Helm | None = None,
 ) -> tuple[RunResult, ...]:
     """Runs through ROS and returns what each rover's part came to, also when it failed underway.
 
@@ -49,6 +52,7 @@ def run_through_ros(
         options: How it goes through ROS.
         stop: Ends the run early.
         show: Is given the first rover's result up to now, again and again.
+        helm: Steers the run; its rate counts. None where nobody does.
 
     Raises:
         UsageError: Something is wrong with the arguments or the environment.
@@ -57,13 +61,13 @@ def run_through_ros(
     with ExitStack() as at_end:
         recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
         at_end.enter_context(recorder or nullcontext())
-        source = at_end.enter_context(EpisodeProcess(run, options.frames))
+        source = at_end.enter_context(EpisodeProcess(run, options.frames, prompt=helm is not None))
         session = _Session(run, outputs, options, source, at_end)
         if recorder is not None:
             for rover in session.rovers:
                 metrics = rover.hosted.node.publisher if rover.hosted else None
                 recorder.tap(rover.bridge, metrics, rover.navigation.maps)
-        return session.drive(stop, show, started)
+        return session.drive(stop, show, started, helm)
 
 
 class _Session:
@@ -110,7 +114,9 @@ class _Session:
         names = (n if n.startswith("/") else root + n for n in self._options.wait_for)
         return [RemoteNode(name, first, time_jumps=time_jumps, others=others) for name in names]
 
-    def drive(self, stop: StopRequest, show: Show | None, started: float) -> tuple[RunResult, ...]:
+    def drive(
+        self, stop: StopRequest, show: Show | None, started: float, helm: Helm | None
+    ) -> tuple[RunResult, ...]:
         """Publishes the episodes tick by tick until their end, a failure or a stop request."""
         begun = self._source.begin()  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
@@ -123,7 +129,7 @@ class _Session:
                 None if rover.number else show,
                 topics=rover.topics,
                 rows=rover.rows,
-                paused_s=lambda: self._controls.held_s,
+                paused_s=lambda: self._controls.held_s + (helm.held_s if helm else 0.0),
             )
             for rover, (info, _) in zip(self.rovers, begun, strict=True)
         ]
@@ -131,8 +137,8 @@ class _Session:
         try:
             with stop.deferred():
                 self._controls.hold(stop)
-                pacer = Pacer(self._options.rate, sleep=stop.sleep)
-                for tick in drive(self._source.batches(), self._routes(accounts), stop):
+                pacer = Pacer(self._options.rate, sleep=stop.sleep) if helm is None else helm
+                for tick in drive(self._batches(helm), self._routes(accounts), stop):
                     pacer.postpone(self._controls.hold(stop))
                     pacer.wait_until(tick.stamp_ns)
                     if tick.stamp_ns % LOOK_PERIOD_NS == 0:
@@ -151,6 +157,15 @@ class _Session:
             failure = "ROS 2 was shut down from outside this run"
         ended = [account.ended(failure=failure, interrupted=interrupted) for account in accounts]
         return self._counted(ended)
+
+    def _batches(self, helm: Helm | None) -> Iterator[tuple[Batch, ...]]:
+        """The batches of each control period, between which a helm's orders are handed on."""
+        source = self._source
+        if helm is None:
+            return source.batches()
+        helm.metered = [rover.hosted for rover in self.rovers if rover.hosted is not None]
+        helm.idle = partial(self._executor.spin_once, timeout_sec=SPIN_TIMEOUT)
+        return helm.steered(source.batches(), [r.give for r in source.rovers], lambda: source.next_ns)
 
     def _routes(self, accounts: Sequence[RunAccount]) -> list[Route]:
         """Where the ticks and the batches of each rover go."""

@@ -22,9 +22,11 @@ from harness.base.errors import UsageError
 from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
+from harness.cli.flags import add_flags, from_flags
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
+from harness.spec.live import LiveOptions
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
@@ -68,13 +70,17 @@ def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
     from harness.scenario.github import tell_github  # noqa: PLC0415
     from harness.scenario.suite import run_all  # noqa: PLC0415
 
+    live = from_flags(LiveOptions, options)
+    if live.live is not None and (options.jobs or 1) != 1:
+        raise UsageError("--live shows one run after the other: leave out --jobs")
+    jobs = options.jobs if live.live is None else 1
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
-        workers_of(options.backend, options.address, options.jobs) as workers,
+        workers_of(options.backend, options.address, jobs) as workers,
         counted(console, "driving scenarios") as show,
     ):
         compare = not options.update_baseline
-        how = {"compare": compare, "resume": options.resume, "keep": options.keep}
+        how = {"compare": compare, "resume": options.resume, "keep": options.keep, "live": live}
         attempts = run_all(cases, workers, options.out, show, **how)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
@@ -124,6 +130,7 @@ def _parser() -> argparse.ArgumentParser:
         help="only runs with this value of their matrix; repeatable",
     )
     add_options(parser)
+    add_flags(parser.add_argument_group("live"), LiveOptions)
     for name, about in FILES.items():
         flags = (f"--{name}", *FORMERLY.get(name, ()))
         parser.add_argument(*flags, dest=name, type=Path, metavar="FILE", help=about)

@@ -7,12 +7,14 @@ from tempfile import TemporaryDirectory
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.direct import run_direct, run_unlogged
-from harness.episode.result import Outputs
+from harness.episode.result import Outputs, steered
+from harness.live import watched
 from harness.scenario.case import Case
 from harness.scenario.quantities import quantity_of
 from harness.scenario.series import SAMPLES
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
+from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import RosOptions
 
 SCRATCH = "rover-scenario-"
@@ -25,6 +27,7 @@ def attempt(
     compare: bool = True,
     scratch: Path | None = None,
     keep: bool = False,
+    live: LiveOptions = NOWHERE,
 ) -> Attempt:
     """Drives and judges a run.
 
@@ -33,6 +36,7 @@ def attempt(
         folder: Gets log, manifest, page and recording of a run that does not pass.
         keep: Whether it gets those of one that passes, too.
         compare: Whether it is compared with its baseline, if it has one.
+        live: Where it can be watched meanwhile.
         scratch: Folder for its log while it is driven, removed by the caller; where it does not exist,
             as on another machine, the system's.
     """
@@ -41,23 +45,28 @@ def attempt(
         with TemporaryDirectory(
             prefix=SCRATCH, dir=scratch if scratch and scratch.is_dir() else None
         ) as own:
-            return drive(case, folder, compare, Path(own), keep=keep)
+            return drive(case, folder, compare, Path(own), keep=keep, live=live)
     except Interrupted:
         raise
     except HarnessError as error:
         return Attempt(case, error=str(error))
 
 
-def _direct(case: Case, folder: Path, compare: bool, own: Path, *, keep: bool) -> Attempt:
-    if _is_of_truth(case) and not keep:
+def _direct(
+    case: Case, folder: Path, compare: bool, own: Path, *, keep: bool, live: LiveOptions
+) -> Attempt:
+    if _is_of_truth(case) and not keep and live.live is None:
         watch = Watch(case)
         found = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
         if found.passed:
             return found
         # What is left of a run that fails takes all sensors: the same drive once more.
     watch = Watch(case, compare=compare)
-    outputs = Outputs(log_dir=own, observers=(watch,), settings=watch.settings)
-    (result,) = run_direct(case.run, (outputs,), RosOptions(log_dir=own), StopRequest())
+    stop, options = StopRequest(), RosOptions(log_dir=own)
+    with watched(case.run, live, live.rate, stop) as (helm, seen):
+        outputs = Outputs(log_dir=own, observers=(watch, *seen), settings=watch.settings)
+        (result,) = run_direct(case.run, (outputs,), options, stop, None, helm)
+    result = steered(result, helm)
     found = watch.judged(result, {})
     if found.passed and not keep:
         return found
@@ -70,7 +79,11 @@ def _is_of_truth(case: Case) -> bool:
     return only_truth and not case.scenario.has_baseline and case.expected_failure is None
 
 
-def _through_ros(case: Case, folder: Path, compare: bool, own: Path, *, keep: bool) -> Attempt:
+def _through_ros(
+    case: Case, folder: Path, compare: bool, own: Path, *, keep: bool, live: LiveOptions
+) -> Attempt:
+    if live.live is not None:
+        raise UsageError("--live is not for scenarios with nodes or topics; leave it out")
     try:  # only here: no other scenario needs ROS 2
         from harness.scenario.trial import ScenarioTrial  # noqa: PLC0415
     except ImportError as error:

@@ -127,7 +127,7 @@ class Matrix(Value):
 
 NOT_KEYS = (  # have other forms
     *("name", "faults", "seed", "duration"),
-    *("commands", "goals", "resets", "aborts", "resumes", "link_losses"),
+    *("drivers", "commands", "goals", "resets", "aborts", "resumes", "link_losses"),
 )
 if TYPE_CHECKING:
     RunKeys = Value

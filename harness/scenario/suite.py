@@ -4,12 +4,14 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from harness.base.interrupt import Interrupted
 from harness.scenario.attempt import SCRATCH, attempt
 from harness.scenario.case import Case
 from harness.scenario.progress import Progress
 from harness.scenario.verdict import Attempt
+from harness.spec.live import NOWHERE, LiveOptions
 from harness.workers import Workers, work_off
 
 KEPT = "the same command with --resume goes on with the rest"
@@ -24,6 +26,7 @@ def run_all(
     compare: bool = True,
     resume: bool = False,
     keep: bool = False,
+    live: LiveOptions = NOWHERE,
 ) -> list[Attempt]:
     """Runs all, and returns the attempts in the order of the cases.
 
@@ -34,6 +37,7 @@ def run_all(
         show: Told how many of how many are done.
         compare: Whether they are compared with their baselines.
         keep: Whether the logs of runs that pass are kept too.
+        live: Where they can be watched, one after the other in this process.
         resume: Whether to go on where the same suite was stopped.
 
     Raises:
@@ -54,7 +58,8 @@ def run_all(
     left = {index: case for index, case in enumerate(cases) if index not in done}
     # A worker that is killed leaves its files: they are below a folder of this process.
     with TemporaryDirectory(prefix=SCRATCH) as scratch:
-        work = partial(_attempt, folder=folder, compare=compare, scratch=Path(scratch), keep=keep)
+        how: dict[str, Any] = {"compare": compare, "scratch": Path(scratch), "keep": keep, "live": live}
+        work = partial(_attempt, folder=folder, **how)
         try:
             work_off(left, work, workers, note, name=lambda index: cases[index].name, mend=KEPT)
         except Interrupted as error:
@@ -65,5 +70,5 @@ def run_all(
     return [done[index] for index in range(len(cases))]
 
 
-def _attempt(case: Case, *, folder: Path, compare: bool, scratch: Path, keep: bool) -> Attempt:
-    return attempt(case, folder / case.folder, compare=compare, scratch=scratch, keep=keep)
+def _attempt(case: Case, *, folder: Path, **how: Any) -> Attempt:  # noqa: ANN401 - as of `attempt`
+    return attempt(case, folder / case.folder, **how)

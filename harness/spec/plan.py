@@ -12,6 +12,7 @@ class Plan(Value):
     """A mission and events of a run by simulated time [s], for every rover whose driver heeds them.
 
     Attributes:
+        drivers: Time and name of the driver that drives from then on; "" for the rover's own.
         commands: To the driver cmd_vel: time, forward speed [m/s], yaw rate [rad/s].
         goals: To the driver goal or a policy: time, x, y [m], yaw [rad] in the world.
         resets: Times at which the rovers are put back to their starts.
@@ -25,6 +26,7 @@ class Plan(Value):
         description=f"way points, {FORM}; keys: radius [m], within [s] for each, order=any, limit [s] "
         "for all (docs/missions.md); default: none",
     )
+    drivers: tuple[tuple[Seconds, str], ...] = ()
     commands: tuple[tuple[Seconds, Finite, Finite], ...] = ()
     goals: tuple[tuple[Seconds, Finite, Finite, Finite], ...] = ()
     resets: tuple[Seconds, ...] = ()
@@ -35,5 +37,5 @@ class Plan(Value):
     @property
     def times(self) -> tuple[float, ...]:
         """Returns the times of all events [s]."""
-        timed = (*self.commands, *self.goals, *self.link_losses)
-        return (*(event[0] for event in timed), *self.resets, *self.aborts, *self.resumes)
+        timed = (*self.drivers, *self.commands, *self.goals, *self.link_losses)
+        return (*(float(event[0]) for event in timed), *self.resets, *self.aborts, *self.resumes)

@@ -34,6 +34,7 @@ from harness.view.camera import CAMERAS, View, best_view, chase_view, scale_of
 from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
+from harness.view.posing import Posing
 from harness.view.states import States, read_states
 from rover_metrics.errors import OneLineParser
 
@@ -70,7 +71,8 @@ class Studio(AbstractContextManager["Studio"]):
         self._ground = DrawnGround(world, reach)
         scenes = self._ground.scenes(fleet, run.timestep, dressed)
         self._rovers, self.model = list(zip(scenes, recordings, strict=True)), scenes[0].model
-        self.data = mujoco.MjData(self.model)
+        self._posing = Posing(scenes)
+        self.data = self._posing.data
         spec = LidarSpec(beams=run.rover.lidar_beams)
         self._lidars = [
             Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
@@ -90,17 +92,11 @@ class Studio(AbstractContextManager["Studio"]):
 
     def pose(self, index: int) -> None:
         """Takes the state of that index."""
-        for scene, states in self._rovers:
-            at, names = scene.qpos_at, scene.all_own(scene.rover.joints)
-            self.data.qpos[at : at + 7] = (*states.path[index], *states.orientations[index])
-            joints = [int(self.model.joint(name).qposadr[0]) for name in names]
-            self.data.qpos[joints] = states.joints[index]
-        states = self.recording
-        if states.people.size:  # the only mocap bodies, in their order
-            self.data.mocap_pos[:] = states.people[index, :, :3]
-            half = states.people[index, :, 3] / 2
-            self.data.mocap_quat[:, 0], self.data.mocap_quat[:, 3] = np.cos(half), np.sin(half)
-        mujoco.mj_forward(self.model, self.data)
+        for number, (_, states) in enumerate(self._rovers):
+            at = states.path[index], states.orientations[index], states.joints[index]
+            self._posing.put(number, *at)
+        self._posing.people(self.recording.people[index])
+        self._posing.settle()
 
     def image(self, index: int, view: View) -> NDArray[np.uint8]:
         """Returns the state of that index, shape (height, width, 3)."""

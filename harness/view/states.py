@@ -46,7 +46,7 @@ class StateWriter:
         """Writes the states of a batch; a fault may have taken one."""
         for tick in batch.ticks:
             if people := tick.of(ActorPoses):
-                self._people = _row_of(people)  # not on every tick of a state: the latest
+                self._people = people_row(people)  # not on every tick of a state: the latest
             if tick.stamp_ns % PERIOD_NS:
                 continue
             pose, joints = tick.of(Pose), tick.of(JointStates)
@@ -57,7 +57,8 @@ class StateWriter:
                 self._file.write(np.array(row).tobytes())
 
 
-def _row_of(people: ActorPoses) -> tuple[float, ...]:
+def people_row(people: ActorPoses) -> tuple[float, ...]:
+    """Returns x, y, z [m] and heading [rad] of each person, one after the other."""
     places = zip(people.position, people.orientation, strict=True)
     return tuple(
         n for (x, y, z), (_, _, sin, cos) in places for n in (x, y, z, 2 * math.atan2(sin, cos))

@@ -16,6 +16,7 @@ NEEDS_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: ap
 DESKTOP: "ViewportSize" = {"width": 1366, "height": 900}
 PHONE: "ViewportSize" = {"width": 360, "height": 740}
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+WEBGL = [*FLAGS, "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # drawn by the processor
 
 
 class Visit:

@@ -50,6 +50,7 @@ FULL: dict[str, Any] = {  # another value than the default for each field
         "order": "any",
         "limit": 60.0,
     },
+    "drivers": [[1.5, "cmd_vel"]],
     "commands": [[0.0, 0.3, -0.1]],
     "goals": [[1.0, 2.0, 3.0, 0.5]],
     "resets": [2.5],

@@ -1,0 +1,217 @@
+"""Steering a run while it goes on: its pace, and orders to its rovers, from other threads.
+
+Orders come into effect between two control periods, at a time that is known. So what was ordered can be
+told as the plan of another run, which then gives the same bytes.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import NamedTuple, Protocol, TypeVar
+
+from harness.base.interrupt import NAP, StopRequest
+from harness.base.sim_time import NANOSECONDS
+from harness.episode.loop import Pacer
+from harness.samples import Place, Twist
+from harness.spec.run import Run
+from rover_metrics.core.columns import Row
+from rover_metrics.core.thresholds import Thresholds
+
+BY_HAND = "cmd_vel"  # the driver that obeys commands
+Period = TypeVar("Period")
+
+
+class Order(NamedTuple):
+    """What a control period of a rover begins with, in this order.
+
+    Attributes:
+        reset: Whether it goes to its start, or to `place`.
+        driver: Who drives from then on: a driver's name; "" for that of the run; None for no change.
+        command: For a driver that obeys commands.
+        goal: For a driver that takes goals.
+    """
+
+    reset: bool = False
+    place: Place | None = None
+    driver: str | None = None
+    command: Twist | None = None
+    goal: Place | None = None
+
+    def then(self, later: "Order") -> "Order":
+        """Returns both orders as one; a reset leaves nothing of what was ordered before."""
+        if later.reset:
+            return later
+        return self._replace(
+            **{name: v for name, v in later._asdict().items() if v not in (None, False)}
+        )
+
+
+class Steered(Protocol):
+    """A rover that takes orders."""
+
+    def hand_over(self, driver: str, /) -> None:
+        """Lets another driver drive from now on; "" for that of the run."""
+
+    def command(self, twist: Twist, /) -> None:
+        """Takes a command."""
+
+    def head_for(self, goal: Place, /) -> None:
+        """Takes a goal."""
+
+    def reset(self, place: Place | None = None, /) -> None:
+        """Goes back to its start, or to a place."""
+
+
+def follow(rover: Steered, order: Order) -> None:
+    """Has a rover follow an order, between two control periods."""
+    if order.reset:
+        rover.reset(order.place)
+    if order.driver is not None:
+        rover.hand_over(order.driver)
+    if order.command is not None:
+        rover.command(order.command)
+    if order.goal is not None:
+        rover.head_for(order.goal)
+
+
+class Metered(Protocol):
+    """The metrics of a rover, as they are logged."""
+
+    @property
+    def last_row(self) -> Row | None:
+        """The latest row of the log; None before the first."""
+
+    @property
+    def thresholds(self) -> Thresholds:
+        """What counts as an event."""
+
+    def use(self, thresholds: Thresholds) -> None:
+        """Has other thresholds from the next sample on."""
+
+
+class Given(NamedTuple):
+    """An order, and the control period with which it came into effect."""
+
+    at_ns: int
+    number: int
+    order: Order
+
+
+class Helm(Pacer):
+    """The pace of a run and the orders to its rovers; without any it is a Pacer.
+
+    Args:
+        rate: Simulated seconds per wall second at first; None does not wait.
+        stop: Ends the run, also while it is paused.
+
+    Attributes:
+        rate: The same, from now on.
+        paused: Whether the run stands still between two control periods.
+        idle: Called again and again meanwhile.
+        held_s: Wall time for which it has stood still [s].
+        metered: The metrics of each rover, once the run has begun.
+        given: All orders that were followed.
+    """
+
+    def __init__(self, rate: float | None, stop: StopRequest) -> None:
+        super().__init__(rate, sleep=stop.sleep)
+        self.rate, self.paused, self.held_s = rate, False, 0.0
+        self.idle: Callable[[], object] = partial(stop.sleep, NAP)
+        self.metered: Sequence[Metered] = ()
+        self.given: list[Given] = []
+        self._stop, self._steps, self._judged = stop, 0, False
+        self._orders = deque[tuple[int, Order]]()
+        self._thresholds: dict[int, Thresholds] = {}
+
+    def step(self) -> None:
+        """Lets a paused run go on by one control period."""
+        self._steps += 1
+
+    def order(self, number: int, order: Order) -> None:
+        """Orders something of the rover at a place of the run."""
+        self._orders.append((number, order))
+
+    def last_row(self, number: int) -> Row | None:
+        """Returns the latest row of the log of the rover at a place of the run, if there is any."""
+        return self.metered[number].last_row if self.metered else None
+
+    def judge(self, number: int, thresholds: Thresholds) -> None:
+        """Has other thresholds for the metrics of the rover at a place of the run."""
+        self._thresholds[number] = thresholds
+
+    def wait_until(self, simulation_ns: int) -> None:
+        """Waits until wall time has caught up with a simulation time, at the rate of now."""
+        if self.rate != self._rate:
+            self._rate = self.rate
+            if self._rate is not None:
+                self._start_ns = self._clock() - round(simulation_ns / self._rate)
+        super().wait_until(simulation_ns)
+
+    def steered(
+        self,
+        batches: Iterator[Period],
+        rovers: Sequence[Callable[[Order], object]],
+        now_ns: Callable[[], int | None],
+    ) -> Iterator[Period]:
+        """Yields the batches of each control period; between two of them, orders are followed.
+
+        Args:
+            batches: Of the run.
+            rovers: Take the orders of each rover.
+            now_ns: When what is ordered now comes into effect [ns]; None for never.
+        """
+        self._hand_on(rovers, now_ns())
+        self._start_ns = self._clock()  # what came before took its own time
+        for period in batches:
+            yield period
+            self._hold()
+            self._hand_on(rovers, now_ns())
+
+    def driven(self, run: Run) -> Run:
+        """Returns the run as it was driven: with all that was ordered of its rover in its plan."""
+        plan, given = run.plan, [(each.at_ns / NANOSECONDS, each.order) for each in self.given]
+        if not given or len(run.rovers) > 1:
+            return run
+        resets = [at for at, order in given if order.reset]
+        drivers = [(at, order.driver) for at, order in given if order.driver is not None]
+        commands = [(at, c.linear, c.angular) for at, order in given if (c := order.command) is not None]
+        goals = [(at, g.x, g.y, g.yaw) for at, order in given if (g := order.goal) is not None]
+        return run.but(
+            plan=plan.but(
+                resets=(*plan.resets, *resets),
+                drivers=(*plan.drivers, *drivers),
+                commands=(*plan.commands, *commands),
+                goals=(*plan.goals, *goals),
+            )
+        )
+
+    def note(self, run: Run) -> str:
+        """Returns what is to be told of a run that was steered; "" if it was not."""
+        if not (self.given or self._judged):
+            return ""
+        repeats = len(run.rovers) == 1 and not self._judged
+        return f", steered by hand: its arguments {'repeat' if repeats else 'do not repeat'} it"
+
+    def _hold(self) -> None:
+        began = time.monotonic()
+        while self.paused and not self._steps and self._stop.signal is None:
+            self.idle()
+        held = time.monotonic() - began
+        self._steps = max(0, self._steps - 1) if self.paused else 0
+        self.held_s += held
+        self.postpone(held)
+
+    def _hand_on(self, rovers: Sequence[Callable[[Order], object]], at_ns: int | None) -> None:
+        self._judged |= bool(self._thresholds)
+        while self._thresholds:
+            number, thresholds = self._thresholds.popitem()
+            self.metered[number].use(thresholds)
+        merged: dict[int, Order] = {}
+        while self._orders:
+            number, order = self._orders.popleft()
+            merged[number] = merged.get(number, Order()).then(order)
+        if at_ns is not None:
+            for number, order in merged.items():
+                rovers[number](order)
+                self.given.append(Given(at_ns, number, order))

@@ -1,0 +1,44 @@
+"""A run as a page that is open while it goes on: watched, paused, steered (extra [live]).
+
+`watched` is the door. The page takes what there is to see from observers of the run and shows it at its
+own pace; a Helm takes what is ordered on it.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from harness.base.interrupt import StopRequest
+from harness.episode.helm import Helm
+from harness.episode.loop import Observer
+from harness.spec.live import LiveOptions
+from harness.spec.run import Run
+
+
+@contextmanager
+def watched(
+    run: Run, options: LiveOptions, rate: float | None, stop: StopRequest
+) -> Iterator[tuple[Helm | None, Sequence[Observer]]]:
+    """Serves the page of a run, if one is wanted, and prints its address.
+
+    Args:
+        run: What is shown.
+        options: Where it is served.
+        rate: Of the run at first, times real time; None for as fast as it can.
+        stop: Ends the run.
+
+    Yields:
+        What steers the run there, and what must see the batches of each rover; None and nothing where
+        nobody watches, which costs nothing.
+
+    Raises:
+        UsageError: viser is missing, or it cannot be served there.
+    """
+    if options.live is None:
+        yield None, ()
+        return
+    from harness.live.page import LivePage  # noqa: PLC0415 - its extra may be missing
+
+    helm = Helm(rate, stop)
+    with LivePage(run, helm, options) as page:
+        print(f"live: {page.address}", flush=True)  # a pipe's reader opens it now
+        yield helm, page.observers

@@ -1,0 +1,103 @@
+"""The way in for others: who does not know the token sees nothing of the page behind it.
+
+A browser tells the token once, in the address; the cookie that it gets for it opens everything else.
+"""
+
+import asyncio
+import hmac
+from contextlib import AbstractContextManager, suppress
+from http.cookies import CookieError, SimpleCookie
+from threading import Thread
+from urllib.parse import parse_qs, urlsplit
+
+from harness.base.errors import UsageError
+
+COOKIE = "rover_live"
+PATIENCE = 10.0  # [s] for a browser to say what it wants
+LONGEST_HEAD, PART = 65_536, 65_536  # [B] of a request; of what is passed on at once
+NOBODY = b"HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+WELCOME = (
+    "HTTP/1.1 303 See Other\r\nLocation: /\r\nContent-Length: 0\r\nConnection: close\r\n"
+    f"Set-Cookie: {COOKIE}={{token}}; HttpOnly; SameSite=Strict; Path=/\r\n\r\n"
+)
+
+
+class Gate(AbstractContextManager["Gate"]):
+    """Passes on to a port of this machine who knows the token.
+
+    Args:
+        host: Where others come.
+        port: Of that host.
+        token: What they must know; "" lets everybody in.
+        behind: The port of this machine.
+
+    Raises:
+        UsageError: Nobody can listen there.
+    """
+
+    def __init__(self, host: str, port: int, token: str, behind: int) -> None:
+        self._token, self._behind = token, behind
+        self._loop = asyncio.new_event_loop()
+        opened = asyncio.start_server(self._admit, host, port, limit=LONGEST_HEAD)
+        try:
+            self._server = self._loop.run_until_complete(opened)
+        except OSError as error:
+            self._loop.close()
+            raise UsageError(f"--live {host}:{port} cannot be served: {error.strerror}") from error
+        self._thread = Thread(target=self._loop.run_forever, name="live gate", daemon=True)
+        self._thread.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        for task in asyncio.all_tasks(self._loop):
+            task.cancel()
+            with suppress(asyncio.CancelledError):
+                self._loop.run_until_complete(task)
+        self._server.close()
+        self._loop.close()
+
+    async def _admit(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        with suppress(OSError, TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
+            head = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), PATIENCE)
+            if self._knows(head):
+                await self._pass_on(head, reader, writer)
+            else:
+                writer.write(self._answer(head))
+                await writer.drain()
+        writer.close()
+
+    async def _pass_on(
+        self, head: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        own_reader, own_writer = await asyncio.open_connection("127.0.0.1", self._behind)
+        own_writer.write(head)
+        try:
+            await asyncio.gather(_pump(reader, own_writer), _pump(own_reader, writer))
+        finally:
+            own_writer.close()
+
+    def _knows(self, head: bytes) -> bool:
+        """Whether a request has the cookie, if there must be one."""
+        lines = head.decode("latin-1").split("\r\n")[1:]
+        told = [line.partition(":")[2] for line in lines if line.lower().startswith("cookie:")]
+        with suppress(CookieError):
+            cookie = SimpleCookie("".join(told)).get(COOKIE)
+            return not self._token or self._is_right("" if cookie is None else cookie.value)
+        return False
+
+    def _answer(self, head: bytes) -> bytes:
+        target = head.decode("latin-1").split(" ")[1:2]
+        told = parse_qs(urlsplit("".join(target)).query).get("token", [""])
+        return WELCOME.format(token=self._token).encode() if self._is_right(told[0]) else NOBODY
+
+    def _is_right(self, told: str) -> bool:
+        return hmac.compare_digest(told.encode(), self._token.encode())
+
+
+async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    """Passes on until one side ends; what is slow is waited for."""
+    while data := await reader.read(PART):
+        writer.write(data)
+        await writer.drain()
+    writer.close()

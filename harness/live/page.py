@@ -1,0 +1,83 @@
+"""The page: a server in this process, and a thread that draws at its own pace."""
+
+import importlib.util
+import time
+from contextlib import AbstractContextManager, ExitStack
+from functools import partial
+from threading import Event, Thread
+
+from harness.base.errors import UsageError
+from harness.episode.helm import Helm
+from harness.live.gate import Gate
+from harness.live.watch import Watch
+from harness.spec.live import HERE, LiveOptions, address_of
+from harness.spec.run import Run
+
+FRAME, SLOWLY = 0.04, 0.25  # [s] of wall time between two frames; between two of charts and paths
+PATIENCE = 5.0  # [s] for the last frame to be drawn
+
+
+class LivePage(AbstractContextManager["LivePage"]):
+    """Serves a run until it is left; nobody who watches, however slowly, holds the run up.
+
+    Args:
+        run: What is shown.
+        helm: Gets what is ordered on the page.
+        options: Where it is served.
+
+    Attributes:
+        address: What a browser opens.
+        observers: Must see the batches of each rover.
+
+    Raises:
+        UsageError: viser is missing, or it cannot be served there.
+    """
+
+    def __init__(self, run: Run, helm: Helm, options: LiveOptions) -> None:
+        if importlib.util.find_spec("viser") is None:
+            raise UsageError("--live needs viser; install it with pip install 'rover-harness[live]'")
+        from harness.live.panel import Panel  # noqa: PLC0415 - its extra may be missing
+        from harness.live.server import Server  # noqa: PLC0415
+        from harness.live.stage import Stage  # noqa: PLC0415
+
+        host, port = address_of(options.live or "")
+        self.observers = [Watch(partial(helm.last_row, number)) for number in range(len(run.rovers))]
+        guarded = options.live_token or host != HERE
+        self._server = Server(HERE, 0 if guarded else port)
+        self._at_end = ExitStack()
+        if guarded:
+            behind = self._server.get_port()
+            self._at_end.enter_context(Gate(host, port, options.live_token, behind))
+        self._stage = Stage(self._server.scene, run)
+        self._stage.aim(self._server.initial_camera)
+        self._panel = Panel(self._server, run, helm, self._stage, self.observers)
+        shown = f"[{host}]" if ":" in host else host
+        self.address = f"http://{shown}:{port if guarded else self._server.get_port()}"
+        self.address += f"/?token={options.live_token}" if options.live_token else ""
+        self._ended = Event()
+        self._drawing = Thread(target=self._draw, name="live page", daemon=True)
+        self._drawing.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._drawing.join(PATIENCE)
+        self._at_end.close()
+        self._server.stop()
+
+    def _draw(self) -> None:
+        slowly, versions = 0.0, None
+        while not self._ended.wait(FRAME):
+            self._panel.let_go()
+            if not self._server.get_clients():
+                versions = None  # who opens the page sees everything, also of a run that is paused
+                continue
+            latest = [watch.version for watch in self.observers]
+            now = time.monotonic()
+            with self._server.atomic():
+                if latest != versions:
+                    self._stage.draw(self.observers)
+                if now - slowly >= SLOWLY:
+                    slowly = now
+                    self._stage.draw_paths(self.observers)
+                    self._panel.show()
+            versions = latest

@@ -1,0 +1,168 @@
+"""What a page has beside the scene: what the rover does, how the run goes on, who drives."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import viser
+
+from harness.episode.helm import Helm
+from harness.live.charts import Charts
+from harness.live.stage import Stage
+from harness.live.watch import Watch
+from harness.live.wheel import Wheel
+from harness.spec.run import Run
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO
+
+RATES: dict[str, float | None] = {
+    **{f"{rate:g}x": rate for rate in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)},
+    "as fast as it can": None,
+}
+KEYS = {"I": ("forwards", 1.0, 0.0), "K": ("backwards", -1.0, 0.0)} | {
+    "J": ("to the left", 0.0, 1.0),
+    "L": ("to the right", 0.0, -1.0),
+}
+HOW_TO_DRIVE = """Hold **I** or **K** to drive forwards or backwards, **J** or **L** to turn.
+**Shift-click** the ground to send it there."""
+OF_DEFAULT, PARTS = 4.0, 80  # how far a slider of a threshold goes, and in how many steps
+
+
+class Panel:
+    """The panel of a page.
+
+    Args:
+        server: Of the page.
+        run: What is shown.
+        helm: Gets what is ordered.
+        stage: The scene.
+        watches: What is seen of each rover.
+    """
+
+    def __init__(
+        self, server: viser.ViserServer, run: Run, helm: Helm, stage: Stage, watches: Sequence[Watch]
+    ) -> None:
+        self._run, self._helm, self._stage, self._watches = run, helm, stage, watches
+        self._gui = gui = server.gui
+        self._wheels = [Wheel(helm, number, rover) for number, rover in enumerate(run.rovers)]
+        self._rover = 0  # that is looked at and driven
+        self._state = gui.add_markdown("")
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Run"):
+            self._add_pace()
+            self._add_view()
+            self._add_driving()
+        self._charts = Charts(gui, tabs.add_tab("Charts"))
+        with tabs.add_tab("Thresholds"):
+            self._add_thresholds()
+        server.scene.on_click(modifier="shift")(self._click)
+
+    def show(self) -> None:
+        """Shows what the rover does now."""
+        watch = self._watches[self._rover]
+        truth, rover = watch.truth, self._run.rovers[self._rover]
+        name = f"{rover.name}, a {rover.robot}" if rover.name else rover.robot
+        self._state.content = (
+            f"**{name}** on **{self._run.world.terrain}**\n\n"
+            f"**{watch.time_s:.1f} s** of {self._run.duration:g} s, {truth.path_length:.1f} m, "
+            f"{watch.speed:.2f} m/s"
+        )
+        self._charts.show(watch)
+
+    def let_go(self) -> None:
+        """Stops rovers whose keys nobody holds any more."""
+        for wheel in self._wheels:
+            wheel.let_go()
+
+    def _add_pace(self) -> None:
+        gui, helm = self._gui, self._helm
+        with gui.add_folder("Run"):
+            self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
+            step = gui.add_button("Step", icon=viser.Icon.PLAYER_SKIP_FORWARD, hint="0.05 s")
+            reset = gui.add_button("Reset", icon=viser.Icon.REFRESH, hint="the rover, to its start")
+            speed = gui.add_dropdown("Speed", tuple(RATES), initial_value=_name_of(helm.rate))
+        self._pause.on_click(lambda _: self._set_paused(not helm.paused))
+        step.on_click(lambda _: self._step())
+        reset.on_click(lambda _: self._wheel.reset())
+        speed.on_update(lambda _: setattr(helm, "rate", RATES[speed.value]))
+        gui.add_command("Pause or go on", hotkey="space").on_trigger(
+            lambda _: self._set_paused(not helm.paused)
+        )
+        gui.add_command("Step", hotkey="N").on_trigger(lambda _: self._step())
+
+    def _add_view(self) -> None:
+        gui = self._gui
+        with gui.add_folder("View"):
+            names = [rover.name for rover in self._run.rovers]
+            if len(names) > 1:
+                rover = gui.add_dropdown("Rover", tuple(names))
+                rover.on_update(lambda _: self._choose(names.index(rover.value)))
+            self._follow = gui.add_checkbox("Follow the rover", True)
+            lidar = gui.add_checkbox("Show what the lidar hits", True)
+        self._follow.on_update(lambda _: self._choose(self._rover))
+        lidar.on_update(lambda _: self._stage.show_lidar(lidar.value))
+
+    def _add_driving(self) -> None:
+        gui = self._gui
+        with gui.add_folder("Drive"):
+            gui.add_markdown(HOW_TO_DRIVE)
+            back = gui.add_button("Let it drive by itself", icon=viser.Icon.STEERING_WHEEL)
+        back.on_click(lambda _: self._wheel.give_back())
+        for key, (where, forward, left) in KEYS.items():
+            command = gui.add_command(f"Drive {where}", hotkey=key)  # type: ignore[arg-type] # a key it has
+            command.on_trigger(partial(self._press, forward, left))
+
+    def _add_thresholds(self) -> None:
+        values = DEFAULT_THRESHOLDS
+        for name, parameter in THRESHOLD_INFO.items():
+            default = getattr(values, name)
+            most = min(OF_DEFAULT * default, parameter.maximum)
+            slider = self._gui.add_slider(
+                f"{name} [{parameter.unit}]",
+                0.0,
+                most,
+                most / PARTS,
+                default,
+                hint=parameter.description,
+            )
+            slider.on_update(partial(self._judge, name, slider))
+
+    @property
+    def _wheel(self) -> Wheel:
+        return self._wheels[self._rover]
+
+    def _step(self) -> None:
+        self._set_paused(True)
+        self._helm.step()
+
+    def _set_paused(self, paused: bool) -> None:
+        self._helm.paused = paused
+        self._pause.label = "Go on" if paused else "Pause"
+        self._pause.icon = viser.Icon.PLAYER_PLAY if paused else viser.Icon.PLAYER_PAUSE
+
+    def _choose(self, rover: int) -> None:
+        self._rover = rover
+        self._stage.following = rover if self._follow.value else None
+
+    def _press(self, forward: float, left: float, _: viser.CommandEvent) -> None:
+        self._wheel.press(forward=forward, left=left)
+
+    def _judge(self, name: str, slider: viser.GuiSliderHandle[float], _: object) -> None:
+        if self._helm.metered:
+            before = self._helm.metered[self._rover].thresholds
+            self._helm.judge(self._rover, replace(before, **{name: slider.value}))
+
+    def _click(self, event: viser.SceneClickEvent) -> None:
+        place, sight = (
+            self._stage.under(event.ray_origin, event.ray_direction),
+            self._watches[self._rover].sight,
+        )
+        if place is not None and sight is not None:
+            x, y, _ = place.tolist()
+            self._stage.mark(self._wheel.head_for(x, y, sight.position))
+
+
+def _name_of(rate: float | None) -> str:
+    """The name of a rate among those there are, which it joins if it is another one."""
+    name = next((name for name, value in RATES.items() if value == rate), f"{rate:g}x")
+    RATES[name] = rate
+    return name

@@ -1,0 +1,129 @@
+"""A run that is steered: nothing changes where nobody does, and what was ordered can be driven again."""
+
+import signal
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+from harness.base.interrupt import StopRequest
+from harness.episode.batch import Batch
+from harness.episode.direct import run_direct
+from harness.episode.helm import Helm, Order
+from harness.episode.result import Outputs, RunResult
+from harness.samples import Place, Twist
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
+from rover_metrics.core.thresholds import Thresholds
+
+RUN = Run.of(terrain="rocky", driver="wander", duration=6.0, lidar_beams=36)
+BY_HAND = Order(driver="cmd_vel", command=Twist(0.3, 0.2))
+
+
+class At:
+    """An observer that acts once a simulated time [s] has come, as whoever looks at the run would."""
+
+    def __init__(self, **acts: Callable[[], object]) -> None:
+        self._acts = {float(at.lstrip("t").replace("_", ".")): act for at, act in acts.items()}
+
+    def take(self, batch: Batch) -> None:
+        for at in [at for at in self._acts if at * 1e9 <= batch.truth.time_ns]:
+            self._acts.pop(at)()
+
+
+def driven(
+    folder: Path, run: Run, helm: Helm | None, *observers: At, stop: StopRequest | None = None
+) -> tuple[bytes, RunResult]:
+    """The bytes of the log, and the result."""
+    outputs = [Outputs(log_dir=folder, observers=observers)]
+    (result,) = run_direct(run, outputs, RosOptions(log_dir=folder), stop or StopRequest(), None, helm)
+    assert result.log_path is not None
+    return result.log_path.read_bytes(), result
+
+
+def orders(helm: Helm) -> At:
+    """Takes the wheel, turns, sends the rover to a goal, puts it back and lets it go on by itself."""
+
+    def giving(*orders: Order) -> Callable[[], None]:
+        def give() -> None:
+            for order in orders:
+                helm.order(0, order)
+
+        return give
+
+    return At(
+        t1=giving(BY_HAND),
+        t1_5=giving(Order(command=Twist(-0.2, 0.0))),
+        t2=giving(Order(driver="goal", goal=Place(2.0, 1.0, 0.0))),
+        t3_5=giving(BY_HAND, Order(reset=True)),
+        t4=giving(BY_HAND, Order(command=Twist(0.1, 0.0))),
+        t5=giving(Order(driver="")),
+    )
+
+
+def test_a_run_that_nobody_steers_is_the_same_to_the_byte(tmp_path: Path) -> None:
+    helm = Helm(None, StopRequest())
+    watched, result = driven(tmp_path / "a", RUN, helm)
+    alone, _ = driven(tmp_path / "b", RUN, None)
+    assert watched == alone
+    assert (helm.driven(RUN), helm.note(RUN)) == (RUN, "")
+    assert result.paused_s < 0.1
+
+
+def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(tmp_path: Path) -> None:
+    helm = Helm(None, StopRequest())
+    steered, _ = driven(tmp_path / "a", RUN, helm, orders(helm))
+    again, _ = driven(tmp_path / "b", helm.driven(RUN), None)
+    alone, _ = driven(tmp_path / "c", RUN, None)
+    assert steered == again != alone
+    assert "repeat it" in helm.note(RUN)
+
+
+def test_paused_it_stands_still_and_goes_on_step_by_step(tmp_path: Path) -> None:
+    helm, seen = Helm(None, StopRequest()), list[int]()
+    idled: list[int] = []
+
+    def look() -> None:
+        """Of a run that is paused: a step each time, in the end it goes on."""
+        idled.append(seen[-1])
+        time.sleep(0.01)
+        if len(idled) % 2:
+            helm.step()
+        if len(idled) > 6:
+            helm.paused = False
+
+    class Seen(At):
+        def take(self, batch: Batch) -> None:
+            seen.append(batch.truth.time_ns)
+            super().take(batch)
+
+    helm.idle = look
+    bytes_, result = driven(tmp_path / "a", RUN, helm, Seen(t2=lambda: setattr(helm, "paused", True)))
+    assert len(set(idled)) >= 3
+    assert {b - a for a, b in pairwise(idled)} == {0, 50_000_000}
+    assert result.paused_s >= 0.01 * len(idled)
+    assert bytes_ == driven(tmp_path / "b", RUN, None)[0]
+
+
+def test_a_stop_ends_a_run_that_is_paused_and_a_rate_holds_from_then_on(tmp_path: Path) -> None:
+    stop = StopRequest()
+    helm = Helm(None, stop)
+    helm.rate = 20.0
+    began = time.monotonic()
+    driven(tmp_path / "a", RUN.but(duration=2.0), helm)
+    assert time.monotonic() - began >= 0.09
+    helm = Helm(None, stop)
+    helm.paused = True
+    helm.idle = lambda: setattr(stop, "signal", signal.SIGINT)
+    _, result = driven(tmp_path / "b", RUN, helm, stop=stop)
+    assert result.simulated_s <= 0.1
+
+
+def test_thresholds_hold_from_the_next_sample_on_and_the_result_says_so(tmp_path: Path) -> None:
+    helm, eager = Helm(None, StopRequest()), Thresholds(collision_threshold=9.0)
+    log, result = driven(tmp_path / "a", RUN, helm, At(t3=lambda: helm.judge(0, eager)))
+    alone, _ = driven(tmp_path / "b", RUN, None)
+    assert log.splitlines()[:3] == alone.splitlines()[:3]
+    assert int(log.splitlines()[-1].split(b",")[1]) > 20
+    assert result.thresholds == eager
+    assert "do not repeat" in helm.note(RUN)

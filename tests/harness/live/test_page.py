@@ -1,0 +1,122 @@
+"""The page of a run, opened and used in a headless Chromium while the run goes on."""
+
+import io
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from harness import Run, run_episode
+from tests.support.browser import NEEDS_CHROMIUM
+from tests.support.waiting import PATIENCE, wait_until
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytest.importorskip("viser", reason="needs viser: pip install -e '.[live]'")
+pytestmark = NEEDS_CHROMIUM
+
+WORDS = ("--direct", "--terrain", "posts", "--lidar-beams", "90", "--duration", "600", "--live")
+TIME = re.compile(r"([\d.]+) s of 600 s")
+SMALL = {"width": 600, "height": 360}
+SCENE = (0, 200, 250, 360)  # left, top, right, bottom: where no panel is [pixels]
+
+
+class Watched:
+    """A run in a process of its own, and its page."""
+
+    def __init__(self, run: "subprocess.Popen[str]", folder: Path, browser: "Browser") -> None:
+        assert run.stdout is not None
+        self.run, self.folder, self._browser = run, folder, browser
+        self.address = next(m[1] for line in run.stdout if (m := re.match(r"live: (\S+)", line)))
+
+    def open(self) -> "Page":
+        page = self._browser.new_page(viewport=SMALL)  # type: ignore[arg-type] # a ViewportSize
+        page.set_default_timeout(1000 * PATIENCE)  # the processor draws, beside all other tests
+        page.goto(self.address)
+        page.get_by_text(TIME).wait_for()
+        return page
+
+    def ended(self) -> dict[str, object]:
+        """The manifest, once Ctrl-C has ended the run."""
+        self.run.send_signal(signal.SIGINT)
+        assert self.run.wait(PATIENCE) == 130
+        (file,) = (f for f in self.folder.glob("metrics_log_*.json"))
+        manifest: dict[str, object] = json.loads(file.read_text())
+        return manifest
+
+
+@contextmanager
+def watched(browser: "Browser", folder: Path, *words: str) -> Iterator[Watched]:
+    command = [sys.executable, "-m", "harness.run", *WORDS, "--log-dir", str(folder), *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as run:
+        try:
+            yield Watched(run, folder, browser)
+        finally:
+            run.kill()
+
+
+def time_on(page: "Page") -> float:
+    found = TIME.search(page.get_by_text(TIME).inner_text())
+    assert found is not None
+    return float(found[1])
+
+
+def test_a_page_draws_pauses_drives_and_survives_being_closed(webgl: "Browser", tmp_path: Path) -> None:
+    with watched(webgl, tmp_path) as seen:
+        page = seen.open()
+        wait_until(lambda: colours_of(page) > 500)  # ground in light and shadow, not an empty canvas
+        before = time_on(page)
+        wait_until(lambda: time_on(page) > before + 1.0)
+        page.get_by_role("button", name="Pause").click()
+        page.get_by_role("button", name="Go on").wait_for()
+        wait_until(lambda: stands_still(page))
+        page.get_by_role("button", name="Go on").click()
+        still = time_on(page)
+        wait_until(lambda: time_on(page) > still + 0.5)
+        page.keyboard.press("i")
+        page.close()
+        other = seen.open()  # the run went on meanwhile
+        assert time_on(other) > still
+        manifest = seen.ended()  # with a browser open
+    arguments = manifest["arguments"]
+    assert isinstance(arguments, dict)
+    (_, driver), *_ = arguments["drivers"]
+    assert driver == "cmd_vel"
+    speeds = [speed for _, speed, _ in arguments["commands"]]
+    assert speeds[0] > 0.0 == speeds[-1]  # nobody held the key any more
+    assert "steered by hand" in str(manifest["mode"])
+    assert float(str(manifest["paused_s"])) > 0.1
+    assert_repeated(manifest, tmp_path)
+
+
+def assert_repeated(manifest: dict[str, object], folder: Path) -> None:
+    """That the arguments of a run that was steered give its log again, as docs/live.md says."""
+    arguments = manifest["arguments"]
+    assert isinstance(arguments, dict)
+    values = {k: v for k, v in arguments.items() if k not in ("number", "world_robot")}
+    values["duration"] = round(float(str(manifest["simulated_s"])), 2)  # the log ended there
+    again = run_episode(Run.of(**values), folder / "again")
+    assert again.log_path is not None
+    assert again.log_path.read_bytes() == Path(str(manifest["log"])).read_bytes()
+
+
+def colours_of(page: "Page") -> int:
+    """How many colours the scene has."""
+    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB").crop(SCENE)
+    return len(np.unique(np.asarray(image).reshape(-1, 3), axis=0))
+
+
+def stands_still(page: "Page") -> bool:
+    before = time_on(page)
+    page.wait_for_timeout(600.0)
+    return time_on(page) == before
