@@ -95,7 +95,10 @@ class Episode:
         simulation: Simulation | None = None,
     ) -> None:
         self.run, self.number, self.setup = run, number, run.rovers[number]
-        (self.simulation,) = _simulated(run) if simulation is None else (simulation,)
+        if simulation is None:
+            run.check_single()
+            (simulation,) = _simulated(run)
+        self.simulation = simulation
         scene = self.simulation.scene
         rover, world = scene.rover, scene.world
         self.info = EpisodeInfo(

@@ -36,8 +36,10 @@ def run_episode(
         What the run came to: `log_path` is the CSV, `failure` says why it ended early, if it did.
 
     Raises:
-        UsageError: A value is not valid or the files cannot be written; the message names the mend.
+        UsageError: A value is not valid, there are several rovers, or the files cannot be written; the
+            message names the mend.
     """
+    run.check_single()
     output = Outputs(log_dir=Path(log_dir), observers=observers, settings=settings or Settings())
     (result,) = run_direct(run, (output,), RosOptions(log_dir=output.log_dir), StopRequest())
     if result.log_path is not None:

@@ -10,6 +10,7 @@ import signal
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from multiprocessing.connection import Connection
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -119,6 +120,11 @@ class ProcessVectorEnv(ManyRovers):
         settings: dict[str, Any] = {"threads": threads, "render_mode": render_mode, **options}
         (one,) = RoverVectorEnv(make, **settings).envs  # or a UsageError that needs no process
         super().__init__(one, num_envs, autoreset_mode)
+        try:
+            ForkingPickler.dumps((make, settings))
+        except Exception as error:  # whatever a stranger's object raises
+            mend = "give functions of a module, or the names of plug-ins or FILE.py:NAME"
+            raise UsageError(f"an option cannot be sent to processes ({error}); {mend}") from error
         context, sizes = multiprocessing.get_context("spawn"), _sizes(one.observation_space)
         memory = context.RawArray("b", Shared.size(sizes, num_envs))
         self._shared = Shared.of(memory, sizes, num_envs)

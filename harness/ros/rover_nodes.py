@@ -94,6 +94,7 @@ class RoverNodes:
         self.run, self.number = run, number
         self.setup = setup = run.rovers[number]
         self._context, self._at_end = context, at_end
+        self._painter = at_end.enter_context(painter(run, number))
         try:
             self.bridge = Bridge(
                 find_rover(setup.robot),
@@ -102,7 +103,7 @@ class RoverNodes:
                 on_command=on_command,
                 cmd_vel=cmd_vel,
                 rows=sensor_rows(setup),
-                draw=at_end.enter_context(painter(run, number)).image,
+                draw=self._painter.image,
                 actors=actor_names(run.world),
                 goals=run.plan.route is not None and setup.driver == CMD_VEL,
                 namespace=setup.name,
@@ -113,6 +114,11 @@ class RoverNodes:
         at_end.callback(self.bridge.destroy_node)
         self.faults = injector(run, number)
         self.hosted: HostedMetrics | None = None
+
+    def begin_anew(self, run: Run) -> None:
+        """Shows another run from now on, of the same rover with the same sensors in another world."""
+        self.run = run
+        self._painter.use(partial(scenery, run), run.own_seed(self.number))
 
     def navigate(self, orders: RoverOrders, *, truth_map: bool = False) -> None:
         """Serves what a navigation stack asks for, and hands its orders on."""

@@ -50,7 +50,8 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     """Returns a run as a baseline keeps it."""
     # Only what is not the default: an argument that a later version adds changes nothing.
     defaults, fields = Run().fields(), case.run.fields()
-    fields["terrain"] = Path(case.run.world.terrain).name  # the file's place may change
+    for name in ("terrain", "soil"):
+        fields[name] = Path(fields[name]).name  # the file's place may change
     arguments = {k: value for k, value in fields.items() if value != defaults[k]}
     if case.params:
         arguments["params"] = case.params

@@ -10,6 +10,7 @@ from typing import Any
 
 from harness.base.errors import UsageError
 from harness.drivers import takes_goals
+from harness.drivers.policy import PREFIX
 from harness.episode.assembly import check
 from harness.robots import ROVERS
 from harness.scenario.reading import SUFFIX, read_scenario
@@ -129,6 +130,12 @@ def _robot_beside(path: Path, robot: str) -> str:
     return str(there) if robot not in ROVERS and (there / "rover.yaml").is_file() else robot
 
 
+def _driver_beside(path: Path, driver: str) -> str:
+    """A driver; the file of a policy is beside the scenario, if there is such a one."""
+    file = driver.removeprefix(PREFIX)
+    return driver if file == driver else f"{PREFIX}{_beside(path, file)}"
+
+
 def _params(path: Path, name: str | None) -> dict[str, Any]:
     try:
         return {} if name is None else read_values(_beside(path, name))
@@ -138,8 +145,9 @@ def _params(path: Path, name: str | None) -> dict[str, Any]:
 
 def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run:
     values = scenario.run_values() | {name: value for name, value in cell.items() if name != "params"}
-    for name, place in (("terrain", _beside), ("robot", _robot_beside)):
-        if name in values:
+    places = {"terrain": _beside, "soil": _beside, "robot": _robot_beside, "driver": _driver_beside}
+    for name, place in places.items():
+        if values.get(name):
             values[name] = str(place(path, values[name]))
     folders = [(path.parent / name, name) for name in values.get("resource_path", ())]
     values["resource_path"] = tuple(str(there) if there.is_dir() else name for there, name in folders)

@@ -11,9 +11,12 @@ from pydantic import TypeAdapter
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.version import __version__
+from harness.drivers.policy import PREFIX
+from harness.robots import ROVERS
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.verdict import Attempt
+from harness.spec.run import Run
 
 _ATTEMPT = TypeAdapter(Attempt)
 _OWN = [field.name for field in fields(Attempt) if field.name != "case"]
@@ -84,8 +87,7 @@ class Progress:
 
 def _identity(cases: Sequence[Case], *, compare: bool) -> str:
     """A hash of all that the outcomes depend on, the contents of files included."""
-    files = {case.path for case in cases} | {Path(case.run.world.terrain) for case in cases}
-    files |= {path_of(case.path) for case in cases}
+    files = {file for case in cases for file in (case.path, path_of(case.path), *_files_of(case.run))}
     digest = hashlib.sha256(repr((__version__, compare)).encode())
     for path in sorted(files):
         if path.is_file():
@@ -93,3 +95,12 @@ def _identity(cases: Sequence[Case], *, compare: bool) -> str:
     for case in cases:
         digest.update(repr((case.run, case.params)).encode())
     return digest.hexdigest()
+
+
+def _files_of(run: Run) -> Iterator[Path]:
+    """What a run may read: world, soil, people, targets, policy and the rover's folder."""
+    world, driver = run.world, run.rover.driver
+    yield from (Path(world.terrain), Path(world.soil), Path(driver.removeprefix(PREFIX)))
+    yield from (Path(actor.file) for actor in world.actors)
+    yield from (Path(file) for target in world.targets for file in target.files)
+    yield from Path(run.rover.robot).glob("*") if run.rover.robot not in ROVERS else ()

@@ -66,6 +66,14 @@ class Run(Value):
         """The first rover, the only one of most runs."""
         return self.rovers[0]
 
+    def check_single(self) -> None:
+        """Raises UsageError if several rovers drive, for what has one episode, one result, one trial."""
+        if len(self.rovers) > 1:
+            names = ", ".join(rover.name for rover in self.rovers)
+            raise UsageError(
+                f"this drives a single rover, not {names}; give a run of one, or use harness.run --rover"
+            )
+
     @property
     def total_ticks(self) -> int:
         """Clock ticks from start to end."""

@@ -98,6 +98,7 @@ class Trial(LeavesEvidence):
         recording: Recording | None = None,
         cmd_vel: str = "twist",
     ) -> None:
+        run.check_single()
         check(run)
         super().__init__(artifacts)
         self.run, self._frames, self._cmd_vel = run, frames or FrameOptions(), cmd_vel
@@ -135,7 +136,7 @@ class Trial(LeavesEvidence):
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
-        rover = RoverNodes(self.run, 0, self._command, at_end, cmd_vel=self._cmd_vel)
+        self._rover = rover = RoverNodes(self.run, 0, self._command, at_end, cmd_vel=self._cmd_vel)
         self.bridge, jumps = rover.bridge, rover.faults.disturbs_time
         self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))
         if self.artifacts is not None:
@@ -330,6 +331,7 @@ class Trial(LeavesEvidence):
             if episode is not self._episode:
                 episode, began_ns = self._episode, self.now_ns
                 batches, self.info = episode.batches(), episode.info
+                self._rover.begin_anew(self.run)
                 if self._evidence is not None:
                     self._evidence = Evidence(self.bridge, self.run, self.info)
 

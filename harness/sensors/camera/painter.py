@@ -52,6 +52,11 @@ class CameraPainter:
         self._process: BaseProcess | None = None
         self._failed = False
 
+    def use(self, scenery: Scenery, seed: int) -> None:
+        """Draws another world from the next image on, with another seed of the images' noise."""
+        self._stop()
+        self._scenery, self._seed = scenery, seed
+
     def __enter__(self) -> Self:
         return self
 

@@ -9,11 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct, run_unlogged
+from harness.episode.episode import Episode
 from harness.episode.result import Outputs, RunResult
+from harness.episode.run import run_episode
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -118,6 +121,15 @@ def test_of_several_rovers_the_first_is_shown_and_each_has_a_result(tmp_path: Pa
     results = run_direct(two, outputs, RosOptions(log_dir=tmp_path), StopRequest(), shown.append)
     assert [each.number for each in results] == [0, 1]
     assert [each.number for each in shown] == [0, 0]
+
+
+def test_what_drives_a_single_rover_says_so_of_several(tmp_path: Path) -> None:
+    run = Run.of(**FLAT)
+    two = fleet(run, parse_rovers(("leo:a", "leo:b,x=2,y=0"), run.rover))
+    for drives in (Episode, lambda run: run_episode(run, tmp_path / "logs")):
+        with pytest.raises(UsageError, match=r"single rover, not a, b; .* --rover"):
+            drives(two)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_a_log_the_drive_is_the_same_whatever_its_observers_want(tmp_path: Path) -> None:

@@ -52,6 +52,18 @@ def test_a_reset_gives_the_goal_of_an_area_again() -> None:
     assert batches[-1].truth.path_length - batches[41].truth.path_length > 0.2
 
 
+def test_a_reset_ends_neither_an_abort_nor_the_loss_of_the_link() -> None:
+    commands, link = [(0.2, 0.5, 0.0), (2.5, 0.5, 0.0)], [(1.0, 2.5)]
+    plans: tuple[dict[str, object], ...] = (
+        {"route": "9,0", "aborts": [1.0]},
+        {"driver": "cmd_vel", "commands": commands, "link_losses": link},
+    )
+    for plan in plans:
+        path = [batch.truth.path_length for batch in driven(**plan, resets=[2.0], duration=3.5)]
+        assert path[20] > 0.1
+        assert path[-1] - path[41] < 0.02
+
+
 def test_a_rover_stands_from_an_abort_until_it_resumes() -> None:
     path = [b.truth.path_length for b in driven(route="9,0", aborts=[2.0], resumes=[5.0], duration=8.0)]
     assert path[99] - path[59] < 0.02  # from 3 s to 5 s

@@ -39,6 +39,11 @@ def test_a_mistake_in_one_process_changes_nothing_in_any(small: dict[str, Any]) 
         assert moved.max() < 0.1
 
 
+def test_a_function_that_no_process_can_be_sent_is_told(small: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match=r"FILE\.py:NAME"):
+        gymnasium.make_vec(ID, num_envs=2, processes=2, reward_fn=lambda *_: {}, **small)
+
+
 def test_a_process_that_dies_is_told_and_takes_the_others_with_it(small: dict[str, Any]) -> None:
     envs = gymnasium.make_vec(ID, num_envs=3, processes=2, **small)
     envs.reset(seed=1)

@@ -34,7 +34,8 @@ def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # 
 def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
     small: dict[str, Any], mode: AutoresetMode, count: int, workers: dict[str, int]
 ) -> None:
-    options, named = {**small, **SHORT}, mode.name if count == 1 else mode.value
+    options = {**small, **SHORT, "randomisation": {"payload": (0.0, 4.0)}}
+    named = mode.name if count == 1 else mode.value
     ours = vector(options, count, autoreset_mode=named, **workers)
     plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * count, autoreset_mode=mode)
     assert ours.observation_space == plain.observation_space

@@ -85,7 +85,9 @@ def test_attempts_come_in_the_order_of_their_cases(
 def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
     make_cases: MakeCases, tmp_path: Path, driven: list[Run]
 ) -> None:
-    cases, out = make_cases("{truth.hazard_contacts: {max: 1}}", "seeds: 3"), tmp_path / "out"
+    sand, out = tmp_path / "sand.yaml", tmp_path / "out"
+    sand.write_text("k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    cases = make_cases("{truth.hazard_contacts: {max: 1}}", "seeds: 3\nsoil: sand.yaml")
 
     def run(backend: Workers, *, resume: bool = False) -> tuple[list[Attempt], list[int]]:
         driven.clear()
@@ -113,6 +115,7 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         (edit('"error":null', '"error":"no disk"'), [0, 2]),
         (edit('"kept":[]', '"kept":["nowhere"]'), [0, 2]),
         (lambda _: cases[0].path.write_text(cases[0].path.read_text() + "\n"), [0, 1, 2]),
+        (lambda _: sand.write_text(sand.read_text() + "\n"), [0, 1, 2]),  # beside the scenario
     ):
         unfinished = stop()
         change(unfinished)

@@ -17,7 +17,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, LaserScan
+from sensor_msgs.msg import Image, Imu, LaserScan
 from std_msgs.msg import Float64
 
 from harness.base.errors import RunFailed, UsageError
@@ -142,17 +142,24 @@ def test_rover_obeys_the_test_and_then_the_node() -> None:
 
 def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on() -> None:
     config = {"terrain": "rocky", "driver": "wander", "noise": "white", "lidar_beams": 8}
+    config["sensors"] = "camera=small"
 
-    def drive(one: Trial) -> list[tuple[float, ...]]:
+    def drive(one: Trial) -> tuple[list[tuple[float, ...]], list[bytes]]:
         imus = one.collect(Imu, "imu/data")
-        one.step(1.0)
+        one.step(0.7)
+        images = one.collect(Image, "camera/image_raw")
+        one.step(0.3)
         stamps = [m.header.stamp.sec + m.header.stamp.nanosec / 1e9 for m in imus.messages]
         assert stamps == pytest.approx(imus.times)
-        return [(a.x, a.y, a.z) for a in (m.linear_acceleration for m in imus.messages)]
+        forces: list[tuple[float, ...]] = [
+            (a.x, a.y, a.z) for a in (m.linear_acceleration for m in imus.messages)
+        ]
+        return forces, [bytes(image.data) for image in images.messages]  # none without OpenGL
 
     with trial(seed=7, **config) as fresh:
         expected, truth = drive(fresh), fresh.truth
     with trial(seed=3, duration=1.5, **config) as one:
+        one.collect(Image, "camera/image_raw")  # of a world that is no more after the reset
         one.step(0.52)
         one.reset(seed=7)
         one.step(0.03)  # the present period of 50 ms ends
