@@ -19,6 +19,7 @@ TRACKS = Shipped[Track](
     },
 )
 
+
 def find_track(name: str) -> Track:
     """Returns the track of that name; UsageError, which lists them, without one."""
     return find_named("track", name, TRACKS)
