@@ -6,7 +6,7 @@ import urllib.request
 import numpy as np
 import pytest
 
-from harness.gym import PointNavEnv
+from harness.gym.point_nav import PointNavEnv
 
 pytest.importorskip("viser", reason="needs viser: pip install -e '.[live]'")
 
