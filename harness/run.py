@@ -179,7 +179,8 @@ def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequen
     for flag, path in (("--json", options.files.summary), ("--page", options.files.page)):
         if path is not None and path != BESIDE:
             check_target(flag, path)
-    for note in world_of(run).notes if is_terrain_file(run.world.terrain) else ():
+    may_note = is_terrain_file(run.world.terrain) or run.world.actors
+    for note in world_of(run).notes if may_note else ():
         console.print(f"{run.world.terrain}: {note}", soft_wrap=True)
     check_world(run)
     drawing.prepare(run)

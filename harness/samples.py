@@ -76,7 +76,7 @@ class Place:
 
 @plain_value
 class LaserScan:
-    """One lidar revolution in lidar_link; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
+    """One lidar revolution in the lidar's frame; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
 
     stamp_ns: int
     ranges: NDArray[np.float32]

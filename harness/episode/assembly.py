@@ -124,7 +124,8 @@ def actor_names(world: WorldSpec) -> tuple[str, ...]:
 
 def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
     """Returns the sensors that a rover carries, in publishing order."""
-    return chosen(find_rover(rover.robot), rover.sensors)
+    rows, noise = chosen(find_rover(rover.robot), rover.sensors), PRESETS.get(rover.noise or "")
+    return tuple(replace(row, noise=noise) for row in rows)
 
 
 def gravity(run: Run, number: int = 0) -> float:

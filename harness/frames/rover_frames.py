@@ -17,7 +17,7 @@ from harness.robots import FrameRow, RoverSpec
 from harness.robots.measures import frame_name
 from harness.robots.model import ROOT_ID, read_model
 from harness.samples import Quaternion, Vector3
-from harness.sensors.optional import LIDAR_FRAME, Mount
+from harness.sensors.optional import Mount
 
 Matrix = NDArray[np.float64]
 
@@ -124,7 +124,7 @@ def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]
             anchor = model.jnt_pos[model.body_jntadr[body]] if model.body_jntnum[body] else np.zeros(3)
             xyz = tuple(anchor.tolist())
             yield FrameRow(parent=frame_of[above], child=frame_of[name], body=name, xyz=xyz)
-    for site, frame in (("lidar", LIDAR_FRAME), ("imu", rover.imu_frame)):
+    for site, frame in (("lidar", rover.lidar_frame), ("imu", rover.imu_frame)):
         if frame not in named and frame not in frame_of.values():
             on = model.body(model.site(site).bodyid[0]).name
             yield FrameRow(parent=frame_of[on], child=frame, site=site)

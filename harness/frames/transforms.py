@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from harness.base.sim_time import TICK_NS, period_ticks
 from harness.frames.rover_frames import HINGE, RoverFrames, cleared
-from harness.frames.tree import MAP, ODOM, Description, Edge
+from harness.frames.tree import FOOTPRINT, MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Quaternion, Source, Transforms, Vector3
@@ -34,6 +34,8 @@ def describe(frames: RoverFrames, options: FrameOptions) -> Description:
     """Returns what is published of a rover before its first tick."""
     fixed = [frames.edge(link) for link in frames.links[1:] if link.joint < 0]
     moving = [(link.parent, link.name) for link in frames.moving]
+    if all(link.name != FOOTPRINT for link in frames.links):
+        fixed.append(Edge(frames.base, FOOTPRINT))  # RoboTerrain's pose is that of the model, from above
     if options.map_tf:
         fixed.insert(0, Edge(MAP, ODOM))
     if options.odom_tf != NONE:

@@ -43,6 +43,7 @@ class Measures(Drivetrain):
             "gravity": -float(self._model.opt.gravity[2]),
             "lidar_x": float(self._lidar.xpos[0]),
             "lidar_y": float(self._lidar.xpos[1]),
+            "lidar_z": float(self._lidar.xpos[2]),
             "lidar_yaw": math.pi if math.pi - abs(yaw) < EXACTLY_BACKWARD else yaw,
         }
 

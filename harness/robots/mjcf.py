@@ -43,6 +43,7 @@ def stated_by_mjcf(root: ET.Element) -> dict[str, object]:
         "wheel_speed_limit": numbers(drives[0], "ctrlrange")[1],
         "lidar_x": lidar[0],
         "lidar_y": lidar[1],
+        "lidar_z": lidar[2],
         "lidar_yaw": math.pi if math.pi - abs(turned[2]) < EXACTLY_BACKWARD else turned[2],
         "steered_wheels": (),
         "gravity": -numbers(root.find("option"), "gravity")[2],

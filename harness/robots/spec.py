@@ -42,6 +42,7 @@ class RoverFile(Value):
     drive: Drive = Field(default=Drive(), description="which joints drive and steer")
     odometry_child_frame: str = _measured("frame of the base")
     imu_frame: str = _measured("frame of the IMU")
+    lidar_frame: str = Field(default="lidar_link", description="frame of the lidar, and so of /scan")
     frames: tuple[FrameRow, ...] = Field(
         default=(), description="frames of /tf and the URDF, beside those of the model's bodies"
     )
@@ -103,6 +104,7 @@ class ModelFacts(Value):
     gravity: Annotated[float, Field(strict=True, ge=GRAVITY[0], le=GRAVITY[1])]  # downwards [m/s^2]
     lidar_x: Number  # of the lidar ahead in the model frame [m]
     lidar_y: Number = 0.0  # of the lidar to the left [m]
+    lidar_z: Number  # of the lidar above the model frame [m]
     lidar_yaw: Number = math.pi  # in which the lidar looks, from the model frame's x [rad]
 
 

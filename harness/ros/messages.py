@@ -15,6 +15,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
     CameraInfo,
     Image,
+    Imu,
     JointState,
     LaserScan,
     NavSatFix,
@@ -24,6 +25,7 @@ from sensor_msgs.msg import (
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
+from harness.frames.tree import FOOTPRINT
 from harness.robots import RoverSpec
 from harness.ros import optional_messages as optional
 from harness.ros.channel import Fill, Message
@@ -35,9 +37,11 @@ from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
 from rover_metrics.extended.truth_columns import traversal_names
+from rover_metrics.topics import UNKNOWN
 
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
@@ -64,8 +68,26 @@ def filler(
     of_options = OF_OPTIONS.get((type(row.given), type(message)))
     if of_options is not None:
         return of_options(message, row.given)
+    if row.noise is not None:
+        _tell_errors(message, row.sample, row.noise)
     special = FILLERS.get((row.sample, type(message)))
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
+
+
+def _tell_errors(message: Message, sample: type[samples.Sample], noise: NoisePreset) -> None:
+    """Fills covariances in: of a new sensor's errors, diagonal; zeros, which mean unknown, of none."""
+    if isinstance(message, Imu):
+        for name, errors in (
+            ("orientation", noise.attitude),
+            ("angular_velocity", noise.angular_velocity),
+            ("linear_acceleration", noise.acceleration),
+        ):
+            setattr(message, f"{name}_covariance", (np.eye(3) * errors.variance).ravel())
+    elif sample is samples.Odometry and any(noise.twist_variance):
+        covariance = np.zeros((6, 6))
+        covariance[0, 0], covariance[5, 5] = noise.twist_variance
+        message.twist.covariance = covariance.ravel()
+        message.pose.covariance[0] = UNKNOWN  # an integrated pose is off without bound
 
 
 def person(index: int) -> Fill:
@@ -123,7 +145,7 @@ PLANAR_POSE: Mapping[str, Callable[[Any], object]] = {
 
 
 def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
-    """Wheel odometry; covariances stay 0, as in Gazebo."""
+    """Wheel odometry; covariances are 0, as in Gazebo, unless noise has told some."""
     message.child_frame_id = rover.odometry_child_frame
     linear, angular = attrgetter("twist.linear"), attrgetter("twist.angular")
     twist = {"twist.twist.linear.x": linear, "twist.twist.angular.z": angular}
@@ -132,7 +154,7 @@ def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
 
 def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
     """True odometry, planar as RoboTerrain's; the twist is the true one."""
-    message.child_frame_id = "base_footprint"
+    message.child_frame_id = FOOTPRINT
     message.pose.covariance = (np.eye(6) * GROUND_TRUTH_POSE_VARIANCE).ravel()
     linear, angular = attrgetter("linear_velocity"), attrgetter("angular_velocity")
     twist = {"twist.twist.linear": linear, "twist.twist.angular": angular}

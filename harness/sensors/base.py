@@ -29,6 +29,7 @@ class EpisodeParts:
         install: Gives an optional sensor its place, its generator and its noise.
         frame_options: Which transforms are published.
         sensors: The sensors of the episode by source; those of later rows follow.
+        wheel_scale: Radius of the wheels, left and right, over the one that wheel odometry knows.
     """
 
     simulation: "Simulation"
@@ -38,6 +39,7 @@ class EpisodeParts:
     frames: "RoverFrames | None" = None
     frame_options: "FrameOptions | None" = None
     sensors: "Mapping[Source, Sensor]" = field(default_factory=dict)
+    wheel_scale: tuple[float, float] = (1.0, 1.0)
 
 
 class Sensor:

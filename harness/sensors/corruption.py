@@ -83,14 +83,20 @@ class RangeErrors(Value):
     dropout: Share = 0.0
 
     def corrupt(
-        self, ranges: NDArray[np.float32], limits: tuple[float, float], rng: np.random.Generator
+        self,
+        ranges: NDArray[np.float32],
+        limits: tuple[float, float],
+        rng: np.random.Generator,
+        *,
+        lost: float = math.inf,
     ) -> NDArray[np.float32]:
-        """Returns ranges [m] as read, REP-117 coded; a lost return is a miss, which is +inf.
+        """Returns ranges [m] as read, REP-117 coded.
 
         Args:
             ranges: Exact ones [m], shape (beams,); +inf where nothing is.
             limits: Nearest and farthest range that can be read [m].
             rng: Draws the errors.
+            lost: What a lost return reads: of a lidar it cannot be told from a miss, which is +inf.
         """
         read = (ranges + _gaussian(rng, self.white, ranges.shape)).astype(np.float32)  # inf stays inf
         if self.step:
@@ -99,7 +105,7 @@ class RangeErrors(Value):
         read[read < nearest] = -np.inf
         read[read > farthest] = np.inf
         if self.dropout:
-            read[np.isfinite(read) & (rng.random(read.shape) < self.dropout)] = np.inf
+            read[np.isfinite(read) & (rng.random(read.shape) < self.dropout)] = lost
         return read
 
 
@@ -111,16 +117,22 @@ class ContactChatter:
     between free fall and several g, the mean being its weight. A tyre that slides pushes it sideways
     as well, by no more than the load times a coefficient along each axis: the engine's friction pyramid.
     How many readings are disturbed or slide grows with the wheels' speed v, as 1 - exp(-v / v0).
+    Of the disturbed ones some find no wheel on the ground, and what falls is caught: in few steps, with
+    many times the weight, so that momentum balances.
 
     Attributes:
         speed: v0 of the disturbed ones [m/s].
         shape: Of the gamma distribution of the load, whose mean is 1; less is wilder.
+        falling: Share of the disturbed ones in free fall, whose load is 0.
+        landing: Mean load of those in which the rover is caught, exponentially distributed; above 1.
         sliding_speed: v0 of those that slide [m/s].
         friction: Bound of the friction along each horizontal axis over the load; evenly distributed.
     """
 
     speed: float
     shape: float
+    falling: float
+    landing: float
     sliding_speed: float
     friction: float
 
@@ -132,7 +144,9 @@ class ContactChatter:
             wheel_speed: Speed by the wheels [m/s].
             rng: Draws what happens.
         """
-        load = rng.gamma(self.shape, 1.0 / self.shape)
+        loads = rng.gamma(self.shape, 1.0 / self.shape), self.landing * rng.exponential(), 0.0
+        fate = rng.random() - self.falling
+        load = loads[2 if fate < 0.0 else 1 if fate < self.falling / (self.landing - 1.0) else 0]
         along, across = self.friction * math.hypot(*force) * rng.uniform(-1.0, 1.0, 2)
         disturbed, slides = (
             rng.random() < -math.expm1(-abs(wheel_speed) / v0) for v0 in (self.speed, self.sliding_speed)

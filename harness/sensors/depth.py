@@ -17,10 +17,16 @@ from harness.spec.value import Length, NotNegative
 OPTICAL_RPY = (-math.pi / 2, 0.0, -math.pi / 2)  # REP-103: z ahead, x right, y down
 
 
+def optical_frame(mount: str) -> str:
+    """Returns the name of the optical frame below a camera's mount: eye_optical_frame of eye_link."""
+    return f"{mount.removesuffix('_link').removesuffix('_frame')}_optical_frame"
+
+
 class DepthOptions(RangeOptions):
     """A pinhole camera with square pixels and its optical axis in the middle of the image.
 
-    Its messages are in the frame FRAME_optical (z ahead, x right, y down), below its mount FRAME.
+    Its messages are in the optical frame (z ahead, x right, y down) below its mount `frame`, which is
+    NAME_optical_frame of NAME_link.
 
     Attributes:
         preset: Name of values of the others.
@@ -45,11 +51,12 @@ class DepthOptions(RangeOptions):
     range_min: NotNegative = 0.05
     range_max: Length = 10.0
     cloud: bool = False
+    lost: ClassVar[float] = math.nan  # REP-118: nothing was measured there
 
     @property
     def frame_id(self) -> str:
         """Name of the optical frame."""
-        return f"{super().frame_id}_optical"
+        return optical_frame(super().frame_id)
 
     @property
     def rays(self) -> int:
@@ -57,9 +64,12 @@ class DepthOptions(RangeOptions):
         return self.width * self.height
 
     def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
-        """Returns its mount and its optical frame."""
+        """Returns its mount and its optical frame, as far as the rover does not have them."""
         frame = super().frame_id
-        return (*self.mount(rover, frame), FrameRow(parent=frame, child=self.frame_id, rpy=OPTICAL_RPY))
+        mount = self.mount(rover, frame)
+        if not mount and any(row.child == self.frame_id for row in rover.frames):
+            return ()
+        return (*mount, FrameRow(parent=frame, child=self.frame_id, rpy=OPTICAL_RPY))
 
     def directions(self) -> NDArray[np.float64]:
         """Returns vectors of depth 1 in the optical frame, row by row from the top, shape (rays, 3)."""

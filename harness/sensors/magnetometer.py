@@ -5,7 +5,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
 from harness.base.errors import UsageError
 from harness.samples import Vector3, plain_value
@@ -13,6 +13,7 @@ from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
 from harness.sensors.optional import Rate
 from harness.spec.value import checked
+from harness.world.geodesy import MAGNETIC_YEARS
 
 MICRO = 1e-6
 STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
@@ -50,13 +51,15 @@ class MagnetometerOptions(ChipOptions):
     Attributes:
         preset: Its errors: `none`, `bmm150`. If left out, `--noise hardware` means that chip's, and all
             else none.
-        field: East, north, up at the datum [T]; empty for the Earth's dipole there.
+        field: East, north, up at the datum [T]; empty for what the World Magnetic Model says there.
+        year: Of the model, decimal: 2025 up to 2030.
     """
 
     errors = CHIPS
     hardware = "bmm150"
 
     field: Annotated[tuple[float, ...], AfterValidator(checked(_check_field))] = ()
+    year: Annotated[float, Field(ge=MAGNETIC_YEARS[0], lt=MAGNETIC_YEARS[1])] = 2026.0
     rate: Rate = 20
 
 
@@ -66,7 +69,7 @@ class MagnetometerSensor(ChipSensor[MagnetometerOptions]):
     @cached_property
     def _field(self) -> NDArray[np.float64]:
         """The field in the world's axes [T]."""
-        return np.array(self._options.field or self._datum.magnetic_field())
+        return np.array(self._options.field or self._datum.magnetic_field(self._options.year))
 
     def read(self) -> MagneticField:
         """Returns the field in the sensor's axes."""

@@ -4,11 +4,12 @@ RoboTerrain's sensors have no noise. Scan and IMU draw from generators of their 
 does not change with the other's rate.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.samples import Imu, LaserScan, Odometry, Sample
+from harness.samples import Imu, LaserScan, Odometry, Quaternion, Sample, Vector3
 from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
 
 G = 9.80665  # [m/s^2], the unit that data sheets count in, wherever the rover is
@@ -22,6 +23,11 @@ class NoisePreset:
     Attributes:
         acceleration: Of specific force [m/s^2].
         angular_velocity: Of angular rate [rad/s].
+        attitude: Of the orientation, as turns about the sensor's axes [rad].
+        wheel_radius: Standard deviation of the share by which the wheels of a side are larger than the
+            odometry takes them for.
+        twist_variance: What wheel odometry tells of its speed [m^2/s^2] and yaw rate [rad^2/s^2]; 0, 0
+            if nothing.
         chatter: What shakes the IMU before its own errors come on top; None for nothing.
     """
 
@@ -29,6 +35,9 @@ class NoisePreset:
     summary: str
     acceleration: AxisErrors = field(default_factory=AxisErrors)
     angular_velocity: AxisErrors = field(default_factory=AxisErrors)
+    attitude: AxisErrors = field(default_factory=AxisErrors)
+    wheel_radius: float = 0.0
+    twist_variance: tuple[float, float] = (0.0, 0.0)
     ranges: RangeErrors = field(default_factory=RangeErrors)
     chatter: ContactChatter | None = None
 
@@ -44,7 +53,8 @@ WHITE = NoisePreset(
 
 HARDWARE = NoisePreset(
     name="hardware",
-    summary="MPU-9250 at +-4 g and 500 deg/s with bias, walk, 16 bits; RPLIDAR S2 with lost returns",
+    summary="MPU-9250 at +-4 g and 500 deg/s with bias, walk, 16 bits; RPLIDAR S2 with lost returns; "
+    "other tyres",
     # InvenSense PS-MPU-9250A-01 rev. 1.0, table 2: total RMS noise 8 mg, bias tolerance 60 mg (z: 80 mg)
     # taken as three deviations, 8192 LSB/g; table 1: 0.1 deg/s, 5 deg/s as
     # three deviations, 65.5 LSB/(deg/s).
@@ -57,6 +67,12 @@ HARDWARE = NoisePreset(
         step=DEGREE / 65.5,
         limit=500 * DEGREE,
     ),
+    # What fuses these into an attitude leans on gravity: the accelerometer's bias over g; the heading,
+    # of a compass, taken as much (a BNO055's 2.5 deg are taken as three deviations less).
+    attitude=AxisErrors(bias=0.020),
+    # An estimate: the tyres of DRIVE's Husky were 3.8 % smaller than published, both sides alike.
+    wheel_radius=0.005,
+    twist_variance=(1e-4, 1e-3),  # leo_bringup's firmware_message_converter.yaml
     # Estimates for an RPLIDAR S2: +-30 mm (some say 50) taken as three deviations, 13 mm resolution,
     # 1 % lost.
     ranges=RangeErrors(white=0.010, step=0.013, dropout=0.01),
@@ -66,8 +82,11 @@ GAZEBO = NoisePreset(
     name="gazebo",
     summary="the IMU of RoboTerrain's Gazebo: one step's contacts, which mesh tyres make chatter",
     # Fitted to acceleration and vertical roughness over velocity in the recorded logs of 2025-01-16
-    # (python -m harness.validate --realism), friction to |az| / |a|; exact apart from that.
-    chatter=ContactChatter(speed=0.35, shape=1.5, sliding_speed=0.1, friction=1.0),
+    # (python -m harness.validate --realism), friction to |az| / |a|, falling to rows below 0.3 m/s^2,
+    # landing to the largest; exact apart from that.
+    chatter=ContactChatter(
+        speed=0.42, shape=1.6, falling=0.038, landing=10.0, sliding_speed=0.15, friction=1.0
+    ),
 )
 
 PRESETS = {preset.name: preset for preset in (WHITE, HARDWARE, GAZEBO)}
@@ -77,6 +96,9 @@ class SensorNoise:
     """Corrupts scans and IMU readings; leaves everything else as it is.
 
     The chatter follows the latest speed in the odometry, which passes here too.
+
+    Attributes:
+        wheel_scale: Radius of the wheels, left and right, over the one that the odometry knows.
     """
 
     def __init__(
@@ -90,6 +112,10 @@ class SensorNoise:
         self._scan_rng, self._imu_rng = scan_rng, imu_rng
         self._force = AxisTriad(preset.acceleration, imu_rng)
         self._rate = AxisTriad(preset.angular_velocity, imu_rng)
+        (attitude_rng,) = imu_rng.spawn(1)  # draws nothing of the others'
+        self._attitude = AxisTriad(preset.attitude, attitude_rng)
+        left, right = (1.0 + preset.wheel_radius * attitude_rng.standard_normal(2)).tolist()
+        self.wheel_scale = left, right
         self._wheel_speed = 0.0
 
     def corrupt(self, sample: Sample) -> Sample:
@@ -105,5 +131,20 @@ class SensorNoise:
                 force = self._preset.chatter.shake(force, self._wheel_speed, self._imu_rng)
             force = self._force.corrupt(force, sample.stamp_ns)
             rate = self._rate.corrupt(sample.angular_velocity, sample.stamp_ns)
-            return replace(sample, linear_acceleration=force, angular_velocity=rate)
+            turn = self._attitude.corrupt((0.0, 0.0, 0.0), sample.stamp_ns)
+            turned = _turned(sample.orientation, turn) if any(turn) else sample.orientation
+            return replace(sample, linear_acceleration=force, angular_velocity=rate, orientation=turned)
         return sample
+
+
+def _turned(orientation: Quaternion, turn: Vector3) -> Quaternion:
+    """An orientation (x, y, z, w), turned in its own axes by a rotation vector [rad]."""
+    x, y, z, w = orientation
+    a, b, c = (0.5 * angle for angle in turn)  # small ones
+    d = math.sqrt(max(0.0, 1.0 - a * a - b * b - c * c))
+    return (
+        w * a + x * d + y * c - z * b,
+        w * b + y * d + z * a - x * c,
+        w * c + z * d + x * b - y * a,
+        w * d - x * a - y * b - z * c,
+    )

@@ -14,13 +14,22 @@ from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.base_controller import curvature_of
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
-from harness.sensors.base import Sensor
+from harness.sensors.base import EpisodeParts, Sensor
 
 
 class WheelOdometry(Sensor):
-    """Integrates the encoder counts between two readings."""
+    """Integrates the encoder counts between two readings.
 
-    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
+    Args:
+        simulation: Of the rover.
+        period_ticks: Between two readings.
+        wheel_scale: Radius of the wheels, left and right, over the one that the controller believes, as
+            far as the model has it: by noise.
+    """
+
+    def __init__(
+        self, simulation: Simulation, period_ticks: int, wheel_scale: tuple[float, float] = (1.0, 1.0)
+    ) -> None:
         super().__init__(simulation, period_ticks)
         self._rover = simulation.scene.rover
         model, own = simulation.model, simulation.scene.own
@@ -32,9 +41,15 @@ class WheelOdometry(Sensor):
         self._angles = np.array([int(model.joint(own(n)).qposadr[0]) for n in self._read])
         self._steering = np.array([int(model.joint(own(n)).qposadr[0]) for n in drive.steering], int)
         self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
+        self._left_scale, self._right_scale = wheel_scale
         self._period = period_ticks * TICK_NS / NANOSECONDS
         self._counts = self._kept = self._encoders()
         self._x = self._y = self._yaw = 0.0
+
+    @classmethod
+    def of(cls, parts: EpisodeParts, period_ticks: int) -> "WheelOdometry":
+        """Returns the wheel odometry of an episode."""
+        return cls(parts.simulation, period_ticks, parts.wheel_scale)
 
     def _encoders(self) -> list[int]:
         counts_per_radian = self._rover.encoder_ticks / math.tau
@@ -67,8 +82,8 @@ class WheelOdometry(Sensor):
         """The way [m] and the turn [rad] since the last reading."""
         since = zip(counts, self._counts, strict=True)
         rolled = [(now - before) * self._metres_per_count for now, before in since]
-        left = sum(rolled[place] for place in self._left) / len(self._left)
-        right = sum(rolled[place] for place in self._right) / len(self._right)
+        left = sum(rolled[place] for place in self._left) / len(self._left) / self._left_scale
+        right = sum(rolled[place] for place in self._right) / len(self._right) / self._right_scale
         distance, separation = (left + right) / 2, self._rover.controller_separation
         if not self._rover.steers:
             return distance, (right - left) / separation

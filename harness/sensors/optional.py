@@ -29,7 +29,6 @@ if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     from harness.sensors.rays.bundle import Surroundings
 
 WORD = r"[A-Za-z][A-Za-z0-9_]*"
-LIDAR_FRAME = "lidar_link"
 Rate = Annotated[int, AfterValidator(checked(period_ticks))]  # [Hz], whole ticks of the clock apart
 
 
@@ -80,13 +79,13 @@ class SensorOptions(Value):
 
     def mount(self, rover: RoverSpec, child: str) -> tuple[FrameRow, ...]:
         """Returns the frame of its mount; none if it is one that the rover has already."""
-        known = {LIDAR_FRAME, rover.imu_frame, *(row.child for row in rover.frames)}
+        known = {rover.lidar_frame, rover.imu_frame, *(row.child for row in rover.frames)}
         if self.parent:
             return (FrameRow(parent=self.parent, child=child, xyz=self.xyz, rpy=self.rpy),)
         if child in known:
             return ()
         (x, y, z), base = self.xyz, rover.odometry_child_frame
-        xyz = x + rover.lidar_x, y, z + rover.lidar_height - rover.rest_height
+        xyz = x + rover.lidar_x, y + rover.lidar_y, z + rover.lidar_z
         return (FrameRow(parent=base, child=child, xyz=xyz, rpy=self.rpy),)
 
     def topic_name(self, last: str, *, alone: bool) -> str:

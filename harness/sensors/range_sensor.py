@@ -25,6 +25,7 @@ class RangeSensor(OptionalSensor[RangeOptions]):
         farthest = options.range_max * float(self._lengths.max())
         self._bundle = RayBundle(installation.surroundings, unit, farthest)
         self._limits, self._rng = (options.range_min, options.range_max), installation.rng
+        self._lost = options.lost
         preset = RangeErrors() if installation.noise is None else installation.noise.ranges
         self._errors = preset if options.noise == RangeErrors() else options.noise
 
@@ -33,5 +34,5 @@ class RangeSensor(OptionalSensor[RangeOptions]):
         simulation = self._simulation
         distances = self._bundle.cast(simulation.data, self.pose())
         exact = (distances / self._lengths).astype(np.float32)
-        ranges = self._errors.corrupt(exact, self._limits, self._rng)
+        ranges = self._errors.corrupt(exact, self._limits, self._rng, lost=self._lost)
         return RangeReading(simulation.time_ns, self.name, ranges, self._bundle.on_obstacle.copy())

@@ -3,7 +3,8 @@
 Importing this loads neither MuJoCo nor compiled kernels: who publishes needs the directions too.
 """
 
-from typing import Self
+import math
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +41,10 @@ class RangeOptions(SensorOptions):
         range_min: Nearest reading [m].
         range_max: Farthest reading [m].
         noise: Its errors: white and step [m], dropout [share]; if left out those of --noise, else none.
+        lost: What a lost return reads: of a lidar a miss.
     """
 
+    lost: ClassVar[float] = math.inf
     range_min: NotNegative
     range_max: Length
     noise: RangeErrors = RangeErrors()

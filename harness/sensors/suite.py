@@ -39,7 +39,8 @@ class SensorSuite:
         rows: Iterable[SensorRow] | None = None,
     ) -> None:
         made: dict[Source, Sensor] = {}
-        parts = replace(parts, sensors=made)
+        scale = (1.0, 1.0) if noise is None else noise.wheel_scale
+        parts = replace(parts, sensors=made, wheel_scale=scale)
         for row in chosen(rover, ()) if rows is None else rows:
             if wanted is None or row.source in wanted:
                 sensor = row.make(parts, rates.get(row.sample, row.rate_on(rover)))

@@ -24,7 +24,8 @@ from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
-from harness.sensors.optional import LIDAR_FRAME, SensorOptions
+from harness.sensors.noise import NoisePreset
+from harness.sensors.optional import SensorOptions
 from harness.sensors.ranging import RangeReading
 from rover_metrics.plugins import Table
 
@@ -72,6 +73,7 @@ class SensorRow:
         attitude: The fields that faults of values change with ATTITUDE behind the sensor's name.
         options: The options of an optional one; None if every rover has it.
         given: The options of one that is carried.
+        noise: What corrupts it in this run, for what its messages tell of their errors.
         summary: A line for lists and the docs.
     """
 
@@ -85,6 +87,7 @@ class SensorRow:
     attitude: tuple[str, ...] = ()
     options: type[SensorOptions] | None = None
     given: SensorOptions | None = None
+    noise: NoisePreset | None = None
     summary: str = ""
 
     @property
@@ -130,7 +133,7 @@ SENSORS: tuple[SensorRow, ...] = (
         factory="harness.sensors.lidar:LidarSensor",
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         rate=20,
-        frame=LIDAR_FRAME,
+        frame=attrgetter("lidar_frame"),
         fault="scan",
         measured=("ranges",),
     ),

@@ -1,20 +1,15 @@
 """Where on the Earth a world is: its datum, WGS-84, and the Earth's magnetic field there.
 
-The world's axes are east, north and up at the datum (REP-103). `pymap3d` does the geodesy; it is
-loaded by what is called, since few runs need it.
+The world's axes are east, north and up at the datum (REP-103). `pymap3d` does the geodesy, `pygeomag`
+the World Magnetic Model; they are loaded by what is called, since few runs need them.
 """
 
-import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from harness.samples import Vector3
 
-# Dipole terms g10, g11, h11 of the World Magnetic Model 2025 (NOAA NCEI, epoch 2025.0) [T], and the
-# radius that they belong to [m].
-DIPOLE = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])  # along the axes of ECEF
-MAGNETIC_RADIUS = 6_371_200.0
+MAGNETIC_YEARS = 2025.0, 2030.0  # for which the World Magnetic Model of 2025 (NOAA NCEI) is made
+NANO = 1e-9
 
 
 @dataclass(frozen=True)
@@ -47,16 +42,17 @@ class Datum:
         )
         return float(x), float(y)
 
-    def magnetic_field(self) -> Vector3:
-        """Returns the flux density of the Earth's dipole at the datum, in the world's axes [T].
+    def magnetic_field(self, year: float) -> Vector3:
+        """Returns the flux density of the Earth at the datum, in the world's axes [T].
 
-        Its direction is mostly within 15 degrees and its magnitude within a fourth of the real one's.
+        It is that of the core, to degree 12 of spherical harmonics: crust, iron and the sun change it
+        by some 100 nT.
+
+        Args:
+            year: Decimal, within MAGNETIC_YEARS.
         """
-        from pymap3d import ecef2enuv, geodetic2ecef  # noqa: PLC0415 - see the module
+        from pygeomag import GeoMag  # noqa: PLC0415 - see the module
 
-        place = np.array(geodetic2ecef(self.latitude, self.longitude, self.altitude))
-        distance = math.hypot(*place)
-        up = place / distance
-        field = (MAGNETIC_RADIUS / distance) ** 3 * (3.0 * sum(DIPOLE * up) * up - DIPOLE)
-        east, north, upward = map(float, ecef2enuv(*field, self.latitude, self.longitude))
-        return east, north, upward
+        model = GeoMag(coefficients_file="wmm/WMM_2025.COF")
+        at = model.calculate(self.latitude, self.longitude, self.altitude / 1000.0, year)
+        return at.y * NANO, at.x * NANO, -at.z * NANO

@@ -97,9 +97,9 @@ def starting_at(world: World, start: Start) -> World:
 def with_actors(world: World, people: Sequence[Pedestrian]) -> World:
     """Returns the same world with people in it; UsageError where one of them cannot walk."""
     space = FreeSpace(world.ground, world.obstacles)
-    return replace(
-        world, people=tuple(actor_of(one, space, world.start[:2], world.seed) for one in people)
-    )
+    actors = tuple(actor_of(one, space, world.start[:2], world.seed) for one in people)
+    notes = (f"actor '{a.spec.name}' walks {a.crossing}, as Gazebo's do" for a in actors if a.crossing)
+    return replace(world, people=actors, notes=(*world.notes, *notes))
 
 
 def with_targets(world: World, specs: Sequence[TargetSpec], datum: Datum) -> World:

@@ -12,6 +12,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from harness.base.files import write_whole
 from tests.golden.evidence import Evidence
 from tests.golden.invariants import VOLATILE, first_difference, flat
 from tests.golden.table import TABLE
@@ -89,7 +90,7 @@ def keep(name: str, outcome: dict[str, Any]) -> None:
     with TABLE.open() as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         kept = references() | {name: outcome, ARITHMETIC: arithmetic()}
-        REFERENCES.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n")
+        write_whole(REFERENCES, json.dumps(kept, indent=1, sort_keys=True) + "\n")  # others read it
 
 
 def differences(before: dict[str, Any], after: dict[str, Any], *, exact: bool) -> Iterator[str]:

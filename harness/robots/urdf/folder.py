@@ -12,6 +12,7 @@ from xml.sax.saxutils import quoteattr
 import mujoco
 
 from harness.base.errors import UsageError
+from harness.robots.measures import frame_name
 from harness.robots.model import compiled, free_root, show_what_collides, sort_geoms
 from harness.robots.reading import read_rover
 from harness.robots.sections import ACKERMANN, SKID
@@ -108,11 +109,11 @@ def _write(
 ) -> RoverSpec:
     model = _with_meshes_beside(spec.to_xml(), spec, folder)
     (folder / f"{name}.xml").write_text(model, encoding="utf-8")
-    stated = _stated(name, joints, equipment, urdf)
+    stated = _stated(name, joints, equipment, urdf) + _frames(spec)
     path = folder / "rover.yaml"
     path.write_text(stated, encoding="utf-8")
     rover = read_rover(folder.resolve())
-    path.write_text(stated + _derived(rover, equipment), encoding="utf-8")
+    path.write_text(stated + _derived(rover, stated), encoding="utf-8")
     (folder / SCHEMA).write_text(schema(), encoding="utf-8")
     return rover
 
@@ -163,8 +164,8 @@ def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
             f"  steering_rate: {equipment.steering_rate:g}{guess}",
         ]
     lines += [f"{key}: {value:g}  # a plugin of the URDF" for key, value in equipment.beliefs.items()]
-    if equipment.imu:
-        lines += [f'imu_frame: "{equipment.imu}"']
+    for key, link in (("imu_frame", equipment.imu), ("lidar_frame", equipment.lidar)):
+        lines += [f"{key}: {json.dumps(link)}"] if link else []
     for sensor in ("lidar", "imu"):
         if sensor in equipment.guesses:
             lines += [f"# guess, {sensor}: {equipment.guesses[sensor]}"]
@@ -172,7 +173,19 @@ def _stated(name: str, joints: Joints, equipment: Equipment, urdf: Path) -> str:
     return "\n".join([*lines, ""])
 
 
-def _derived(rover: RoverSpec, equipment: Equipment) -> str:
+def _frames(spec: mujoco.MjSpec) -> str:
+    """The keys that let frames be called as the URDF's links, where the rule calls them otherwise."""
+    others = [body for body in spec.bodies[1:] if frame_name(body.name) != body.name]
+    root = [body for body in others if body.parent == spec.worldbody]
+    lines = [f"odometry_child_frame: {json.dumps(body.name)}" for body in root]
+    rows = [(body.parent.name, body.name) for body in others if body not in root]
+    lines += ["frames:  # called as the links of the URDF"] if rows else []
+    for parent, name in rows:
+        lines += ["  - " + json.dumps({"parent": parent, "child": name, "body": name})]
+    return "\n".join([*lines, ""])
+
+
+def _derived(rover: RoverSpec, stated: str) -> str:
     lines = ["", "# Derived from the model, or guessed; take the # away to set another value."]
     for key in SHOWN:
         value = getattr(rover, key)
@@ -180,6 +193,6 @@ def _derived(rover: RoverSpec, equipment: Equipment) -> str:
             value = [round(number, 4) or 0.0 for number in value]
         elif isinstance(value, float):
             value = f"{value if abs(value) > LEAST else 0.0:.4g}"
-        if key not in equipment.beliefs:
+        if f"\n{key}:" not in stated:
             lines.append(f"# {key}: {value}{'  # guess' if key in GUESSED else ''}")
     return "\n".join([*lines, ""])

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Quaternion, Vector3, plain_value
 from harness.sensors.camera.lens import LENSES, Lens
-from harness.sensors.depth import OPTICAL_RPY
+from harness.sensors.depth import OPTICAL_RPY, optical_frame
 from harness.sensors.optional import OptionalSensor, SensorOptions
 
 Pixels = Annotated[int, Field(ge=8, le=4096)]  # along a side
@@ -70,7 +70,7 @@ class CameraOptions(SensorOptions):
     @property
     def frame_id(self) -> str:
         """The frame of its messages."""
-        return self.frame or f"{self.name}_optical_frame"
+        return self.frame or optical_frame(self.name)
 
     def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
         """Returns the frames that it adds to those of a rover: mount and optical frame."""

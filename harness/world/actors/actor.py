@@ -1,4 +1,4 @@
-"""The people of a world: bodies whose walks are checked against ground and hazards."""
+"""The people of a world: bodies whose walks are checked against the map, and looked at for hazards."""
 
 import math
 from dataclasses import dataclass
@@ -29,6 +29,7 @@ class Actor:
     centre: tuple[float, float]  # around which walkers walk, the start of the rover [m]
     seed: int  # of the world
     begin: tuple[float, float] = (0.0, 0.0)  # where the walk begins [m]
+    crossing: str = ""  # the first hazard that the walk leads through, and where; empty if none
 
     @property
     def name(self) -> str:
@@ -60,6 +61,8 @@ class Actor:
 def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], seed: int) -> Actor:
     """Returns a person in a world; UsageError, which says where, if there is no way or no begin.
 
+    A route may lead through hazards: people are kinematic, as Gazebo's actors are.
+
     Args:
         spec: Who it is.
         space: That the world leaves to people.
@@ -67,8 +70,9 @@ def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], se
         seed: Of the world.
     """
     walk = Actor(spec, space, centre, seed).walk()
-    if isinstance(walk, Route) and (hit := _blocked(walk, spec, space)):
-        where, (x, y) = hit
+    points = _looked_at(walk, spec, space) if isinstance(walk, Route) else []
+    if off := _first(space, points, -math.inf):
+        where, (x, y) = off
         (x_min, y_min), (x_max, y_max) = space.low.tolist(), space.high.tolist()
         raise UsageError(
             f"actor '{spec.name}' walks {where} at {x:.2f},{y:.2f}; lead it around, or take another "
@@ -76,17 +80,25 @@ def actor_of(spec: Pedestrian, space: FreeSpace, centre: tuple[float, float], se
             f"{y_min:g} to {y_max:g} m"
         )
     begin = walk.walk(0.0, 0.0, ()) if isinstance(walk, SocialForceWalker) else walk.place(0.0)
-    return Actor(spec, space, centre, seed, (begin.x, begin.y))
+    crossing = ""
+    if through := _first(space, points, spec.options.radius):
+        where, (x, y) = through
+        crossing = f"{where} at {x:.2f},{y:.2f}"
+    return Actor(spec, space, centre, seed, (begin.x, begin.y), crossing)
 
 
-def _blocked(walk: Route, spec: Pedestrian, space: FreeSpace) -> tuple[str, Points] | None:
-    """What blocks a route, and where; of one that is too long to be followed way points are tried."""
+def _looked_at(walk: Route, spec: Pedestrian, space: FreeSpace) -> list[Points]:
+    """The points of a route that are looked at, in parts; of one that is too long those off the map."""
     way = spec.trajectory.points if spec.trajectory else ()
     if (length := sum(map(math.dist, way, way[1:]))) > LONGEST:
-        if off := space.blocked(np.array(walk.points), -math.inf):
-            return off
+        if space.blocked(np.array(walk.points), -math.inf):
+            return [np.array(walk.points)]
         said = f"actor '{spec.name}' walks {length / 1e3:.4g} km, and {LONGEST / 1e3:g} km are the most"
         raise UsageError(f"{said}; give nearer way points")
     points = along(walk.points)
-    parts = np.array_split(points, len(points) // CHECKED_AT_ONCE + 1)
-    return next(filter(None, (space.blocked(part, spec.options.radius) for part in parts)), None)
+    return np.array_split(points, len(points) // CHECKED_AT_ONCE + 1)
+
+
+def _first(space: FreeSpace, parts: list[Points], radius: float) -> tuple[str, Points] | None:
+    """What blocks a body at the first point where something does, and that point."""
+    return next(filter(None, (space.blocked(part, radius) for part in parts)), None)

@@ -224,6 +224,9 @@ def tf_static(twin: Twin) -> Expected:
     for parent, child, at, rpy in (*frames(twin.rover.name, moving=False), *carried):
         rotation = site if child.startswith("imu_") else Rotation.from_euler("xyz", rpy)
         told.append(transform({"stamp": stamp(0), "frame_id": parent}, child, at, rotation))
+    if twin.rover.name == "rover_zero4wd":  # which has none of its own
+        head = {"stamp": stamp(0), "frame_id": "base_link"}
+        told.append(transform(head, "base_footprint", (0.0, 0.0, 0.0), Rotation.identity()))
     return {"transforms": told}
 
 

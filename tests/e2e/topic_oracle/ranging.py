@@ -131,7 +131,7 @@ def depths(twin: Twin) -> Values:
 def depth_image(twin: Twin) -> Mapping[str, Any]:
     """sensor_msgs/Image."""
     return {
-        "header": header(twin, "depth_link_optical"),
+        "header": header(twin, "depth_optical_frame"),
         "height": HEIGHT,
         "width": WIDTH,
         "encoding": "32FC1",
@@ -146,7 +146,7 @@ def depth_points(twin: Twin) -> Mapping[str, Any]:
     depth = depths(twin)
     points = pixels() * np.where(np.isfinite(depth), depth, math.nan)[:, None]
     layout = np.dtype([(axis, "<f4") for axis in "xyz"])
-    return cloud(header(twin, "depth_link_optical"), layout, points, (HEIGHT, WIDTH))  # type: ignore[no-any-return]
+    return cloud(header(twin, "depth_optical_frame"), layout, points, (HEIGHT, WIDTH))  # type: ignore[no-any-return]
 
 
 def depth_info(twin: Twin) -> Mapping[str, Any]:
@@ -154,7 +154,7 @@ def depth_info(twin: Twin) -> Mapping[str, Any]:
     k = np.array([[FOCAL, 0.0, (WIDTH - 1) / 2], [0.0, FOCAL, (HEIGHT - 1) / 2], [0.0, 0.0, 1.0]])
     roi = dict.fromkeys(("x_offset", "y_offset", "height", "width"), 0) | {"do_rectify": False}
     return {
-        "header": header(twin, "depth_link_optical"),
+        "header": header(twin, "depth_optical_frame"),
         "height": HEIGHT,
         "width": WIDTH,
         "distortion_model": "plumb_bob",

@@ -43,7 +43,7 @@ def frames(robot: str) -> list[tuple[Any, ...]]:
         told.append((BASE[robot], frame, tuple(MOUNT), tuple(RPY)))
         if some["kind"] == "depth":
             optical = (-math.pi / 2, 0.0, -math.pi / 2)
-            told.append((frame, f"{frame}_optical", (0.0, 0.0, 0.0), optical))
+            told.append((frame, f"{some['kind']}_optical_frame", (0.0, 0.0, 0.0), optical))
     return told
 
 
@@ -71,7 +71,7 @@ def magnetic_field(twin: Twin) -> Mapping[str, Any]:
     in_sensor = twin.attitude * Rotation.from_euler("xyz", RPY)
     return {
         "header": header(twin, "magnetometer_link"),
-        "magnetic_field": vector(in_sensor.inv().apply(Datum(*DATUM).magnetic_field())),
+        "magnetic_field": vector(in_sensor.inv().apply(Datum(*DATUM).magnetic_field(2026.0))),
         "magnetic_field_covariance": np.zeros(9),
     }
 

@@ -24,6 +24,7 @@ from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
 from harness.world.berths import GAP
+from harness.world.obstacles import ObstacleKind
 from tests.support.rovers import LEO
 
 FLAT = Run.of(terrain="flat")
@@ -152,6 +153,26 @@ def test_a_fleet_that_cannot_be_is_one_line(texts: tuple[str, ...], mend: str) -
         episodes_of(several(*texts))
     assert mend in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_who_walks_through_a_wall_does_so_for_every_rover_of_a_fleet_and_stops_nobody() -> None:
+    """The walk is told with the world; where it goes does not depend on what stands there."""
+    shared = {"duration": 0.5, "lidar_beams": 2, "driver": "straight", "terrain": "posts"}
+    free = several("leo:a,x=-2,y=3", "rover_zero4wd:b,x=3,y=0", **shared)
+    post = next(o for o in world_of(free).obstacles if o.kind is ObstacleKind.HAZARD)
+    x, y, _ = post.position
+    run = several(
+        "leo:a,x=-2,y=3", "rover_zero4wd:b,x=3,y=0", actors=[f"g={x - 0.2},{y}/{x + 0.8},{y}"], **shared
+    )
+    (note,) = world_of(run).notes
+    assert note.startswith("actor 'g' walks through hazard_")
+    seen: list[list[tuple[float, ...]]] = [[], []]
+    for pair in together(episodes_of(run)):
+        for places, batch in zip(seen, pair, strict=True):
+            told = (s for tick in batch.ticks for s in tick.samples if isinstance(s, ActorPoses))
+            places += [(s.stamp_ns / 1e9, *s.position[0][:2]) for s in told]
+    assert seen[0] == seen[1]
+    assert all(at == pytest.approx((x - 0.2 + t, y), abs=0.02) for t, *at in seen[0])
 
 
 def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:

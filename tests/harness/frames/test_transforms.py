@@ -154,3 +154,15 @@ def test_the_description_names_what_moves_and_holds_what_does_not() -> None:
     assert mapped.fixed == (Edge("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), *default.fixed)
     children = {child for _, child in default.moving} | {edge.child for edge in default.fixed}
     assert children == {link.name for link in frames.links}
+
+
+def test_the_frame_of_the_true_odometry_is_there_on_every_rover_and_hangs_on_the_base() -> None:
+    """Its pose in odom is what /odom_ground_truth says: that of the model frame, from above."""
+    for rover in ROVERS.values():
+        frames = rover_frames(rover)
+        description = describe(frames, FrameOptions())
+        parents = {edge.child: edge for edge in description.fixed} | dict.fromkeys(
+            child for _, child in description.moving
+        )
+        edge = parents["base_footprint"]
+        assert edge == (None if frames.base == "base_footprint" else Edge(frames.base, "base_footprint"))

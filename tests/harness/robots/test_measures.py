@@ -234,6 +234,7 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
         lidar = (*site.xpos, math.atan2(site.xmat[3], site.xmat[0]))
     steers, mass = "Ackermann steering" if known.steering else "skid steer", model.body_mass.sum()
     root = model.body(1).name
+    keeps = "" if rover.name in FOREIGN else ("_link", "_footprint")  # of a URDF the link's name
     return {
         "summary": f"{mass:.1f} kg, {2 * count} wheels, {steers}",
         "drive.left": known.left,
@@ -254,8 +255,9 @@ def by_hand(rover: RoverSpec, known: Known) -> dict[str, object]:
         "gravity": -model.opt.gravity[2],
         "lidar_x": lidar[0],
         "lidar_y": lidar[1],
+        "lidar_z": lidar[2],
         "lidar_yaw": lidar[3],
-        "odometry_child_frame": root if root.endswith(("_link", "_footprint")) else f"{root}_link",
+        "odometry_child_frame": root if root.endswith(keeps) else f"{root}_link",
         "rest_height": rest,
         "lidar_height": lidar[2] + rest,
         "wheelbase": wheelbase,

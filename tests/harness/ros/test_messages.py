@@ -18,6 +18,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image, NavSatFix
 
 from harness import samples
+from harness.episode.assembly import sensor_rows
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import message_type
 from harness.ros.messages import filler, person
@@ -49,9 +50,15 @@ def rows(*sensors: dict[str, object]) -> Any:  # noqa: ANN401 - of the table
     return chosen(ROVER_ZERO4WD.but(sensors=sensors), None)
 
 
-def heard(topic_name: str, *sent: samples.Sample, sensors: Any = ()) -> list[Any]:  # noqa: ANN401
+def heard(
+    topic_name: str,
+    *sent: samples.Sample,
+    sensors: Any = (),  # noqa: ANN401
+    setup: RoverSetup | None = None,
+) -> list[Any]:
     """What a listener has of each sample, by way of one message that is refilled."""
-    every = ((row, topic) for row in rows(*sensors) for topic in row.topics)
+    carried = rows(*sensors) if setup is None else sensor_rows(setup)
+    every = ((row, topic) for row in carried for topic in row.topics)
     ((row, topic),) = (each for each in every if each[1].name == topic_name)
     fill = filler(row, topic, ROVER_ZERO4WD, LidarSpec(beams=5), lambda _: PIXELS)
     kind = message_type(topic.message_type)
@@ -80,6 +87,29 @@ def test_a_yaw_is_a_turn_about_the_z_axis_and_a_faulty_one_is_no_number_and_stop
     half = yaw / 2 if np.isfinite(yaw) else np.nan
     expected = [0.0, 0.0, np.sin(half), np.cos(half)]
     assert [turn.x, turn.y, turn.z, turn.w] == pytest.approx(expected, nan_ok=True)
+
+
+def test_what_noise_leaves_uncertain_is_told_and_of_exact_readings_nothing() -> None:
+    """Zeros mean unknown; an integrated pose says by a first -1 that it has no estimate."""
+    imu = samples.Imu(STAMP_NS, ATTITUDE, HERE, THERE)
+    odometry = samples.Odometry(STAMP_NS, 1.0, 2.0, 0.0, samples.Twist(0.5, 0.25))
+    parts = ("orientation", "angular_velocity", "linear_acceleration")
+    for noise, (attitude, rate, force), twist in (
+        ("hardware", (0.02, 5 / 3 * np.pi / 180, 0.02 * 9.80665), (1e-4, 1e-3)),
+        ("white", (0.0, 0.001, 0.032), (0.0, 0.0)),
+        (None, (0.0, 0.0, 0.0), (0.0, 0.0)),
+    ):
+        sensed, rolled = (
+            heard(topic, sample, setup=RoverSetup(robot="rover_zero4wd", noise=noise))[0]
+            for topic, sample in (("imu/data", imu), ("odometry/wheels", odometry))
+        )
+        told = [getattr(sensed, f"{part}_covariance").reshape(3, 3) for part in parts]
+        for matrix, deviation in zip(told, (attitude, rate, force), strict=True):
+            assert matrix == pytest.approx(np.eye(3) * matrix[0, 0])
+            assert deviation**2 <= matrix[0, 0] <= 1.2 * deviation**2
+        covariance = rolled.twist.covariance.reshape(6, 6)
+        assert (covariance[0, 0], covariance[5, 5]) == twist
+        assert rolled.pose.covariance.tolist() == [-1.0 if noise == "hardware" else 0.0, *[0.0] * 35]
 
 
 def test_what_a_fault_has_emptied_or_cut_is_so_and_the_next_message_is_whole() -> None:

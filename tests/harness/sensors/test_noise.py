@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.samples import Imu, LaserScan, Odometry, Twist, Vector3
 from harness.sensors.corruption import AxisErrors
@@ -30,6 +31,25 @@ def test_what_an_imu_reads_is_its_force_and_its_rate_with_the_errors_of_each() -
     assert isinstance(reading, Imu)
     assert reading.linear_acceleration == pytest.approx((*force[:2], 4 * G), abs=0.51 * G / 8192)
     assert reading.angular_velocity == pytest.approx((*rate[:2], 500 * DEGREE), abs=0.51 * DEGREE / 65.5)
+
+
+def test_hardware_turns_the_attitude_by_the_share_of_gravity_that_the_accelerometer_is_biased_by() -> (
+    None
+):
+    """About the sensor's own axes, the same for all readings of a run; other draws do not change."""
+    exact = imu(force=(0.0, 0.0, 9.8))
+    level = Rotation.from_quat(exact.orientation)
+    turns = []
+    for seed in range(400):
+        noisy = SensorNoise(HARDWARE, (0.5, 2.0), np.random.default_rng(1), np.random.default_rng(seed))
+        one, other = noisy.corrupt(exact), noisy.corrupt(replace(exact, stamp_ns=10**9))
+        assert isinstance(one, Imu)
+        assert isinstance(other, Imu)
+        assert one.orientation == other.orientation
+        turns.append((level.inv() * Rotation.from_quat(one.orientation)).as_rotvec())
+    assert np.std(turns, axis=0) == pytest.approx([0.020] * 3, rel=0.15)
+    assert np.mean(turns, axis=0) == pytest.approx([0.0] * 3, abs=0.004)
+    assert HARDWARE.attitude.variance == pytest.approx(0.020**2)  # what the messages tell
 
 
 def test_chatter_shakes_the_forces_of_a_rover_that_moves_before_the_sensors_own_errors() -> None:

@@ -50,8 +50,8 @@ def test_several_of_a_kind_have_names_topics_and_frames_of_their_own() -> None:
         "gnss": ["a/b"],
     }
     assert [(row.source, row.fault, row.frame) for row in rows.values()] == [
-        ("left", "left", "left_link_optical"),
-        ("right", "right", "lens_optical"),
+        ("left", "left", "left_optical_frame"),
+        ("right", "right", "lens_optical_frame"),
         ("gnss", "gnss", "gnss_link"),
     ]
 
@@ -96,7 +96,7 @@ def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> N
     (example,) = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
     given = [row.given for row in carried(None, *YAML(typ="safe").load(example)["sensors"]).values()]
     ids = {some.name: some.frame_id for some in given if some is not None}
-    assert ids == {"top": "top_link", "front": "front_link", "depth": "camera_frame_optical"}
+    assert ids == {"top": "top_link", "front": "front_link", "depth": "camera_optical_frame"}
     frames = rover_frames(LEO, (frame for some in given if some for frame in some.frames(LEO)))
     assert {*ids.values()} <= {link.name for link in frames.links}
 
@@ -190,9 +190,9 @@ def test_a_mount_is_in_its_parent_or_else_from_where_the_lidar_is_unless_the_rov
         (row,) = options(frame=frame, parent="mast").frames(rover)
         assert (row.parent, row.child) == ("mast", frame)
     place, turn = (0.1, 0.2, 0.3), (0.4, 0.5, 0.6)
-    (free,) = options(xyz=place, rpy=turn).frames(BARE)
+    (free,) = options(xyz=place, rpy=turn).frames(BARE.but(lidar_y=-0.5, lidar_height=9.0))
     assert (free.parent, free.child, free.rpy) == ("base_footprint", "eye_link", turn)
-    assert free.xyz == pytest.approx((0.1 + 0.174, 0.2, 0.3 + 0.798 - 0.2))
+    assert free.xyz == pytest.approx((0.1 + 0.174, 0.2 - 0.5, 0.3 + 0.79783))  # where the model has it
     (fixed,) = options(parent="rocker_L_link", xyz=place, rpy=turn).frames(LEO)
     assert (fixed.parent, fixed.xyz, fixed.rpy) == ("rocker_L_link", place, turn)
 
@@ -207,8 +207,9 @@ OPTICAL = (-math.pi / 2, 0.0, -math.pi / 2)  # z ahead, x right, y down: scipy r
         (LEO, "camera", {}, [("camera_frame", "eye_link"), ("eye_link", "eye_optical_frame")]),
         (ROVER_ZERO4WD, "camera", {"name": "camera"}, [("camera_link", "camera_optical_frame")]),
         (LEO, "camera", {"parent": "p", "frame": "l"}, [("p", "eye_link"), ("eye_link", "l")]),
-        (LEO, "depth", {"parent": "p"}, [("p", "eye_link"), ("eye_link", "eye_link_optical")]),
-        (LEO, "depth", {"frame": "camera_frame"}, [("camera_frame", "camera_frame_optical")]),
+        (LEO, "depth", {"parent": "p"}, [("p", "eye_link"), ("eye_link", "eye_optical_frame")]),
+        (LEO, "depth", {"frame": "camera_frame"}, []),  # with that of the camera
+        (ROVER_ZERO4WD, "depth", {"name": "camera"}, [("camera_link", "camera_optical_frame")]),
         (LEO, "height_scan", {"frame": "grid"}, [(LEO.odometry_child_frame, "grid")]),
         (LEO, "height_scan", {"parent": "p"}, [("p", "eye_link")]),
     ],

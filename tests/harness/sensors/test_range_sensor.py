@@ -62,6 +62,19 @@ def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: Mak
     assert (near.ranges == -np.inf).all()
 
 
+def test_a_lost_pixel_is_nan_and_not_a_miss(make_simulation: MakeSimulation) -> None:
+    """REP-118: NaN is no measurement, +inf is nothing within range; the same pixels are lost."""
+    options = DepthOptions(name="eye", width=40, height=30, fov=1.2, noise=RangeErrors(dropout=0.2))
+    lost = camera(make_simulation(obstacles=(WALL,)), options, (0.1, 0.0, 0.9)).read().ranges
+    exact = (
+        camera(make_simulation(obstacles=(WALL,)), options.but(noise=RangeErrors()), (0.1, 0.0, 0.9))
+        .read()
+        .ranges
+    )
+    assert np.isnan(lost).mean() == pytest.approx(0.2, abs=0.04)
+    np.testing.assert_array_equal(np.where(np.isnan(lost), exact, lost), exact)
+
+
 @pytest.mark.parametrize(
     ("noise", "own", "deviation"),
     [(None, 0.0, 0.0), (WHITE, 0.0, 0.01), (None, 0.1, 0.1), (WHITE, 0.1, 0.1)],

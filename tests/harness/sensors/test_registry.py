@@ -13,7 +13,7 @@ from harness.episode.assembly import sensor_rows
 from harness.episode.episode import Episode
 from harness.frames.rover_frames import rover_frames
 from harness.robots import ROVERS
-from harness.samples import Imu, LaserScan, Sample, Source, Transforms, TruthState, source
+from harness.samples import Imu, LaserScan, Odometry, Sample, Source, Transforms, TruthState, source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import by_default
 from harness.sensors.message_types import typestore
@@ -71,7 +71,7 @@ def test_its_frame_is_one_of_the_rovers_and_its_rate_divides_the_clock(row: Sens
 
 @pytest.mark.parametrize(
     ("noise", "corrupted"),
-    [("white", RANGING), ("hardware", RANGING | CHIPS), ("gazebo", {Imu})],
+    [("white", RANGING), ("hardware", RANGING | CHIPS | {Odometry}), ("gazebo", {Imu})],
 )
 def test_noise_corrupts_these_sensors_and_no_others(noise: str, corrupted: set[Source]) -> None:
     exact, noisy = readings(), readings(noise)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,6 +16,7 @@ from harness.frames.rover_frames import rover_frames
 from harness.robots import RoverSpec, read_rover
 from harness.robots.model import read_model
 from harness.robots.urdf.folder import Written, write_folder
+from harness.sensors.choice import chosen
 from tests.support.complaint import complaint
 from tests.support.foreign_rovers import (
     BUGGY,
@@ -156,7 +158,18 @@ def test_sensors_are_found_by_the_names_of_their_links(sensor: str, tmp_path: Pa
     urdf = HUSKY.urdf.replace('"laser"', f'"{sensor}"').replace('"imu_link"', '"my_IMU"')
     rover = written(tmp_path, urdf).rover
     assert rover.lidar_x == pytest.approx(0.3)
-    assert rover.imu_frame == "my_IMU"
+    assert (rover.imu_frame, rover.lidar_frame) == ("my_IMU", sensor)
+    assert next(row for row in chosen(rover, ()) if row.fault == "scan").frame_on(rover) == sensor
+
+
+@pytest.mark.parametrize("robot", [HUSKY, BUGGY], ids=["husky", "buggy"])
+def test_frames_are_called_as_the_links_of_the_urdf(robot: Any, tmp_path: Path) -> None:  # noqa: ANN401
+    urdf = robot.urdf.replace('"base_link"', '"base"')
+    rover = written(tmp_path, urdf).rover
+    links = set(re.findall('<link name="(.*?)"', urdf))
+    assert {link.name for link in rover_frames(rover).links} - {"lidar_link", "imu_link"} == links - {
+        "imu_link"
+    }
 
 
 def test_the_written_file_says_what_is_stated_derived_and_guessed(tmp_path: Path) -> None:
