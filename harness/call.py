@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(options: argparse.Namespace) -> int:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.context import command_node  # noqa: PLC0415
+        from harness.ros.context import command_node
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
     with StopRequest(), command_node("call") as (node, executor):
@@ -56,7 +56,7 @@ def _list(node: "Node", executor: "Executor", _: argparse.Namespace) -> int:
 
 
 def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> int:
-    from harness.ros.context import spin_until  # noqa: PLC0415 - see `_main`
+    from harness.ros.context import spin_until
 
     name = f"/{options.service.lstrip('/')}"
     found = _found(node, executor, name)
@@ -77,7 +77,7 @@ def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> in
 
 def _found(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, str]:
     """The services that can be called, by name; waits for the wanted one, or for any."""
-    from harness.ros.context import spin_until  # noqa: PLC0415 - see `_main`
+    from harness.ros.context import spin_until
 
     found: dict[str, str] = {}
 
@@ -95,7 +95,7 @@ def _found(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, 
 
 def _request(kind: str, name: str, value: str | None) -> tuple[Any, Any]:
     """The class of a service, and what is asked of it."""
-    import std_srvs.srv  # noqa: PLC0415 - see `_main`
+    import std_srvs.srv
 
     service = getattr(std_srvs.srv, kind.rpartition("/")[2])
     if kind != SET_BOOL:

@@ -20,23 +20,25 @@ if __name__ == "__main__":
     begin_program("harness.check")
 
 from rich.console import Console
-from rich.table import Column, Table
-from rich.text import Text
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
-from harness.episode.assembly import check
+from harness.base.loading import loading
+from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE
 from harness.spec.run import Run
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
+from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.sheet import Sheet
 
 if TYPE_CHECKING:
     from harness.episode.fingerprint import Fingerprint
 
 DEFAULT_DURATION = 20.0  # [s]
 SHORTEST_DURATION = 5.0  # [s]: two seeds may need that long to show different rows
+RUNS = 5  # that are compared
 HASH_DIGITS = 8  # as many as are shown; all 64 are compared
 
 
@@ -63,33 +65,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _prove(options: argparse.Namespace, console: Console) -> int:
-    run = _run(options)
-    with StopRequest() as stop:
-        findings = list(_check(run, stop, console, with_ros=not options.no_ros))
-    console.print(_table(run, findings))
+    run, files, findings = _run(options), files_of(options), list[Finding]()
+    with loading():
+        from harness.cli.console import counted
+    title = f"{run.rover.robot} on {run.world.terrain}"
+    with StopRequest() as stop, counted(console, title) as show:
+        for finding in _check(run, stop, with_ros=not options.no_ros):
+            findings.append(finding)
+            show(len(findings), RUNS)
+    sheets = [_sheet(run, findings)]
+    console.print(*terminal(sheets, console.width), sep="\n")
+    write_sheets(files, "Repetition", sheets)
     if all(finding.passed for finding in findings):
         console.print(proven(run, findings), soft_wrap=True)
     return _exit_code(findings, ros_was_asked_for=not options.no_ros)
 
 
-def _check(run: Run, stop: StopRequest, console: Console, *, with_ros: bool) -> Iterator[Finding]:
-    from harness.episode.direct import run_direct  # noqa: PLC0415 - not for --help
-    from harness.episode.fingerprint import direct_in_fresh_process, fingerprint  # noqa: PLC0415
+def _check(run: Run, stop: StopRequest, *, with_ros: bool) -> Iterator[Finding]:
+    with loading():
+        from harness.episode.direct import run_direct
+        from harness.episode.fingerprint import direct_in_fresh_process, fingerprint
 
-    def working(on: str) -> Text:
-        return Text(f"{run.rover.robot} on {run.world.terrain}: {on}")
-
-    with console.status(working("this process")) as status:
-        reference = fingerprint(run_direct, run, stop)
-        yield Finding("this process", reference, "reference", passed=True)
-        yield _judged("again", fingerprint(run_direct, run, stop), reference)
-        status.update(working("fresh process"))
-        yield _judged("fresh process", direct_in_fresh_process(run), reference)
-        status.update(working("ROS 2"))
-        yield _ros_finding(run, stop, reference) if with_ros else _skipped("--no-ros")
-        status.update(working("another seed"))
-        other = run.but(seed=run.seed + 1)
-        yield _judged(f"seed {other.seed}", fingerprint(run_direct, other, stop), reference, equal=False)
+    reference = fingerprint(run_direct, run, stop)
+    yield Finding("this process", reference, "reference", passed=True)
+    yield _judged("again", fingerprint(run_direct, run, stop), reference)
+    yield _judged("fresh process", direct_in_fresh_process(run), reference)
+    yield _ros_finding(run, stop, reference) if with_ros else _skipped("--no-ros")
+    other = run.but(seed=run.seed + 1)
+    yield _judged(f"seed {other.seed}", fingerprint(run_direct, other, stop), reference, equal=False)
 
 
 def _judged(run: str, found: "Fingerprint", reference: "Fingerprint", *, equal: bool = True) -> Finding:
@@ -103,11 +106,11 @@ def _judged(run: str, found: "Fingerprint", reference: "Fingerprint", *, equal: 
 
 
 def _ros_finding(run: Run, stop: StopRequest, reference: "Fingerprint") -> Finding:
-    from harness.episode.fingerprint import fingerprint  # noqa: PLC0415 - not for --help
+    from harness.episode.fingerprint import fingerprint
 
     try:
         # As in harness.run, the one import of rclpy: everything else works where there is none.
-        from harness.ros.session import run_through_ros  # noqa: PLC0415
+        from harness.ros.session import run_through_ros
     except ImportError as error:
         return _skipped(f"ROS 2 is not importable ({error})")
     # Apart from any rover or simulation in the same domain.
@@ -121,21 +124,19 @@ def _skipped(reason: str) -> Finding:
     return Finding("through ROS 2", None, f"skipped: {reason}", passed=True)
 
 
-def _table(run: Run, findings: Sequence[Finding]) -> Table:
-    title = (
-        f"{run.rover.robot} on {run.world.terrain}, seed {run.seed}, noise {run.rover.noise}, "
-        f"{run.duration:g} simulated seconds each"
-    )
-    counts = (Column(name, justify="right") for name in ("samples", "rows", "lost"))
-    table = Table("run", *counts, "stream", "CSV", "verdict", title=title, title_justify="left")
+def _sheet(run: Run, findings: Sequence[Finding]) -> Sheet:
+    rows = []
     for finding in findings:
-        style = "bold red" if not finding.passed else "green" if finding.found else "yellow"
         cells = ["-"] * 5
         if (found := finding.found) is not None:
             cells = [f"{count:,}" for count in (found.samples, found.rows, found.lost)]
             cells += [found.stream[:HASH_DIGITS], found.csv[:HASH_DIGITS]]
-        table.add_row(finding.run, *cells, Text(finding.verdict, style))
-    return table
+        rows.append((finding.run, *cells, finding.verdict))
+    title = (
+        f"{run.rover.robot} on {run.world.terrain}, seed {run.seed}, noise {run.rover.noise}, "
+        f"{run.duration:g} simulated seconds each"
+    )
+    return Sheet(("run", "samples", "rows", "lost", "stream", "CSV", "verdict"), tuple(rows), title)
 
 
 def proven(run: Run, findings: Sequence[Finding]) -> str:
@@ -171,6 +172,8 @@ def _run(options: argparse.Namespace) -> Run:
     Raises:
         UsageError: An option is not valid.
     """
+    from harness.episode.assembly import check
+
     given = {name: getattr(options, name) for name in ("terrain", "robot", "seed", "duration")}
     run = Run.of(noise=DEFAULT_NOISE, **given)
     check(run)
@@ -200,6 +203,7 @@ def _parser() -> argparse.ArgumentParser:
         "--duration", type=float, default=DEFAULT_DURATION, metavar="S", help="simulated seconds"
     )
     parser.add_argument("--no-ros", action="store_true", help="leave out the run through ROS")
+    add_files(parser)
     return parser
 
 

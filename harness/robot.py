@@ -14,31 +14,26 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from shutil import copy
+from typing import TYPE_CHECKING
 
 from harness.base.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.robot")
 
-from harness.base.opengl import keep_opengl_out
-from harness.view.drawing import Drawing
-
-if __name__ == "__main__":
-    keep_opengl_out()  # before MuJoCo is loaded
-
 from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
-from harness.cli.console import counted
-from harness.robots import find_rover
-from harness.robots.spec import schema
-from harness.robots.urdf.folder import NAME, NAMES, Written, write_folder
+from harness.base.loading import loading
+from harness.base.opengl import keep_opengl_out
+from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots.urdf.templates import TEMPLATES, urdf_of
-from harness.samples import JointStates, Pose
-from harness.spec.run import Run
 from rover_metrics.errors import OneLineParser, complain, shown
 from rover_metrics.sheet.console import PlainConsole
+
+if TYPE_CHECKING:
+    from harness.robots.urdf.folder import Written
 
 SHOWN = 3.0  # [s] of driving in a picture
 NEXT = "next: python -m harness.robot check {0}; then python -m harness.run --robot {0}"
@@ -47,10 +42,13 @@ NEXT = "next: python -m harness.robot check {0}; then python -m harness.run --ro
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 0, 1 if something is odd, 2 for bad arguments."""
     options = _parser().parse_args(arguments)
+    keep_opengl_out()  # before MuJoCo is loaded
     return run_program("harness.robot", lambda: int(options.act(options, PlainConsole())))
 
 
 def _new(options: argparse.Namespace, console: Console) -> int:
+    with loading():
+        from harness.robots.urdf.folder import write_folder
     folder = options.out or Path(options.name)
     sides = {side: tuple(filter(None, getattr(options, side).split(","))) for side in ("left", "right")}
     with _source(options) as source:
@@ -74,6 +72,8 @@ def _source(options: argparse.Namespace) -> Iterator[Path]:
     if options.source is not None:
         yield options.source
         return
+    from harness.robots.urdf.folder import NAME, NAMES
+
     with tempfile.TemporaryDirectory(prefix="rover-harness-") as folder:
         urdf = Path(folder) / f"{options.name}.urdf"
         if not NAME.fullmatch(options.name):
@@ -82,7 +82,7 @@ def _source(options: argparse.Namespace) -> Iterator[Path]:
         yield urdf
 
 
-def _print(written: Written, console: Console) -> None:
+def _print(written: "Written", console: Console) -> None:
     rover = written.rover
     size = f"track {rover.track:.3g} m, wheelbase {rover.wheelbase:.3g} m"
     lines = [
@@ -97,18 +97,26 @@ def _print(written: Written, console: Console) -> None:
 
 
 def _check(options: argparse.Namespace, console: Console) -> int:
-    from harness.episode.direct import run_unlogged  # noqa: PLC0415 - not for --help
-    from harness.validate.checkup import check_up  # noqa: PLC0415
-    from harness.validate.suite import print_table  # noqa: PLC0415
+    with loading():
+        from harness.cli.console import counted
+        from harness.episode.direct import run_unlogged
+        from harness.robots import find_rover
+        from harness.samples import JointStates, Pose
+        from harness.spec.run import Run
+        from harness.validate.checkup import check_up
+        from harness.validate.suite import print_table, sheet_of
+        from harness.view.drawing import Drawing
 
-    rover = find_rover(options.rover)
+    rover, files = find_rover(options.rover), files_of(options)
     run = Run.of(robot=options.rover, terrain="flat", driver="figure8", duration=SHOWN)
     with Drawing(options.picture, None, lidar=False, backend=keep_opengl_out()) as drawing:
         if drawing.wanted:
             drawing.prepare(run)
         with console.status(f"driving {rover.name}"):
             checks = check_up(rover)
-        print_table(console, f"{rover.name}: {rover.summary}", checks, missed="odd")
+        title = f"{rover.name}: {rover.summary}"
+        print_table(console, title, checks, missed="odd")
+        write_sheets(files, title, [sheet_of(title, checks, "odd")])
         if drawing.wanted:
             run_unlogged(run, StopRequest(), {Pose, JointStates}, drawing.observers)
             with counted(console, "drawing") as show:
@@ -121,6 +129,8 @@ def _check(options: argparse.Namespace, console: Console) -> int:
 
 
 def _schema(_: argparse.Namespace, __: Console) -> int:
+    from harness.robots.spec import schema
+
     sys.stdout.write(schema())
     return 0
 
@@ -157,6 +167,7 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(act=_check)
     check.add_argument("rover", metavar="FOLDER", help="or the name of a rover that ships")
     check.add_argument("--picture", type=Path, metavar="FILE.png", help="draw it")
+    add_files(check)
     printed = commands.add_parser("schema", help="print the JSON schema of rover.yaml, for editors")
     printed.set_defaults(act=_schema)
     return parser

@@ -49,8 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _look(options: argparse.Namespace, console: Console) -> int:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.context import command_node  # noqa: PLC0415
-        from harness.ros.topic_monitor import TopicMonitor  # noqa: PLC0415
+        from harness.ros.context import command_node
+        from harness.ros.topic_monitor import TopicMonitor
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
     namespace = namespace_of(options.namespace)

@@ -1,11 +1,14 @@
 """`--help` of every program: each option is explained, and its default is told."""
 
 import argparse
+import subprocess
+import sys
 from collections.abc import Callable
 
 import pytest
 
 from harness import robot
+from harness.cli import programs
 from harness.course import __main__ as course
 from harness.gym import policy
 from tests.support.programs import PARSERS
@@ -37,6 +40,25 @@ WITHOUT = {  # what does nothing unless it is given, or must be
     *("seeds", "seed", "only", "junit", "csv", "json", "out", "entry", "track", "nonce"),
     *("receipt", "folder", "config", "words"),
 }
+
+
+LATE = {  # what takes long to load, and no help needs
+    *("mujoco", "numba", "scipy.linalg", "scipy.fft", "scipy.spatial", "scipy.ndimage", "scipy.stats"),
+    *("pandas", "matplotlib", "PIL", "trimesh", "jinja2", "joblib", "torch", "sklearn", "rclpy"),
+}
+
+
+@pytest.mark.parametrize("verb", programs.PROGRAMS)
+def test_help_loads_nothing_that_takes_long(verb: str) -> None:
+    script = (
+        "import atexit, sys; from harness.cli import programs;"
+        "atexit.register(lambda: print(*sys.modules, file=sys.stderr));"
+        "sys.argv = ['rover', *sys.argv[1:]]; sys.exit(programs.rover())"
+    )
+    command = [sys.executable, "-c", script, verb, "--help"]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert run.stdout.startswith(f"usage: rover {verb}")
+    assert not LATE & set(run.stderr.split())
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

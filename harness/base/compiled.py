@@ -23,8 +23,8 @@ def _kept_out(*names: str) -> Iterator[None]:
         del sys.modules[name]
 
 
-# numba imports both wherever they are installed: a tenth of each start, for nothing.
-with _kept_out("coverage", "scipy.linalg"):
+# numba imports them wherever they are installed: a tenth of each start, for nothing.
+with _kept_out("coverage", "scipy.linalg", "yaml"):
     import numba
     import numba.np.arraymath
     from numba.core import cgutils

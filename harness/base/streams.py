@@ -14,6 +14,7 @@ FLEET = 13  # with a rover's place in the run: the seed of that rover
 COURSE = 14  # with the name of a track: its goals
 PEOPLE = 20  # with a person's name; of the world's seed
 TARGETS = 21  # with a target's name; of the world's seed
+DETAIL = 22  # of a heightmap, below its cells; of the world's seed
 # In the entropy beside the seed instead of in the spawn key:
 VALIDATION_GROUND = 20
 VALIDATION_AGENT = 30

@@ -13,8 +13,9 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from harness.base.errors import how_many
-from harness.drivers import DRIVERS, Driver, PolicyDriver
-from harness.drivers.policy import PREFIX
+from harness.drivers import DRIVERS, Driver
+from harness.drivers.base import OF_POLICY
+from harness.drivers.policy import PolicyDriver
 from harness.episode import result
 from harness.episode.mishaps import mishaps
 from harness.faults.kinds import FAULTS
@@ -189,7 +190,7 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, soils, robots, drivers and noise presets with what there is to know of each."""
-    drivers: dict[str, type[Driver]] = {**DRIVERS.shipped, f"{PREFIX}FILE.npz": PolicyDriver}
+    drivers: dict[str, type[Driver]] = {**DRIVERS.shipped, f"{OF_POLICY}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.shipped.items()]),
         ("soils", [(name, soil.summary) for name, soil in SOILS.shipped.items()]),

@@ -9,7 +9,7 @@ from typing import Any
 from harness.base.errors import UsageError, find_named
 from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
-from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
+from harness.cli.run_parser import DEFAULT_LOG_DIR, parsed
 from harness.drivers import takes_goals
 from harness.episode.assembly import check, fleet, gravity, has_soil, people
 from harness.episode.loop import Observer
@@ -25,7 +25,6 @@ from rover_metrics.errors import ParameterError
 from rover_metrics.extended.further import FURTHER
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
-from rover_metrics.ros.arguments import complaint, split_ros_args
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,14 +76,12 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     Raises:
         UsageError: An option is not valid, or two exclude each other; the message names the mend.
     """
-    words, ros_args = split_ros_args(arguments)
-    parser = run_parser()
-    wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
-    if wrong is not None:
-        raise UsageError(wrong)
-    given = parser.parse_args(words)
-    if given.list:
-        return None
+    given, ros_args = parsed(arguments)
+    return None if given.list else run_options(given, ros_args)
+
+
+def run_options(given: argparse.Namespace, ros_args: Sequence[str]) -> RunOptions:
+    """Returns what the options of a command line ask for; UsageError as of `parse_run`."""
     run, files, live = _run(given), from_flags(Files, given), from_flags(LiveOptions, given)
     log_dir = DEFAULT_LOG_DIR if files.out is None else files.out
     namespace = namespace_of(given.namespace)

@@ -1,8 +1,10 @@
 """The options of harness.run: those of the values that it makes, and those of the command alone."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
+from harness.base.errors import UsageError
 from harness.base.version import __version__
 from harness.cli.files import Files
 from harness.cli.flags import add_flags
@@ -21,6 +23,7 @@ from harness.spec.run import Run
 from harness.spec.world import WorldSpec
 from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
+from rover_metrics.ros.arguments import complaint, split_ros_args
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 IN_SENSORS = ("noise", "lidar_beams", "imu_rate", "sensors")
@@ -36,6 +39,20 @@ def _choices() -> dict[str, str]:
         "sensors": f"optional ones, NAME or NAME=PRESET: none, {', '.join(kinds())}, names in "
         "rover.yaml (docs/sensors.md); default: those of rover.yaml",
     }
+
+
+def parsed(arguments: Sequence[str]) -> tuple[argparse.Namespace, list[str]]:
+    """Returns the options of the command line, and the words for ROS.
+
+    Raises:
+        UsageError: A word for ROS is not valid.
+    """
+    words, ros_args = split_ros_args(arguments)
+    parser = run_parser()
+    wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
+    if wrong is not None:
+        raise UsageError(wrong)
+    return parser.parse_args(words), ros_args
 
 
 def run_parser() -> argparse.ArgumentParser:

@@ -5,9 +5,3 @@
 
 docs/course.md has the rules.
 """
-
-from harness.course.entry import Entry, find_entry
-from harness.course.receipt import read_receipt
-from harness.course.tracks import TRACKS
-
-__all__ = ["TRACKS", "Entry", "find_entry", "read_receipt"]

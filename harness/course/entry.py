@@ -16,8 +16,7 @@ from pydantic import Field, model_validator
 from harness.base.documents import read_bytes, read_mapping
 from harness.base.errors import UsageError, unknown
 from harness.drivers import DRIVERS, find_driver
-from harness.drivers.from_file import PREFIX as FILE_PREFIX
-from harness.drivers.policy import PREFIX as POLICY_PREFIX
+from harness.drivers.base import IN_FILE, OF_POLICY
 from harness.spec.value import Value, made
 
 FILE = "entry.yaml"
@@ -87,11 +86,11 @@ class Entry:
         """
         if self.about is None:
             policy = str(files("harness.course").joinpath(POLICIES, f"{track}.npz"))
-            learned = POLICY_PREFIX + policy if Path(policy).is_file() else "goal"
+            learned = OF_POLICY + policy if Path(policy).is_file() else "goal"
             return (BASELINES | {LEARNED: learned})[self.name]
         if self.about.policy:
-            return f"{POLICY_PREFIX}{folder / self.about.policy}"
-        return f"{FILE_PREFIX}{folder / self.about.driver}"
+            return f"{OF_POLICY}{folder / self.about.policy}"
+        return f"{IN_FILE}{folder / self.about.driver}"
 
 
 def find_entry(name: str) -> Entry:

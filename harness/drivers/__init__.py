@@ -4,54 +4,44 @@ from functools import partial
 from pathlib import Path
 
 from harness.base.errors import find_named
-from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals
-from harness.drivers.beeline import Beeline
-from harness.drivers.dwa import Dwa
-from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
-from harness.drivers.from_file import PREFIX as IN_FILE
-from harness.drivers.from_file import driver_in
-from harness.drivers.gap import Gap
-from harness.drivers.goal import Goal
-from harness.drivers.mppi import Mppi
-from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
-from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
-from harness.drivers.wander import Roam, Wander
+from harness.drivers.base import IN_FILE, OF_POLICY, Driver, DriverContext, Observation, TakesGoals
 from harness.samples import Sample
-from rover_metrics.plugins import Table
+from rover_metrics.plugins import Shipped, Table
 
 __all__ = [
     "DRIVERS",
-    "CmdVel",
     "Driver",
     "DriverContext",
-    "Goal",
     "Observation",
-    "PolicyDriver",
     "TakesGoals",
     "find_driver",
     "sensed_by",
     "takes_goals",
 ]
 
+
 OF_A_DRIVER = ("summary", "senses", "command")
-SHIPPED: dict[str, type[Driver]] = {
-    "wander": Wander,
-    "straight": Straight,
-    "spin": Spin,
-    "figure8": Figure8,
-    "cmd_vel": CmdVel,
-    "goal": Goal,
-    "beeline": Beeline,
-    "gap": Gap,
-    "dwa": Dwa,
-    "mppi": Mppi,
-    "roam": Roam,
-    "ram": Ram,
-    "reverse_into": ReverseInto,
-    "graze": Graze,
-    "swing": Swing,
-    "pass_by": PassBy,
-}
+SHIPPED = Shipped[type[Driver]](
+    "harness.drivers",
+    {
+        "wander": ".wander:Wander",
+        "straight": ".scripted:Straight",
+        "spin": ".scripted:Spin",
+        "figure8": ".scripted:Figure8",
+        "cmd_vel": ".scripted:CmdVel",
+        "goal": ".goal:Goal",
+        "beeline": ".beeline:Beeline",
+        "gap": ".gap:Gap",
+        "dwa": ".dwa:Dwa",
+        "mppi": ".mppi:Mppi",
+        "roam": ".wander:Roam",
+        "ram": ".encounters:Ram",
+        "reverse_into": ".encounters:ReverseInto",
+        "graze": ".encounters:Graze",
+        "swing": ".encounters:Swing",
+        "pass_by": ".encounters:PassBy",
+    },
+)
 DRIVERS = Table[type[Driver]](
     "drivers",
     SHIPPED,
@@ -62,11 +52,15 @@ DRIVERS = Table[type[Driver]](
 
 def find_driver(name: str) -> type[Driver]:
     """Returns the driver of that name, or of `policy:FILE` or `python:FILE:CLASS`, else UsageError."""
-    if name.startswith(PREFIX):
-        file = Path(name.removeprefix(PREFIX))
+    if name.startswith(OF_POLICY):
+        from harness.drivers.policy import driver_of, read_policy  # noqa: PLC0415 - few have one
+
+        file = Path(name.removeprefix(OF_POLICY))
         read_policy(file)
         return driver_of(file)
     if name.startswith(IN_FILE):
+        from harness.drivers.from_file import driver_in  # noqa: PLC0415
+
         return driver_in(name)
     return find_named("driver", name, DRIVERS)
 

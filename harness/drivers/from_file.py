@@ -10,11 +10,10 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.files import modified_ns
-from harness.drivers.base import Driver
+from harness.drivers.base import IN_FILE, Driver
 
-PREFIX = "python:"
 NEEDED = ("summary", "senses", "command")
-FORM = f"{PREFIX}FILE.py:CLASS"
+FORM = f"{IN_FILE}FILE.py:CLASS"
 
 
 def driver_in(name: str) -> type[Driver]:
@@ -23,7 +22,7 @@ def driver_in(name: str) -> type[Driver]:
     Raises:
         UsageError: The file cannot be loaded, or has no such class, or that is no driver.
     """
-    text, _, cls = name.removeprefix(PREFIX).rpartition(":")
+    text, _, cls = name.removeprefix(IN_FILE).rpartition(":")
     path = Path(text)
     if not text or not path.is_file():
         raise UsageError(f"driver '{name}' names no file; give {FORM}")

@@ -21,7 +21,6 @@ from harness.drivers.base import DriverContext, Observation
 from harness.robots import RoverSpec
 from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
 
-PREFIX = "policy:"  # of the driver's name, before the file's
 LIMITS = point_nav.limits(LIDAR_RANGE_MAX)
 MOST_BYTES = 2**26  # unpacked
 BESIDE_LIDAR = sum(len(low) for name, (low, _) in LIMITS.items() if name != "lidar")

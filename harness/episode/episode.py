@@ -19,18 +19,18 @@ from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
 from harness.drivers import (
-    CmdVel,
     Driver,
     DriverContext,
     Observation,
-    PolicyDriver,
     TakesGoals,
     find_driver,
     takes_goals,
 )
 from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
+from harness.drivers.policy import PolicyDriver
 from harness.drivers.route_course import RouteCourse
+from harness.drivers.scripted import CmdVel
 from harness.episode.assembly import (
     check,
     check_world,

@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.result import RunResult
+
+if TYPE_CHECKING:
+    from harness.episode.result import RunResult
 
 WHEEL = "wheel"  # in the names of parts that are to touch rocks
 LEFT_THE_MAP = "edge of the map"  # in what physics says of it
@@ -46,13 +48,13 @@ class Mishap:
     text: str
 
 
-def mishaps(result: RunResult, kinds: tuple[Kind, ...] = SERIOUS) -> tuple[Mishap, ...]:
+def mishaps(result: "RunResult", kinds: tuple[Kind, ...] = SERIOUS) -> tuple[Mishap, ...]:
     """Returns what went wrong in a run, of each kind the first time, in the order of time."""
     found = sorted(_found(result), key=lambda mishap: mishap.time_s)
     return tuple(mishap for mishap in found if mishap.kind in kinds)
 
 
-def _found(result: RunResult) -> Iterator[Mishap]:
+def _found(result: "RunResult") -> Iterator[Mishap]:
     along = result.along
     if not math.isnan(along.tipped_over_s):
         yield _told("tipped_over", along.tipped_over_s, "tipped over")

@@ -8,9 +8,10 @@ docs/gym.md has a section for each: spaces, reward, endings, options.
 """
 
 import sys
-from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from harness.base.errors import UsageError
+from rover_metrics.plugins import Shipped
 
 try:
     import gymnasium
@@ -21,29 +22,42 @@ except ImportError as error:
         sys.exit(UsageError.exit_code)
     raise UsageError(_MEND) from error
 
-from harness.gym.goal_env import PointNavGoalEnv
-from harness.gym.options import Curriculum, Randomisation
-from harness.gym.point_nav import PointNavEnv, PointNavWeights
-from harness.gym.processes import vector
-from harness.gym.robo_terrain import Defects, RoboTerrainEnv
+if TYPE_CHECKING:
+    from harness.gym.options import Curriculum, Randomisation
+    from harness.gym.point_nav import PointNavWeights
+    from harness.gym.robo_terrain import Defects
 
 __all__ = ["ENVIRONMENTS", "Curriculum", "Defects", "PointNavWeights", "Randomisation"]
 
-ENVIRONMENTS = {
-    "RoverHarness/PointNav-v0": PointNavEnv,
-    "RoverHarness/PointNavGoal-v0": PointNavGoalEnv,
-    "RoverHarness/RoboTerrain-v0": RoboTerrainEnv,
-}
-# The registry has them by name: a spec whose entry points are text can be written to a file.
-point_nav_vector = partial(vector, PointNavEnv)
-point_nav_goal_vector = partial(vector, PointNavGoalEnv)
-robo_terrain_vector = partial(vector, RoboTerrainEnv)
+ENVIRONMENTS = Shipped[Any](
+    "harness.gym",
+    {
+        "RoverHarness/PointNav-v0": ".point_nav:PointNavEnv",
+        "RoverHarness/PointNavGoal-v0": ".goal_env:PointNavGoalEnv",
+        "RoverHarness/RoboTerrain-v0": ".robo_terrain:RoboTerrainEnv",
+    },
+)
 _VECTORS = ("point_nav_vector", "point_nav_goal_vector", "robo_terrain_vector")
+_PLACES = Shipped[object](
+    "harness.gym",
+    {
+        "Curriculum": ".options:Curriculum",
+        "Defects": ".robo_terrain:Defects",
+        "PointNavWeights": ".point_nav:PointNavWeights",
+        "Randomisation": ".options:Randomisation",
+        **{name: f".vectors:{name}" for name in _VECTORS},
+    },
+)
 
-for (_id, _class), _vector in zip(ENVIRONMENTS.items(), _VECTORS, strict=True):
+# The registry has all by name: a spec whose entry points are text can be written to a file.
+for (_id, _place), _vector in zip(ENVIRONMENTS.places.items(), _VECTORS, strict=True):
     if _id not in gymnasium.registry:
         gymnasium.register(
-            _id,
-            entry_point=f"{_class.__module__}:{_class.__name__}",
-            vector_entry_point=f"harness.gym:{_vector}",
+            _id, entry_point=f"{__name__}{_place}", vector_entry_point=f"{__name__}:{_vector}"
         )
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PLACES:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    return _PLACES[name]

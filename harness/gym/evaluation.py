@@ -2,7 +2,7 @@
 
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -15,12 +15,13 @@ from scipy.stats import binomtest
 
 import harness.gym  # noqa: F401 - registers
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.base.version import __version__
 from harness.drivers.policy import BESIDE_LIDAR, Policy
-from harness.page.shell import fill
 from rover_metrics.sheet.sheet import Sheet
 
 TITLES = ("policy", "terrain", "reached", "95 % interval", "else", "time, median")
+HOW = (
+    "Beside a policy that drives straight to its goal; Wilson's intervals of the share that is reached."
+)
 ID, UNSEEN = "RoverHarness/PointNav-v0", 1_000_000  # the first seed; learning begins with small ones
 
 
@@ -78,13 +79,20 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
     )
 
 
-def table(policy: Policy, terrains: Sequence[str], episodes: int, **options: object) -> Sheet:
+def table(
+    policy: Policy,
+    terrains: Sequence[str],
+    episodes: int,
+    show: Callable[[int, int], None],
+    **options: object,
+) -> Sheet:
     """Returns how a policy does, beside one that drives straight to its goal.
 
     Args:
         policy: What is evaluated.
         terrains: Where.
         episodes: On each terrain.
+        show: Is called with the episodes that are done, and all.
         options: Of the environment.
     """
     rows: list[tuple[str, ...]] = []
@@ -94,11 +102,9 @@ def table(policy: Policy, terrains: Sequence[str], episodes: int, **options: obj
             for name, driver in (("learned", policy), ("straight", straight_ahead(policy.beams))):
                 task = partial(drive, driver, {**options, "terrain": terrain})
                 seeds = range(UNSEEN, UNSEEN + episodes)
-                rows.append(row(name, terrain, list(pool.map(task, seeds))))
-    return Sheet(TITLES, tuple(rows), "Goals reached in unseen worlds")
-
-
-def page_of(sheet: Sheet, policy: str) -> str:
-    """Returns the HTML of an evaluation; `policy` is what its file is called."""
-    content = {"version": __version__, "policy_file": policy, "table": sheet, "figures": {}}
-    return fill("evaluation", content, package="harness.gym")
+                outcomes = []
+                for outcome in pool.map(task, seeds):
+                    outcomes.append(outcome)
+                    show(len(rows) * episodes + len(outcomes), 2 * len(terrains) * episodes)
+                rows.append(row(name, terrain, outcomes))
+    return Sheet(TITLES, tuple(rows), "Goals reached in unseen worlds", HOW)

@@ -17,15 +17,10 @@ from harness.base.edge import begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.gym.policy")
 
-from harness.base.documents import read_mapping
 from harness.base.errors import UsageError, find_named
-from harness.base.files import check_target, write_whole
-from harness.drivers.policy import read_policy
-from harness.robots import find_rover
-from harness.world.terrains import TERRAINS
+from harness.base.loading import loading
+from harness.cli.sheets import add_files, files_of, write_sheets
 from rover_metrics.errors import OneLineParser
-from rover_metrics.sheet.console import PlainConsole
-from rover_metrics.sheet.render import terminal
 
 DRIVE, WORLDS, EVALUATED_ON = "drive", 100, ("gravel", "rocky")
 
@@ -34,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     words = [*(sys.argv[1:] if arguments is None else arguments)]
     if words[:1] == [DRIVE] or (words and words[0].endswith(".npz")):  # as before there were others
-        from harness.gym import policy_node  # noqa: PLC0415 - only this needs ROS 2
+        from harness.gym import policy_node
 
         return policy_node.main(words[words[0] == DRIVE :])
     options = _parser().parse_args(words)
@@ -44,27 +39,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _evaluate(options: argparse.Namespace) -> int:
     if options.worlds < 1:
         raise UsageError(f"--worlds {options.worlds} is not valid; give 1 or more")
+    with loading():
+        from harness.cli.console import counted
+        from harness.drivers.policy import read_policy
+        from harness.gym.evaluation import table
+        from harness.robots import find_rover
+        from harness.world.terrains import TERRAINS
+        from rover_metrics.sheet.console import PlainConsole
+        from rover_metrics.sheet.render import terminal
     policy, console = read_policy(options.file), PlainConsole()
     for terrain in options.terrain:
         find_named("terrain", terrain, TERRAINS)
     find_rover(options.robot)
-    if options.page is not None:
-        check_target("--page", options.page)
-    from harness.gym.evaluation import page_of, table  # noqa: PLC0415 - a second
-
-    sheet = table(policy, options.terrain, options.worlds, robot=options.robot)
+    files = files_of(options)
+    with counted(console, f"driving {options.file.name}") as show:
+        sheet = table(policy, options.terrain, options.worlds, show, robot=options.robot)
     console.print(*terminal((sheet,), console.width), sep="\n")
-    if options.page is not None:
-        write_whole(options.page, page_of(sheet, options.file.name), "the page", UsageError)
+    write_sheets(files, f"Policy {options.file.name}", [sheet])
     return 0
 
 
 def _train(options: argparse.Namespace) -> int:
     try:
-        from harness.gym.training import train  # noqa: PLC0415 - only this needs torch
+        from harness.gym.training import train
     except ModuleNotFoundError as error:
         mend = "pip install 'rover-harness[train]'"
         raise UsageError(f"training needs {error.name}: {mend}") from error
+    from harness.base.documents import read_mapping
+
     train(read_mapping(options.config), str(options.config))
     return 0
 
@@ -87,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--terrain", nargs="+", default=EVALUATED_ON, metavar="NAME", help=about)
     about = "a rover that ships, or a folder (default: %(default)s)"
     evaluate.add_argument("--robot", default="leo", metavar="NAME|FOLDER", help=about)
-    evaluate.add_argument("--page", type=Path, metavar="FILE", help="write the table as a page too")
+    add_files(evaluate)
     evaluate.set_defaults(do=_evaluate)
     training = commands.add_parser("train", help="learn PointNav by PPO (extra [train])")
     training.add_argument("config", type=Path, metavar="CONFIG", help="YAML (docs/gym.md)")

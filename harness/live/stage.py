@@ -15,7 +15,8 @@ from harness.episode.assembly import scenery
 from harness.live.shapes import WORLD, gltf_of_bodies
 from harness.live.watch import Watch
 from harness.physics.scene import build_scenes
-from harness.physics.stage import FIELD_OF_VIEW, SKY, SUN_ELEVATION, Quality, dress
+from harness.physics.sky import HAZE
+from harness.physics.stage import FIELD_OF_VIEW, SUN_ELEVATION, Quality, dress
 from harness.samples import Place
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
@@ -189,5 +190,5 @@ class Stage:
             cast_shadow=True,
             position=(-7.0 * level, -7.0 * level, 10.0 * up),
         )
-        scene.set_background_image(np.full((8, 8, 3), SKY, np.uint8), "png")
-        scene.configure_fog(*FARTHEST, color=SKY)
+        scene.set_background_image(np.full((8, 8, 3), HAZE, np.uint8), "png")
+        scene.configure_fog(*FARTHEST, color=HAZE)

@@ -21,7 +21,7 @@ from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_mode
 from harness.robots.reading import model_hash
 from harness.soil.soils import SOIL_CONTACT
 from harness.world.berths import Member
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Heightfield, finer
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
@@ -186,12 +186,7 @@ def _fine(ground: Heightfield) -> Heightfield:
     area = (rows - 1) * (columns - 1) * ground.cell**2
     cell = max(RUT_CELL, math.sqrt(area / MOST_RUT_CELLS))
     parts = math.ceil(ground.cell / cell - 1e-9)
-    if parts <= 1:
-        return ground
-    left, right, low, high = ground.bounds()
-    x = np.linspace(left, right, parts * (columns - 1) + 1)
-    y = np.linspace(low, high, parts * (rows - 1) + 1)
-    return Heightfield(ground.heights_at(*np.meshgrid(x, y)), ground.cell / parts, ground.middle)
+    return ground if parts <= 1 else finer(ground, parts)
 
 
 def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP, UNPAINTED
+from harness.physics.sky import sky
 from harness.world.heightfield import fractal
 from harness.world.obstacles import ObstacleKind
 
@@ -25,7 +26,6 @@ PERSON_COLOR = [0.13, 0.28, 0.46, 1.0]
 FIELD_OF_VIEW = 38.0  # [deg], vertical
 SOIL_PIXELS, SOIL_TILE = 1024, 2.0  # [pixels], [m] along a side of what repeats
 DARK_SOIL, LIGHT_SOIL = (128.0, 82.0, 54.0), (226.0, 168.0, 122.0)  # RGB, 0..255
-SKY = (224, 208, 188)  # RGB, 0..255
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,16 +62,11 @@ def dress(spec: mujoco.MjSpec, quality: Quality) -> None:
         for geom in body.geoms if body.mocap else ():
             geom.rgba = PERSON_COLOR
     _add_soil(spec)
-    # One colour: of a gradient, a picture near the horizon shows nothing but bands.
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
-        rgb1=np.array(SKY) / 255,
-        rgb2=np.array(SKY) / 255,
-        width=256,
-        height=256,
+    faces, kind = sky(), mujoco.mjtTexture.mjTEXTURE_SKYBOX
+    texture = spec.add_texture(
+        name="sky", type=kind, width=faces.shape[1], height=faces.shape[0], nchannel=3
     )
+    texture.data = faces.tobytes()
 
 
 def aim_sun(model: mujoco.MjModel, at: NDArray[np.float64], azimuth: float) -> None:

@@ -2,11 +2,10 @@
 
     python -m harness.scenario scenarios/ --jobs 2 --junit out.xml
 
-Parses, calls, prints; the work is in the other modules of harness.scenario.
+Parses; the work is in the other modules of harness.scenario.
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,20 +15,11 @@ from harness.base.edge import begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.scenario")
 
-from rich.console import Console
-
-from harness.base.errors import UsageError
-from harness.base.files import check_target
-from harness.base.interrupt import StopRequest
-from harness.cli.console import counted
-from harness.cli.flags import add_flags, from_flags
-from harness.scenario.case import Selected, find_files, plan
-from harness.scenario.terminal import print_verdicts
-from harness.scenario.verdict import Verdict, exit_code, verdicts_of
+from harness.base.loading import loading
+from harness.cli.flags import add_flags
 from harness.spec.live import LiveOptions
-from harness.workers import add_options, workers_of
+from harness.workers import add_options
 from rover_metrics.errors import OneLineParser
-from rover_metrics.sheet.console import PlainConsole
 
 OUT = Path("scenario_runs")
 FILES = {
@@ -47,65 +37,9 @@ FORMERLY = {"page": ("--html",)}  # names of options from before all commands ca
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    return run_program("harness.scenario", lambda: _run(options, PlainConsole()))
-
-
-def _run(options: argparse.Namespace, console: Console) -> int:
-    targets = {name: getattr(options, name) for name in FILES if getattr(options, name) is not None}
-    for name, target in targets.items():
-        check_target(f"--{name}", target)
-    with StopRequest():
-        verdicts = _driven(options, console)
-        if targets or options.table:
-            from harness.scenario.outputs import print_tables, write_outputs  # noqa: PLC0415 - a second
-
-            if options.table:
-                print_tables(console, verdicts)
-            write_outputs(verdicts, targets)
-    return exit_code(verdicts)
-
-
-def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
-    from harness.scenario.baseline import write_baselines  # noqa: PLC0415 - not for --help
-    from harness.scenario.github import tell_github  # noqa: PLC0415
-    from harness.scenario.suite import run_all  # noqa: PLC0415
-
-    live = from_flags(LiveOptions, options)
-    if live.live is not None and (options.jobs or 1) != 1:
-        raise UsageError("--live shows one run after the other: leave out --jobs")
-    jobs = options.jobs if live.live is None else 1
-    cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
-    with (
-        workers_of(options.backend, options.address, jobs) as workers,
-        counted(console, "driving scenarios") as show,
-    ):
-        compare = not options.update_baseline
-        how = {"compare": compare, "resume": options.resume, "keep": options.keep, "live": live}
-        attempts = run_all(cases, workers, options.out, show, **how)
-    verdicts = verdicts_of(attempts)
-    print_verdicts(console, verdicts)
-    tell_github(verdicts, os.environ)
-    if options.update_baseline:
-        for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
-            console.print(f"written: {path}", soft_wrap=True)
-    return verdicts
-
-
-def _seeds(options: argparse.Namespace) -> Sequence[int] | None:
-    if options.seed is not None:
-        return [options.seed]
-    if options.seeds is None:
-        return None
-    if options.seeds < 1:
-        raise UsageError(f"--seeds {options.seeds} is not valid; give 1 or more")
-    return range(options.seeds)
-
-
-def _selected(pairs: Sequence[str]) -> Selected:
-    for pair in pairs:
-        if "=" not in pair:
-            raise UsageError(f"--only {pair}: give NAME=VALUE of a matrix, e.g. --only robot=leo")
-    return tuple((name, value) for name, _, value in (pair.partition("=") for pair in pairs))
+    with loading():
+        from harness.scenario.command import run_scenarios
+    return run_program("harness.scenario", lambda: run_scenarios(options, FILES))
 
 
 def _parser() -> argparse.ArgumentParser:

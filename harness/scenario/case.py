@@ -10,7 +10,7 @@ from typing import Any
 
 from harness.base.errors import UsageError
 from harness.drivers import takes_goals
-from harness.drivers.policy import PREFIX
+from harness.drivers.base import OF_POLICY
 from harness.episode.assembly import check
 from harness.robots import ROVERS
 from harness.scenario.reading import SUFFIX, read_scenario
@@ -132,8 +132,8 @@ def _robot_beside(path: Path, robot: str) -> str:
 
 def _driver_beside(path: Path, driver: str) -> str:
     """A driver; the file of a policy is beside the scenario, if there is such a one."""
-    file = driver.removeprefix(PREFIX)
-    return driver if file == driver else f"{PREFIX}{_beside(path, file)}"
+    file = driver.removeprefix(OF_POLICY)
+    return driver if file == driver else f"{OF_POLICY}{_beside(path, file)}"
 
 
 def _params(path: Path, name: str | None) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.version import __version__
-from harness.drivers.policy import PREFIX
+from harness.drivers.base import OF_POLICY
 from harness.robots import ROVERS
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
@@ -100,7 +100,7 @@ def _identity(cases: Sequence[Case], *, compare: bool) -> str:
 def _files_of(run: Run) -> Iterator[Path]:
     """What a run may read: world, soil, people, targets, policy and the rover's folder."""
     world, driver = run.world, run.rover.driver
-    yield from (Path(world.terrain), Path(world.soil), Path(driver.removeprefix(PREFIX)))
+    yield from (Path(world.terrain), Path(world.soil), Path(driver.removeprefix(OF_POLICY)))
     yield from (Path(actor.file) for actor in world.actors)
     yield from (Path(file) for target in world.targets for file in target.files)
     yield from Path(run.rover.robot).glob("*") if run.rover.robot not in ROVERS else ()

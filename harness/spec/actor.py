@@ -33,7 +33,7 @@ class ActorOptions(Value):
         route: Of way points: there and back (mirror), or round (closed).
         delay: Before the walk begins [s].
         radius: Of the body, a capsule [m].
-        height: Of the body [m]; at least twice the radius.
+        height: Of the body [m]; more than twice the radius.
         within: Of walkers: how far from the rover's start they walk [m].
         push: 1 if the rover and they are solid to each other; else it drives through them, as in Gazebo.
     """
@@ -48,8 +48,8 @@ class ActorOptions(Value):
 
     @model_validator(mode="after")
     def _has_the_shape_of_a_capsule(self) -> Self:
-        if self.height < 2 * self.radius:
-            raise ValueError("a body is at least as high as wide; give a smaller radius")
+        if self.height <= 2 * self.radius:
+            raise ValueError("a body is higher than wide; give a smaller radius")
         return self
 
 

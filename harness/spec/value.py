@@ -4,7 +4,14 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self, TypeVar, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidationError,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
@@ -72,11 +79,21 @@ def made(
         value = cls.model_validate(values)
     except ValidationError as error:
         raise UsageError(f"{prefix}{complaint(error, cls, name)}") from error
-    for key, text in values.items():  # pydantic reads 1_000 as a number
-        is_number = isinstance(text, str) and type(getattr(value, key, None)) in (int, float)
-        if is_number and not NUMBER.fullmatch(text.strip()):
+    for key, text in values.items():  # pydantic reads 1_000 as a number, and true as 1
+        if _is_no_number(text, getattr(value, key, None)):
             raise UsageError(f"{prefix}{name(key)} {_shown(text)} is not valid; give a number")
     return value
+
+
+def _is_no_number(given: object, taken: object) -> bool:
+    """Whether a number was taken from what is none: a text of another form, or true or false."""
+    if isinstance(given, list | tuple) and isinstance(taken, tuple):
+        return any(map(_is_no_number, given, taken))
+    if isinstance(given, Mapping) and isinstance(taken, BaseModel):
+        return any(_is_no_number(given[key], getattr(taken, key, None)) for key in given)
+    if type(taken) not in (int, float):
+        return False
+    return isinstance(given, bool) or (isinstance(given, str) and not NUMBER.fullmatch(given.strip()))
 
 
 def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:

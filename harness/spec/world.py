@@ -1,6 +1,7 @@
 """The world of a run: a terrain or a file, who walks there, and what is to be found there."""
 
-from typing import Annotated
+from operator import not_
+from typing import Annotated, Literal, get_args
 
 from pydantic import BeforeValidator, Field
 
@@ -20,6 +21,8 @@ LARGEST_RELIEF = 10_000.0  # [m]
 MESH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}  # length [m]
 MESH_AXES = ("z", "y", "x")
 
+Roughness = Literal["", "A", "B", "C", "D", "E", "F", "G", "H"]  # classes of ISO 8608
+ROUGHNESS: tuple[str, ...] = get_args(Roughness)[1:]
 MapLength = Annotated[float, Field(ge=SMALLEST_MAP, le=LARGEST_MAP)]  # [m]
 Relief = Annotated[float, Field(ge=0.0, le=LARGEST_RELIEF)]  # [m]
 Cell = Annotated[float, Field(ge=0.02, le=10.0)]  # [m]
@@ -70,6 +73,12 @@ class WorldSpec(Value):
         description="distance of the heights that a mesh becomes (default: 0.1), or a cloud of points "
         "(default: as its density allows) [m]",
     )
+    terrain_roughness: Annotated[Roughness, Option("CLASS", choices=ROUGHNESS)] = Field(
+        default="",
+        exclude_if=not_,  # older than it are manifests
+        description="detail that a heightmap's cells are too coarse for, by the seed, as rough as a "
+        f"class of ISO 8608: {', '.join(ROUGHNESS)} (docs/worlds.md); default: none",
+    )
     resource_path: Annotated[Texts, Option("DIR")] = Field(
         default=(), description="folder of an SDF world's models; repeatable; default: none"
     )
@@ -118,6 +127,7 @@ FILE_FIELDS = {  # for terrains from files alone, and for which kind of file
     "terrain_size": HEIGHTMAPS,
     "terrain_height": HEIGHTMAPS,
     "terrain_cell": SOLIDS,
+    "terrain_roughness": HEIGHTMAPS,
     "resource_path": SOLIDS,
     "mesh_unit": SOLIDS,
     "mesh_up": SOLIDS,

@@ -18,11 +18,11 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
+from harness.base.files import write_whole
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.cli.console import counted
+from harness.base.loading import loading
+from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
-from harness.tune.episodes.plan import plan
-from harness.tune.episodes.store import Store
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
@@ -46,11 +46,15 @@ def _interruptible(options: argparse.Namespace) -> int:
 
 
 def _tune(options: argparse.Namespace, console: Console) -> int:
-    from harness.tune.episodes.sweep import sweep  # noqa: PLC0415 - not for --help
-    from harness.tune.output import print_studies, write_results  # noqa: PLC0415
-    from harness.tune.scoring.study import study  # noqa: PLC0415
+    with loading():
+        from harness.cli.console import counted
+        from harness.tune.episodes.plan import plan
+        from harness.tune.episodes.store import Store
+        from harness.tune.episodes.sweep import sweep
+        from harness.tune.output import REPORT, print_studies, sheet_of, write_results
+        from harness.tune.scoring.study import study
 
-    robots = options.robot or list(ROVERS)
+    robots, files = options.robot or list(ROVERS), files_of(options)
     for robot in robots:
         find_rover(robot)
     planned = plan(robots, options.episodes, options.seed, options.duration, options.driver)
@@ -59,13 +63,17 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
         with counted(console, f"driving {options.duration:g} s episodes") as show:
             records = sweep(planned, store, workers, lambda done: show(done, len(planned)))
     studies = []
-    for robot in robots:
-        with console.status(f"scoring the thresholds of {robot}"):
+    with counted(console, "scoring the thresholds") as show:
+        for done, robot in enumerate(robots):
+            show(done, len(robots))
             studies.append(study(robot, records, options.seed))
     print_studies(console, studies)
     with console.status("drawing the page"):
         for path in write_results(options.out, studies, records, _command(robots, options)):
             console.print(f"written: {path}", soft_wrap=True)
+    if "page" in files:
+        write_whole(files.pop("page"), (options.out / REPORT).read_text(encoding="utf-8"), "the page")
+    write_sheets(files, "Thresholds", list(map(sheet_of, studies)))
     verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:
@@ -108,6 +116,7 @@ def _parser() -> argparse.ArgumentParser:
     add_options(parser)
     about = "folder for episodes and results"
     parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
+    add_files(parser)
     return parser
 
 

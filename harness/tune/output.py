@@ -6,9 +6,7 @@ from dataclasses import asdict
 from io import StringIO
 from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Column, Table
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
@@ -23,6 +21,8 @@ from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.study import RobotStudy, conclusions
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.files import json_safe
+from rover_metrics.sheet.render import terminal
+from rover_metrics.sheet.sheet import Sheet
 
 SCORES, REPORT = "scores.json", "report.html"
 DIGITS = 6  # of a score
@@ -36,28 +36,25 @@ FOOTPRINT_UNITS = {
 def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
     """For each robot a table of its thresholds and what follows from it."""
     for study in studies:
-        console.print()
-        console.print(_table(study))
+        console.print(*terminal([sheet_of(study)], console.width), sep="\n")
         console.print(study.driven.text(), highlight=False)
         for conclusion in conclusions(study):
             console.print(f"- {conclusion}", highlight=False)
 
 
-def _table(study: RobotStudy) -> Table:
-    title = f"{study.name}: value and score, on seeds that no value was chosen on"
-    table = Table(
-        Column("threshold", no_wrap=True),
-        "measure",
-        "default",
-        "tuned",
-        title=title,
-        title_justify="left",
-        box=SIMPLE_HEAD,
+def sheet_of(study: RobotStudy) -> Sheet:
+    """Returns a robot's thresholds with their scores."""
+    rows = (
+        (
+            verdict.name,
+            verdict.measure,
+            _scored(verdict, verdict.default),
+            "stays" if verdict.value is None else _scored(verdict, verdict.tuned),
+        )
+        for verdict in study.verdicts
     )
-    for verdict in study.verdicts:
-        tuned = "stays" if verdict.value is None else _scored(verdict, verdict.tuned)
-        table.add_row(verdict.name, verdict.measure, _scored(verdict, verdict.default), tuned)
-    return table
+    title = f"{study.name}: value and score, on seeds that no value was chosen on"
+    return Sheet(("threshold", "measure", "default", "tuned"), tuple(rows), title)
 
 
 def _scored(verdict: Verdict, candidate: Candidate | None) -> str:

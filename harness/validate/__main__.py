@@ -9,7 +9,7 @@ Parses, calls, prints; the work is in harness.validate.
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from harness.base.edge import begin_program, run_program
@@ -21,12 +21,17 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.files import check_target
+from harness.base.loading import loading
+from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
 from rover_metrics.errors import OneLineParser, complain
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
+
+Outcome = tuple[Sequence[Sheet], Sequence[str]]  # tables, and what was missed
+ERRORS = ("wheel", "trials", "n", "sinkage [mm]", "tractive [N]", "lateral [N]", "sunk in whole")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -48,51 +53,59 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         check_target("--plot", options.plot, ".png")
     if options.pressing and options.trials:
         raise UsageError("--pressing and --trials are of two tests; give one of them")
-    if options.rig:
-        _rig(options, console)
-        return 0
-    misses = _realism(options, console) if options.realism else _suite(options, console)
+    files = files_of(options)
+    work = _rig if options.rig else _realism if options.realism else _suite
+    sheets, misses = work(options, console)
+    write_sheets(files, "Validation", sheets)
     if misses:
         complain("harness.validate", f"missed {'; '.join(misses)}")
     return 1 if misses else 0
 
 
-def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
-    from harness.validate.suite import print_table, validate  # noqa: PLC0415 - not for --help
+def _suite(options: argparse.Namespace, console: Console) -> Outcome:
+    with loading():
+        from harness.cli.console import counted
+        from harness.validate.suite import print_table, sheet_of, validate
 
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
-    misses = []
+    sheets, misses = [], []
     for rover in rovers:
-        with console.status(f"driving {rover.name}"):
-            checks = validate(rover, options.seed)
+        with counted(console, f"driving {rover.name}") as show:
+            checks = validate(rover, options.seed, show)
         print_table(console, rover.name, checks)
+        sheets.append(sheet_of(rover.name, checks))
         misses += [f"{rover.name}: {check.quantity}" for check in checks if not check.passed]
-    return misses
+    return sheets, misses
 
 
-def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
-    from harness.validate.realism import compare, print_comparison  # noqa: PLC0415 - not for --help
+def _realism(options: argparse.Namespace, console: Console) -> Outcome:
+    with loading():
+        from harness.validate.realism import compare, print_comparison, sheets_of
 
     find_rover(options.robot)
     with console.status(f"driving {options.robot} for ten minutes"):
         comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
-    return comparison.missed
+    return sheets_of(comparison), comparison.missed
 
 
-def _rig(options: argparse.Namespace, console: Console) -> None:
-    from harness.validate import pressing, single_wheel  # noqa: PLC0415 - not for --help
+def _rig(options: argparse.Namespace, console: Console) -> Outcome:
+    with loading():
+        from harness.validate import pressing, single_wheel
 
     soil = find_soil(options.soil)
     if options.trials is None:
         rovers = list(ROVERS.values()) if options.robot is None else [find_rover(options.robot)]
         header = ("stalls at [deg]", *(rover.name for rover in rovers))
         soils = {**SOILS, options.soil: soil}
-        _print_sheet(console, header, single_wheel.stall_table(soils, rovers))
         depths = (f"{1e3 * depth:.0f} mm [N]" for depth in pressing.DEPTHS)
         found = pressing.measured(options.pressing) if options.pressing else {}
-        _print_sheet(console, ("wheel pressed to", *depths), pressing.table(soils, found))
-        return
+        sheets = (
+            _sheet("Slopes", header, single_wheel.stall_table(soils, rovers)),
+            _sheet("Pressing", ("wheel pressed to", *depths), pressing.table(soils, found)),
+        )
+        console.print(*terminal(sheets, console.width), sep="\n")
+        return sheets, ()
     trials, notes = single_wheel.read_trials(options.trials)
     for note in notes:
         print(note)
@@ -100,19 +113,27 @@ def _rig(options: argparse.Namespace, console: Console) -> None:
     if not errors:
         steepest = f"{single_wheel.STEEPEST_DEG:g}"
         raise UsageError(f"no trial of {options.trials} has a slip angle of up to {steepest} degrees")
-    for e in errors:
-        sunk = f", {e.sunk} of them sunk in whole" if e.sunk else ""
-        print(
-            f"{e.wheel:9} {e.trials:14}  n {e.n:3}  RMSE of sinkage {1e3 * e.sinkage:.2f} mm, "
-            f"tractive {e.tractive:.2f} N, lateral {e.lateral:.2f} N{sunk}"
+    rows = (
+        (
+            e.wheel,
+            e.trials,
+            f"{e.n}",
+            f"{1e3 * e.sinkage:.2f}",
+            f"{e.tractive:.2f}",
+            f"{e.lateral:.2f}",
+            f"{e.sunk}",
         )
+        for e in errors
+    )
+    sheet = _sheet("RMSE of a single wheel", ERRORS, rows)
+    console.print(*terminal([sheet], console.width), sep="\n")
     if options.plot:
         single_wheel.plot(options.plot, soil, trials)
+    return [sheet], ()
 
 
-def _print_sheet(console: Console, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    for part in terminal([Sheet(tuple(header), tuple(map(tuple, rows)))], console.width):
-        console.print(part)
+def _sheet(title: str, header: Iterable[str], rows: Iterable[Iterable[str]]) -> Sheet:
+    return Sheet(tuple(header), tuple(map(tuple, rows)), title)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -160,6 +181,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME|FILE",
         help=f"of --rig: {soils}, or a YAML file; default: dry_sand",
     )
+    add_files(parser)
     return parser
 
 

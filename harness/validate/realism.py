@@ -99,8 +99,12 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         f"ours: {run.rover.robot} on {run.world.terrain}, difficulty {run.world.difficulty:g}, noise "
         f"{run.rover.noise}, {run.duration:.0f} s, speeds as recorded (harness/validate/run_log.py)"
     )
-    sheets = Sheet.of(_spread(comparison), "How the rows are spread"), _distances(comparison)
-    console.print(*terminal(sheets, console.width), sep="\n", highlight=False)
+    console.print(*terminal(sheets_of(comparison), console.width), sep="\n", highlight=False)
+
+
+def sheets_of(comparison: Comparison) -> tuple[Sheet, Sheet]:
+    """Returns percentiles of all logs, and the distances between them, as tables."""
+    return Sheet.of(_spread(comparison), "How the rows are spread"), _distances(comparison)
 
 
 def _spread(comparison: Comparison) -> Iterator[dict[str, str]]:

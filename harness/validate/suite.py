@@ -28,12 +28,17 @@ SUITE: tuple[Manoeuvres, ...] = (
 )
 
 
-def validate(rover: RoverSpec, seed: int) -> list[Check]:
-    """Drives every manoeuvre; the same seed gives the same figures.
+def validate(
+    rover: RoverSpec, seed: int, show: Callable[[int, int], None] = lambda _, __: None
+) -> list[Check]:
+    """Drives every manoeuvre; the same seed gives the same figures; `show` hears how many of how many.
 
     Of a rover whose rover.yaml expects nothing everything is measured, and nothing judged.
     """
-    checks = [check for manoeuvres in SUITE for check in manoeuvres(rover, seed)]
+    checks: list[Check] = []
+    for done, manoeuvres in enumerate(SUITE):
+        show(done, len(SUITE))
+        checks += manoeuvres(rover, seed)
     judged = rover.expected != Expected()
     return checks if judged else [replace(check, expected=OPEN) for check in checks]
 
@@ -56,8 +61,13 @@ def print_table(console: Console, title: str, checks: Sequence[Check], missed: s
 
 def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
     """Returns the tables of all rovers, each under its name."""
-    tables = (Sheet(HEADINGS, tuple(map(cells_of, checks)), robot) for robot, checks in results.items())
+    tables = (sheet_of(robot, checks) for robot, checks in results.items())
     return "\n".join(f"### {sheet.title}\n\n{markdown(sheet)}" for sheet in tables)
+
+
+def sheet_of(title: str, checks: Sequence[Check], missed: str = MISS) -> Sheet:
+    """Returns the checks as a table, with the arguments of `print_table`."""
+    return Sheet(HEADINGS, tuple(cells_of(check, missed) for check in checks), title)
 
 
 def cells_of(check: Check, missed: str = MISS) -> tuple[str, str, str, str, str]:

@@ -39,7 +39,7 @@ from harness.view.states import States, read_states
 from rover_metrics.errors import OneLineParser
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
-QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=4, shadow_map=8192, slices=28)
+QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=0, shadow_map=4096, slices=28)
 KEPT_BITS = 0xFC  # of each colour: the last two are noise that doubles the file
 VIDEO_QUALITY = Quality(width=960, height=480, samples=2, shadow_map=2048, slices=16)
 FRAME_RATE = 25  # [Hz], the recording's

@@ -1,16 +1,18 @@
 """Many runs at once: on processes of this machine, or on the workers of a Ray or Dask cluster."""
 
 import argparse
+from collections.abc import Callable
 
 from harness.base.errors import UsageError
-from harness.workers.clusters import DaskWorkers, RayWorkers
-from harness.workers.local import LocalWorkers
 from harness.workers.pool import WorkerLost, Workers, work_off
+from rover_metrics.plugins import Shipped
 
 __all__ = ["WorkerLost", "Workers", "add_options", "work_off", "workers_of"]
 
 LOCAL = "local"
-CLUSTERS = {"ray": RayWorkers, "dask": DaskWorkers}
+CLUSTERS = Shipped[Callable[[str], Workers]](
+    "harness.workers.clusters", {"ray": ":RayWorkers", "dask": ":DaskWorkers"}
+)
 CHOICES = "local, ray://HOST:PORT, dask:tcp://HOST:PORT, or ray or dask with --address"
 
 
@@ -40,6 +42,8 @@ def workers_of(backend: str, address: str | None = None, jobs: int | None = None
             raise UsageError("--address needs --backend ray or --backend dask")
         if jobs is not None and jobs < 1:
             raise UsageError(f"{jobs} jobs are not valid; give 1 or more, or leave --jobs out")
+        from harness.workers.local import LocalWorkers  # noqa: PLC0415 - --help does without joblib
+
         return LocalWorkers(jobs)
     if kind not in CLUSTERS:
         raise UsageError(f"unknown backend '{backend}'; choose one of: {CHOICES}")

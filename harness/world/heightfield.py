@@ -75,6 +75,15 @@ class Heightfield:
         return x - half_x + margin, x + half_x - margin, y - half_y + margin, y + half_y - margin
 
 
+def finer(ground: Heightfield, parts: int) -> Heightfield:
+    """Returns the same surface with each cell divided into `parts` along either side."""
+    rows, columns = ground.heights.shape
+    left, right, low, high = ground.bounds()
+    x = np.linspace(left, right, parts * (columns - 1) + 1)
+    y = np.linspace(low, high, parts * (rows - 1) + 1)
+    return Heightfield(ground.heights_at(*np.meshgrid(x, y)), ground.cell / parts, ground.middle)
+
+
 def fractal(
     rng: np.random.Generator,
     shape: tuple[int, ...],

@@ -14,7 +14,7 @@ def main() -> int:
 def _run() -> int:
     check_words("metrics_node", sys.argv[1:])  # before ROS is loaded, which takes a second
     try:
-        from rover_metrics.metrics_node import main as run  # noqa: PLC0415 - needs ROS 2
+        from rover_metrics.metrics_node import main as run
     except MissingRosError as error:
         print(error, file=sys.stderr)
         return error.exit_code

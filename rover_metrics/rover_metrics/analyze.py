@@ -2,40 +2,14 @@
 
     python -m rover_metrics.analyze LOG... [-m CODE...] [-p PLOT...] [--versus LOG...]
 
-Parses, calls, prints; the work is in rover_metrics.analysis. Needs no ROS.
+Parses, calls; the work is in rover_metrics.analysis. Needs no ROS.
 """
 
-import argparse
-import contextlib
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from functools import partial
-from pathlib import Path
+from collections.abc import Sequence
 
-try:
-    import numpy as np
-
-    from rover_metrics.analysis.logs.header import Skipped, UnreadableLog, read_header
-    from rover_metrics.analysis.logs.log import TimeAxis
-    from rover_metrics.analysis.logs.reading import read_log
-    from rover_metrics.analysis.metric import ALL, METRICS, Metric, choose
-    from rover_metrics.analysis.options import parse
-    from rover_metrics.analysis.outcome import analyse
-    from rover_metrics.analysis.output import prepare_folder, save_all
-    from rover_metrics.analysis.pairing import PairingError, Pairs, pair
-    from rover_metrics.analysis.program import different, inside, read_each, show
-    from rover_metrics.analysis.study import Member, Options, Study, labels
-    from rover_metrics.analysis.tables import sheets
-except ImportError as error:
-    needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
-    print(f"analyze needs {needed} ({error})", file=sys.stderr)
-    raise SystemExit(2) from None
-
-from rover_metrics.errors import counted, run_program
-
-SOCIAL = "social_log"  # how the names of logs begin that `social` reads
+from rover_metrics.errors import run_program
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,80 +18,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns the exit code: 0 if every log was analysed, 1 if any was skipped, 2 after a known mistake.
     """
     try:
-        return run_program("analyze", lambda: _run(parse(arguments)))
+        from rover_metrics.analysis.options import parse
+
+        options = parse(arguments)
+        from rover_metrics.analysis.command import analyze
+    except ImportError as error:
+        needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
+        print(f"analyze needs {needed} ({error})", file=sys.stderr)
+        return 2
+    try:
+        return run_program("analyze", lambda: analyze(options))
     except BrokenPipeError:  # piped into head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-
-
-def _run(options: argparse.Namespace) -> int:
-    study, skipped, code = _read(options)
-    if not study.members:
-        return code
-    if options.plots or options.save_outliers or options.csv or options.latex:
-        prepare_folder(options.output)  # before the work, which may take a while
-    result = replace(analyse(study), skipped=tuple(skipped))
-    wanted = {"as_csv": options.csv, "as_latex": options.latex, "outliers": options.save_outliers}
-    files = save_all(study, result, options.output, **wanted)
-    if options.json:
-        print(replace(result, files=tuple(map(str, files))).to_json())
-    else:
-        show(sheets(result), f"{counted(len(files), 'file')} in {options.output}" if files else "")
-    return code
-
-
-def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
-    """The study of every log that can be read, those that cannot, and the exit code."""
-    groups = tuple(options.group_names) if options.versus else ("all logs",)
-    both = (inside(named, "*.csv", without=SOCIAL) for named in (options.logs, options.versus))
-    paths = [different("analyze", named) for named in both]
-    metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
-    members: list[Member] = []
-    skipped: list[Skipped] = []
-    code = 0
-    for group, of_group in zip(groups, paths, strict=False):
-        read = partial(read_log, metrics=metrics, gap=options.gap)
-        logs, unreadable, worst = read_each("analyze", of_group, read)
-        code = max(code, worst)
-        members += [Member(log, "", group) for log in logs]
-        skipped += unreadable
-    names = labels([member.log for member in members])
-    named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
-    chosen = Options(
-        metrics=tuple(each for each in metrics if each.code in METRICS or _has_number(each, members)),
-        confidence=options.confidence_level,
-        iqr_multiplier=options.iqr_multiplier,
-        remove_outliers=options.remove_outliers,
-        unit=options.unit,
-        ranked=ALL in map(str.casefold, options.metrics),
-        plots=tuple(options.plots),
-        axis=TimeAxis(options.normalize, options.fixed_interval),
-    )
-    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped, code
-
-
-def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
-    """Yields the column names of the logs that have them; others are reported when they are read."""
-    for path in paths:
-        with contextlib.suppress(UnreadableLog):
-            yield read_header(path)
-
-
-def _has_number(metric: Metric, members: Sequence[Member]) -> bool:
-    """Whether any log has a number in the column of a metric."""
-    columns = (member.log.columns for member in members)
-    return any(metric.column in each and np.isfinite(each[metric.column]).any() for each in columns)
-
-
-def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequence[Skipped]) -> Pairs:
-    if not options.versus or options.unit == "episode":
-        return ()
-    if skipped and options.pair_by == "order":
-        raise PairingError(f"--pair-by order: {skipped[0].path} was skipped; leave out its partner too")
-    first, second = (
-        [member.log for member in members if member.group == group] for group in options.group_names
-    )
-    return pair(first, second, options.pair_by)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any, Generic, TypeVar
 
@@ -28,6 +29,31 @@ T = TypeVar("T")
 
 class PluginError(RoverMetricsError):
     """A plug-in that cannot be loaded, or is not what its table holds; the message names it."""
+
+
+class Shipped(Mapping[str, T], Generic[T]):
+    """Values of this project by name, each in a module that is loaded when the value is asked for.
+
+    Args:
+        package: That holds the modules.
+        places: .MODULE:VALUE by name, below the package; :VALUE of the package itself.
+    """
+
+    def __init__(self, package: str, places: Mapping[str, str]) -> None:
+        self._package, self.places = package, places
+
+    def __getitem__(self, name: str) -> T:
+        value: T = resolve_name(self._package + self.places[name])
+        return value
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.places
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.places)
+
+    def __len__(self) -> int:
+        return len(self.places)
 
 
 class Table(Mapping[str, T], Generic[T]):

@@ -20,7 +20,16 @@ from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program
 if __name__ == "__main__":
     begin_program("social")
 
-from rover_metrics.analysis.program import different, inside, level, positive, read_each, show, tell
+from rover_metrics.analysis.program import (
+    add_json,
+    different,
+    hand_over,
+    inside,
+    level,
+    positive,
+    read_each,
+    tell,
+)
 from rover_metrics.analysis.social.comparison import Group as Runs
 from rover_metrics.analysis.social.comparison import differences, make_group
 from rover_metrics.analysis.social.log import SocialLog, read_social_log
@@ -54,22 +63,21 @@ def _run(options: argparse.Namespace) -> int:
 
         with whole_file(options.page) as part:
             part.write_text(render(groups, sheets), encoding="utf-8")
-    if options.json:
-        print(json.dumps(json_safe(_values(groups, compared)), indent=2))
-    else:
-        show(sheets, "" if options.page is None else f"page: {options.page}")
+    told = "" if options.page is None else f"page: {options.page}"
+    hand_over(options.json, lambda: _as_json(groups, compared), sheets, told)
     return code
 
 
-def _values(groups: dict[str, Runs], compared: Sequence[Any]) -> dict[str, Any]:
-    """All results as JSON values."""
+def _as_json(groups: dict[str, Runs], compared: Sequence[Any]) -> str:
+    """All results."""
 
     def runs(group: Runs) -> list[dict[str, Any]]:
         each = zip(group.logs, group.figures, strict=True)
         return [{"log": str(log.path), "findings": log.findings, **asdict(run)} for log, run in each]
 
     made = {name: {"runs": runs(one), "windows": one.windows.tolist()} for name, one in groups.items()}
-    return {"groups": made, "differences": [asdict(each) for each in compared]}
+    values = {"groups": made, "differences": [asdict(each) for each in compared]}
+    return json.dumps(json_safe(values), indent=2)
 
 
 def _files(named: Sequence[Path]) -> list[Path]:
@@ -136,7 +144,7 @@ def _parser() -> argparse.ArgumentParser:
     about = "of the intervals, between 0 and 1"
     add("--confidence-level", type=level, default=0.95, metavar="P", help=about)
     add("--page", type=Path, metavar="FILE.html", help="write a page with pictures and tables")
-    add("--json", action="store_true", help="print everything as JSON instead of tables")
+    add_json(parser)
     return parser
 
 

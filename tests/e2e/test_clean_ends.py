@@ -201,7 +201,7 @@ def test_who_stops_a_run_is_not_kept_waiting_by_its_video(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(SlowDrawing, "signals", iter(signals), raising=False)
-    monkeypatch.setattr("harness.run.Drawing", SlowDrawing)
+    monkeypatch.setattr("harness.cli.run_command.Drawing", SlowDrawing)
     words = [*ENDLESS, "--direct", "--video", "drawn.mp4", "--log-dir", str(tmp_path)]
     assert main(words) == 128 + signals[0]
     shown = "".join(capsys.readouterr())

@@ -61,7 +61,7 @@ def test_check_passes_here_through_ros_and_leaves_no_file(
         "proven for leo on flat: seed 0 gives the same samples and the same CSV bytes in 4 runs (this "
         "process, again, fresh process, through ROS 2), seed 1 gives others, and none of "
     )
-    assert told.err == ""
+    assert all(line.endswith(" s left") for line in told.err.splitlines())  # where it takes long
     assert list(tmp_path.iterdir()) == []
 
 
@@ -71,7 +71,7 @@ def test_check_without_ros_on_request_says_so_and_passes(capsys: pytest.CaptureF
     told = capsys.readouterr().out
     assert "skipped" in told
     assert told.count("equal") == 2
-    counts = [int(n.replace(",", "")) for n in re.findall(r"│ +([\d,]+) │ +5 │ +0 │", told)]
+    counts = [int(n.replace(",", "")) for n in re.findall(r" +([\d,]+) +5 +0 ", told)]
     assert told.splitlines()[-1] == (
         "proven for leo on flat, not through ROS 2: seed 0 gives the same samples and the same CSV "
         "bytes in 3 runs (this process, again, fresh process), seed 1 gives others, and none of "

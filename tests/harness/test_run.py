@@ -156,7 +156,7 @@ def test_a_disk_that_is_full_is_told_of_in_one_line(
         raise HarnessError("cannot write the summary: No space left on device")
 
     monkeypatch.setattr(CsvLog, "write", no_row)
-    monkeypatch.setattr("harness.run.write_manifest", no_manifest)
+    monkeypatch.setattr("harness.cli.run_command.write_manifest", no_manifest)
     assert main([*QUICK, "--log-dir", str(tmp_path)]) == 1
     told = "harness.run: cannot write a row: No space left on device\n"
     assert capsys.readouterr().err == told

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from rosbags.interfaces import Nodetype
@@ -415,6 +416,18 @@ def test_place_without_a_recording_is_refused(tmp_path: Path, capsys: Capsys) ->
     assert complaint(main, [str(tmp_path / "runs")], capsys).endswith("; bags in it: a, b\n")
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0), encoding="json")
     assert "/scan is json-encoded" in complaint(main, [str(bag)], capsys)
+
+
+def test_a_packed_recording_is_unpacked_within_a_bound(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = write_mcap(tmp_path / "bag.mcap", drive(1.0)).read_bytes()
+    packed = tmp_path / "packed.mcap.zstd"
+    packed.write_bytes(zstandard.ZstdCompressor().compress(plain))
+    assert main([str(packed), "-o", str(tmp_path / "a.csv")]) == 0
+    capsys.readouterr()
+    monkeypatch.setattr("rover_metrics.bag.bag_reader.LARGEST_UNPACKED", len(plain) - 1)
+    assert "unpack it where there is room" in complaint(main, [str(packed)], capsys)
 
 
 def test_without_its_libraries_replay_says_so_in_one_line_and_exits_2() -> None:

@@ -4,7 +4,12 @@ import contextlib
 import gc
 from importlib import import_module
 
-for _module in ("harness.episode.episode", "harness.episode.direct", "harness.run"):
+for _module in (
+    "harness.episode.episode",
+    "harness.episode.direct",
+    "harness.run",
+    "harness.cli.run_command",
+):
     import_module(_module)
 with contextlib.suppress(ImportError):  # without ROS there is less to load
     import_module("harness.ros.session")

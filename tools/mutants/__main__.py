@@ -29,7 +29,7 @@ def main() -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from tools.mutants.mutations import mutants_of  # noqa: PLC0415 - libcst takes long to load
+    from tools.mutants.mutations import mutants_of
 
     made = [
         mutant

@@ -69,6 +69,9 @@ class DynaBarn(Track):
         return Task(run=run, goals=(GOAL,), shortest=LENGTH, optimal=optimal, rule=self.rule)
 
 
+DYNABARN = DynaBarn()
+
+
 @cache
 def key_frames() -> dict[int, list[KeyFrames]]:
     """Returns the key frames of each mover of each world, by the world's number."""

@@ -15,7 +15,7 @@ from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
 from harness.base.version import __version__
-from harness.drivers.policy import PREFIX
+from harness.drivers.base import OF_POLICY
 from harness.robots import ROVERS, find_rover
 from harness.robots.reading import model_hash
 from harness.spec.run import Run
@@ -130,7 +130,7 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     if folders:  # those that ship change with the version
         identity["folders"] = {robot: model_hash(find_rover(robot)) for robot in sorted(folders)}
     drivers = sorted({one.run.rover.driver for one in planned})
-    files = [Path(name.removeprefix(PREFIX)) for name in drivers if name.startswith(PREFIX)]
+    files = [Path(name.removeprefix(OF_POLICY)) for name in drivers if name.startswith(OF_POLICY)]
     if files:
         identity["policies"] = [sha256(file.read_bytes()).hexdigest() for file in files]
     return dict(json_safe(identity))  # as it will be read: lists for tuples

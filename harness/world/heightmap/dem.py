@@ -5,6 +5,7 @@ vertices as they are. Whatever is done (filled, resampled, scaled) and what came
 """
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.ndimage import maximum_filter
 from harness.base.errors import UsageError
 from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, SMALLEST_MAP, WorldSpec
 from harness.world.heightfield import Field, Heightfield, filled, resampled
+from harness.world.heightmap.detail import detailed
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
@@ -32,7 +34,7 @@ def heightmap_world(spec: WorldSpec, seed: int, rover: RoverNeeds) -> World:
     raster = read_raster(path, spec.terrain_cell)
     try:
         notes = list(raster.notes)
-        ground = _ground(raster, spec, notes)
+        ground = _ground(raster, spec, seed, notes)
         if ground.cell > rover.wheel_radius > 0.0:
             notes.append(
                 f"its cells of {ground.cell:.3g} m are coarser than the wheels, whose radius is "
@@ -44,18 +46,23 @@ def heightmap_world(spec: WorldSpec, seed: int, rover: RoverNeeds) -> World:
     return World(path.name, ground, (), seed, None, tuple(notes), start)
 
 
-def _ground(raster: Raster, spec: WorldSpec, notes: list[str]) -> Heightfield:
+def _ground(raster: Raster, spec: WorldSpec, seed: int, notes: list[str]) -> Heightfield:
     pixel = _pixel(raster, spec.terrain_size)
     values = _complete(raster.values, notes)
     heights = _in_metres(values, raster, spec.terrain_height, notes)
     heights, cell = _on_cells(heights, pixel, notes)
-    heights = np.round(heights - heights.min(), HEIGHT_DECIMALS) + 0.0
     ground = Heightfield(np.ascontiguousarray(heights[::-1]), cell)
+    if spec.terrain_roughness:
+        finest = _finest(*(2 * half for half in ground.half_size))
+        ground, note = detailed(ground, spec.terrain_roughness, seed, finest)
+        notes.append(note)
+    heights = np.round(ground.heights - ground.heights.min(), HEIGHT_DECIMALS) + 0.0
+    ground = replace(ground, heights=heights)
     width, depth = (2 * half for half in ground.half_size)
     rows, columns = heights.shape
     notes.append(
-        f"{width:.4g} m along x, {depth:.4g} m along y, {columns} x {rows} heights {cell:.4g} m apart, "
-        f"relief {np.ptp(heights):.4g} m"
+        f"{width:.4g} m along x, {depth:.4g} m along y, {columns} x {rows} heights "
+        f"{ground.cell:.4g} m apart, relief {np.ptp(heights):.4g} m"
     )
     return ground
 
@@ -112,7 +119,7 @@ def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[
 def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> tuple[Field, float]:
     """Heights on square cells of a size that can be simulated, and that size [m]."""
     width, depth = _extent(heights, pixel)
-    cell = max(min(pixel), FINEST_CELL, math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1))
+    cell = max(min(pixel), _finest(width, depth))
     if math.isclose(pixel[0], pixel[1], rel_tol=1e-9) and cell <= pixel[0] * (1 + 1e-9):
         return heights, pixel[0]
     rows, columns = (math.floor(length / cell + 1e-6) + 1 for length in (depth, width))
@@ -121,6 +128,11 @@ def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> t
     cut = f", {lost_x:.2g} m along x and {lost_y:.2g} m along y cut off at the edges"
     notes.append(note + (cut if max(lost_x, lost_y) > SMALLEST_LOSS * cell else ""))
     return resampled(heights, (cell / pixel[1], cell / pixel[0]), (rows, columns)), cell
+
+
+def _finest(width: float, depth: float) -> float:
+    """The smallest cells [m] that a map of a size [m] can be simulated in."""
+    return max(FINEST_CELL, math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1))
 
 
 def _start(ground: Heightfield, notes: list[str]) -> Start:

@@ -13,11 +13,13 @@ from rich.console import Group
 
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
+from rover_metrics.log.files import whole_file
 from rover_metrics.number import number
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
+PRINTED = Path()  # in place of a file: on the terminal
 PRINTED_WIDTH = 160  # columns, where the output is not a terminal
 
 AnyLog = TypeVar("AnyLog")
@@ -32,6 +34,38 @@ def _number(text: str, below: float, wanted: str) -> float:
 
 positive = partial(_number, below=math.inf, wanted="above 0")
 level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Adds --json [FILE.json], whose value `hand_over` takes."""
+    about = "write everything as JSON; without a FILE.json, print that instead of the tables"
+    parser.add_argument("--json", nargs="?", const=PRINTED, type=_json_file, metavar="FILE", help=about)
+
+
+def _json_file(text: str) -> Path:
+    if not text.endswith(".json"):
+        raise argparse.ArgumentTypeError(f"'{text}' does not end in .json; name logs before this option")
+    return Path(text)
+
+
+def hand_over(
+    target: Path | None, as_json: Callable[[], str], sheets: Iterable[Sheet], last: str = ""
+) -> None:
+    """Prints tables and a last line, and writes everything to a file; or prints that instead.
+
+    Args:
+        target: Of `add_json`.
+        as_json: Returns everything.
+        sheets: The tables.
+        last: The line; "" for none.
+    """
+    if target == PRINTED:
+        print(as_json())
+        return
+    if target is not None:
+        with whole_file(target) as part:
+            part.write_text(as_json() + "\n", encoding="utf-8")
+    show(sheets, last)
 
 
 def read_each(

@@ -7,20 +7,25 @@ metadata.yaml. The readers of rosbags do none of that: they sort by time, which 
 that was set back, leave out a database's write-ahead log and end at the first damage.
 """
 
+import io
 import re
+import shutil
 import sqlite3
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, closing
 from itertools import islice
 from pathlib import Path, PurePath
+from typing import Any, BinaryIO
 
 import zstandard
 
-from rover_metrics.bag.mcap_stream import BagError, McapFile, Message
+from rover_metrics.bag.mcap_stream import LARGEST_RECORD, BagError, McapFile, Message
 from rover_metrics.log.documents import DocumentError, read_yaml
 
 LARGEST_SKIP = 2**32  # rows
+LARGEST_UNPACKED = 2**36  # [bytes] of a compressed file, which half of what is free must hold too
+UNPACK = "if that is meant, unpack it where there is room, with zstd -d, and name what comes of it"
 MOST_NAMED = 5  # bags, where the folder that holds them was given
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 MCAP_MAGIC = b"\x89MCAP0\r\n"
@@ -171,20 +176,34 @@ class Bag(ExitStack):
     def _decompressed_file(self, path: Path) -> Path:
         folder = self.enter_context(tempfile.TemporaryDirectory(prefix="replay_"))
         target = Path(folder) / path.stem
+        most = min(LARGEST_UNPACKED, shutil.disk_usage(folder).free // 2)
         with path.open("rb") as packed, target.open("wb") as unpacked:
             try:
-                zstandard.ZstdDecompressor().copy_stream(packed, unpacked)
+                _unpack(packed, unpacked, most)
             except zstandard.ZstdError as error:
                 self.problems.append(f"{path.name} is damaged ({error}); the rest of it is lost")
         return target
 
     @staticmethod
     def _decompressed(message: Message) -> Message:
+        data = io.BytesIO()
         try:
-            data = zstandard.ZstdDecompressor().decompressobj().decompress(message.data)
-        except zstandard.ZstdError:
-            data = b""  # counts as an unreadable message of its topic
-        return message._replace(data=data)
+            _unpack(io.BytesIO(message.data), data, LARGEST_RECORD)
+        except (zstandard.ZstdError, BagError):
+            return message._replace(data=b"")  # counts as an unreadable message of its topic
+        return message._replace(data=data.getvalue())
+
+
+def _unpack(packed: BinaryIO, unpacked: BinaryIO, most: int) -> None:
+    """Unpacks into a file; BagError if that takes more bytes than `most`."""
+
+    class Bounded(io.BytesIO):
+        def write(self, part: Any, /) -> int:  # noqa: ANN401 - bytes, as zstandard gives them
+            if unpacked.tell() + len(part) > most:
+                raise BagError(f"it unpacks to more than {most >> 20:,} MiB; {UNPACK}")
+            return unpacked.write(part)
+
+    zstandard.ZstdDecompressor().copy_stream(packed, Bounded())
 
 
 def _bags_below(folder: Path) -> list[str]:

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.drivers import DriverContext, Goal, Observation
+from harness.drivers import DriverContext, Observation
+from harness.drivers.goal import Goal
 from harness.episode.episode import Episode
 from harness.samples import Place, Twist
 from harness.spec.run import Run

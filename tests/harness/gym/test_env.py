@@ -237,7 +237,8 @@ def test_options_of_worlds_from_files_are_those_of_a_run() -> None:
         known |= {"terrain_height": 2.0} if file == "a.npy" else {}
         assert options.episode(file, 3, 0.9) == Run.of(**known)  # it has no difficulty
         assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9)
-    assert set(FILE_FIELDS) == {*of_meshes, "terrain_size", "terrain_height"}
+    of_heightmaps = {"terrain_size", "terrain_height", "terrain_roughness"}
+    assert set(FILE_FIELDS) == {*of_meshes, *of_heightmaps}
 
 
 def test_without_gymnasium_the_mend_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

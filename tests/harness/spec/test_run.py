@@ -19,9 +19,11 @@ FULL: dict[str, Any] = {  # another value than the default for each field
     "terrain": "a.sdf",
     "difficulty": 0.25,
     "soil": "clay",
+    "keep_ruts": True,
     "terrain_size": [20.0, 30.0],
     "terrain_height": 3.0,
     "terrain_cell": 0.5,
+    "terrain_roughness": "F",
     "resource_path": ["p", "q"],
     "mesh_unit": "cm",
     "mesh_up": "y",
@@ -131,6 +133,8 @@ def test_the_edges_of_what_is_valid_are_valid(edge: dict[str, Any]) -> None:
         ({"zzz": "x"}, "available: terrain, "),
         ({"seed": -1}, "give 0 or more"),
         ({"seed": "1.5"}, "give a whole number"),
+        ({"seed": True}, "seed True is not valid; give a number"),
+        ({"start": [True, 0, 0]}, "give a number"),
         ({"difficulty": -1e-9}, "give 0 to 1"),
         ({"difficulty": 1.001}, "give 0 to 1"),
         ({"difficulty": math.nan}, "give 0 to 1"),
@@ -226,7 +230,7 @@ def test_rovers_differ_in_their_seeds_alone_where_they_are_alike() -> None:
 
 def test_the_process_that_publishes_loads_neither_mujoco_nor_compiled_kernels() -> None:
     script = (
-        "import sys, harness.run, harness.ros.session;"
+        "import sys, harness.cli.run_command, harness.ros.session;"
         "print(sorted({'mujoco', 'numba'} & set(sys.modules)))"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

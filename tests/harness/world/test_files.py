@@ -12,6 +12,7 @@ from harness.spec.world import FILE_FIELDS, HEIGHTMAPS, SOLIDS
 from harness.world.files import is_heightmap, is_terrain_file
 
 GIVEN: dict[str, Any] = {"terrain_size": (10.0, 50_000.0), "terrain_height": 0.0, "terrain_cell": 0.02}
+GIVEN |= {"terrain_roughness": "C"}
 GIVEN |= {"resource_path": (".",), "mesh_unit": "mm", "mesh_up": "y", "rock_height": 0.0}
 GIVEN |= {"rock": ("a",), "hazard": ("a",)}
 KINDS = {"rocky": "", "a.TIF": HEIGHTMAPS, "a.dem/b": HEIGHTMAPS, "a.npy": HEIGHTMAPS}

@@ -297,6 +297,7 @@ def test_it_says_which_library_to_install(
         if name.partition(".")[0] in {missing, "rover_metrics"}:
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
+    monkeypatch.setattr(sys, "argv", ["analyze", "log.csv"])
     with pytest.raises(SystemExit, match=r"^2$"):
         runpy.run_module("rover_metrics.analyze", run_name="__main__")
     out, told = capsys.readouterr()

@@ -14,7 +14,7 @@ def test_without_options_every_metric_is_reported_and_one_plot_drawn() -> None:
     assert options.metrics == ["TC", "CS", "SM", "TSR", "OC", "DT", "CV", "VORT", "IM", "RT", "VR"]
     assert (options.plots, options.normalize, options.unit) == (["time_series"], "percentage", "log")
     assert (options.output, options.group_names) == (Path("output"), ["first", "versus"])
-    assert (options.pair_by, options.csv, options.latex, options.json) == ("seed", False, False, False)
+    assert (options.pair_by, options.csv, options.latex, options.json) == ("seed", False, False, None)
     assert parse(["a.csv", "-m", "CV", "ALL"]).plots == ["comparison"]
     assert parse(["a.csv", "-m", "all", "-p"]).plots == []
 

@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 AxisName = Literal["percentage", "fixed_interval", "none"]
 AXES: tuple[AxisName, ...] = get_args(AxisName)
+DEFAULT_GAP = 10.0  # [s]: ten times the logging period; hand-edited logs lack a row or two at most
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from rover_metrics.analysis.logs.findings import (
     describe_time,
 )
 from rover_metrics.analysis.logs.header import UnreadableLog, read_header
-from rover_metrics.analysis.logs.log import Floats, Integers, Log
+from rover_metrics.analysis.logs.log import DEFAULT_GAP, Floats, Integers, Log
 from rover_metrics.analysis.logs.parsing import Table, Tally, read_table
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
@@ -25,8 +25,6 @@ from rover_metrics.log.session_record import (
     session_end,
     session_thresholds,
 )
-
-DEFAULT_GAP = 10.0  # s: ten times the logging period; hand-edited logs lack a row or two at most
 
 
 def read_log(

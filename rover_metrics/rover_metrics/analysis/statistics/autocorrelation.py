@@ -1,8 +1,8 @@
 """How much consecutive rows repeat each other, and what that leaves of the sample size."""
 
 import numpy as np
+import scipy  # loads a part of it when that is named
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
 
 from rover_metrics.analysis.logs.log import Floats
 
@@ -19,9 +19,9 @@ def autocorrelation(values: Floats, max_lag: int) -> Floats:
     sums = np.zeros(max_lag + 1)
     for start in range(0, len(centred), _SEGMENT):
         segment = centred[start : start + _SEGMENT]
-        size = next_fast_len(len(segment) + max_lag, real=True)
-        power = np.abs(rfft(segment, size)) ** 2
-        sums += irfft(power, size)[: max_lag + 1]
+        size = scipy.fft.next_fast_len(len(segment) + max_lag, real=True)
+        power = np.abs(scipy.fft.rfft(segment, size)) ** 2
+        sums += scipy.fft.irfft(power, size)[: max_lag + 1]
     if np.ptp(values) == 0:
         return np.concatenate(([1.0], np.zeros(max_lag)))
     return np.asarray(sums / sums[0])

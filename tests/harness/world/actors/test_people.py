@@ -130,7 +130,7 @@ BAD_TEXTS = [
     *(("g=random:speed=1=2", "speed '1=2'"), ("g=random:delay=", "delay ''")),
     ("g=1,2:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
     *(("g=1,2:route=round", "'mirror' or 'closed'"), ("g=random:push=0.5", "push '0.5'")),
-    ("g=random:radius=0.5,height=0.8", "at least as high as wide"),
+    *((f"g=random:radius=0.5,height={height}", "higher than wide") for height in (0.8, 1)),
 ]
 
 

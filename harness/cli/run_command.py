@@ -1,0 +1,236 @@
+"""What harness.run does: drives, tells of it, leaves files.
+
+The drive is in harness.ros.session (through ROS) and harness.episode.direct (without).
+"""
+
+import argparse
+import importlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
+from harness.base.files import BESIDE, check_target, write_whole
+from harness.base.interrupt import HANGUP, StopRequest
+from harness.base.loading import loading
+from harness.base.opengl import keep_opengl_out
+from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
+from harness.cli.options import RunOptions, run_options, with_name
+from harness.episode.assembly import actor_names, check_world, world_of
+from harness.episode.helm import Helm
+from harness.episode.loop import Observer
+from harness.episode.manifest import write_manifest
+from harness.episode.mishaps import mishaps
+from harness.episode.result import Drive, Outputs, RunResult, steered
+from harness.episode.social_recorder import SocialRecorder
+from harness.live import watched
+from harness.report.recorder import RunRecorder, Stretch
+from harness.robots import robot_name
+from harness.view.drawing import SUFFIXES, Drawing
+from harness.world.files import is_terrain_file
+from rover_metrics.errors import complain
+from rover_metrics.sheet.console import PlainConsole
+
+OUTSIDE = ("SIGTERM", HANGUP)  # whoever ends a run by these waits for no picture
+
+
+def run_command(given: argparse.Namespace, ros_args: Sequence[str]) -> int:
+    """Does what words of the command line ask for, as `parsed` has them; returns the exit code.
+
+    Raises:
+        HarnessError: An option is not valid, or the run cannot be made.
+    """
+    console = PlainConsole()
+    if given.list:
+        print_choices(console)
+        return 0
+    return _command(run_options(given, ros_args), console)
+
+
+def _command(options: RunOptions, console: Console) -> int:
+    run = options.run
+    backend = keep_opengl_out()  # before MuJoCo is loaded
+    files = options.files
+    drawing = Drawing(
+        files.picture, files.video, lidar=files.picture_lidar, backend=backend, camera=files.camera
+    )
+    recorders = [RunRecorder() for _ in run.rovers] if files.page is not None else []
+    logs = _social(options)
+    with loading():
+        drive = _loaded(options)
+    with StopRequest() as stop, drawing, ExitStack() as at_end:
+        drawn = _prepared(options, console, drawing)
+        live = watched(run, options.live, options.ros.rate, stop)
+        helm, watching = at_end.enter_context(live)
+        outputs = options.outputs(logs, drawn, recorders, watching)
+        results = [
+            _placed(result, options, output)
+            for result, output in zip(
+                _drive(drive, options, outputs, stop, console, helm), outputs, strict=True
+            )
+        ]
+        for number, log in enumerate(logs):
+            log.close()
+            results[number] = replace(results[number], social_log=log.path)
+        exit_code = _report(results, options, stop, console)
+        if stop.name not in OUTSIDE:
+            drawing.begin(_log(results[0], outputs[0]))  # beside the page, on another processor
+        for result, recorder in zip(results, recorders, strict=False):
+            _write_page(result, recorder, dict(_others(results, recorders, result)), console)
+        _draw(drawing, _log(results[0], outputs[0]), stop, console)
+        if recorders or drawing.wanted:
+            console.print(f"next: {next_step(results)}", soft_wrap=True)
+    return exit_code
+
+
+def _log(result: RunResult, output: Outputs) -> Path:
+    """The log of a rover, beside which other files stand; where it would be if there is none."""
+    return result.log_path or output.log_dir / "run.csv"
+
+
+def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResult:
+    """The result with the place of its page, and failed if it came to what --fail-on names."""
+    page = options.files.beside(_log(result, output)).page
+    named = page if page is None or options.files.page == BESIDE else with_name(page, result.rover)
+    wrong = mishaps(result, options.files.fail_on)
+    failure = result.failure or (wrong[0].text if wrong else None)
+    columns = output.settings.extended.column_names
+    return replace(result, report=named, params=options.params, columns=columns, failure=failure)
+
+
+def _others(
+    results: Sequence[RunResult], recorders: Sequence[RunRecorder], own: RunResult
+) -> Iterator[tuple[str, Sequence[Stretch]]]:
+    """What was recorded of the other rovers, by their names."""
+    for other, recorder in zip(results, recorders, strict=True):
+        if other is not own:
+            yield other.rover.name, recorder.track
+
+
+def _write_page(
+    result: RunResult,
+    recorder: RunRecorder,
+    others: Mapping[str, Sequence[Stretch]],
+    console: Console,
+) -> None:
+    from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
+
+    assert result.report is not None  # noqa: S101 - there is a recorder
+    with console.status("drawing the page"):
+        result.report.parent.mkdir(parents=True, exist_ok=True)  # of a run without a log
+        write_whole(result.report, render(result, recorder, others), "the page")
+    console.print(f"page: {result.report}", soft_wrap=True)
+
+
+def _social(options: RunOptions) -> list[SocialRecorder]:
+    """Returns what keeps the social log of each rover among people; empty without any.
+
+    Raises:
+        UsageError: One cannot be written there.
+    """
+    names, file = actor_names(options.run.world), options.files.social_log
+    if file is not None:
+        check_target("--social-log", file, ".csv")
+    folders = [options.log_dir(rover) for rover in options.run.rovers] if names else []
+    overwrite = options.ros.overwrite
+    return [SocialRecorder(names, file, folder, overwrite=overwrite) for folder in folders]
+
+
+def _loaded(options: RunOptions) -> Drive:
+    """Returns what drives the run, with what only these options need: ROS, MuJoCo, compiled kernels.
+
+    Not with this module: through ROS, only the process that simulates needs the latter, and --direct
+    must work where there is no rclpy. Not later: a signal would then be raised in the midst of modules
+    that are not prepared for it.
+
+    Raises:
+        UsageError: ROS 2 is missing.
+    """
+    if options.files.page is not None:
+        importlib.import_module("harness.report.content")
+    if options.direct:
+        from harness.episode.direct import run_direct  # noqa: PLC0415
+
+        return run_direct
+    try:
+        from harness.ros.session import run_through_ros  # noqa: PLC0415
+    except ImportError as error:
+        raise UsageError(
+            f"ROS 2 is not importable ({error}); {INSTALL_ROS}, or run with --direct, which needs none"
+        ) from error
+    return run_through_ros
+
+
+def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequence[Observer]:
+    """Checks what can be checked before the run; returns what keeps each rover's states, if any does."""
+    run = options.run
+    for flag, path in (("--json", options.files.summary), ("--page", options.files.page)):
+        if path is not None and path != BESIDE:
+            check_target(flag, path)
+    may_note = is_terrain_file(run.world.terrain) or run.world.actors
+    for note in world_of(run).notes if may_note else ():
+        console.print(f"{run.world.terrain}: {note}", soft_wrap=True)
+    check_world(run)
+    drawing.prepare(run)
+    return drawing.observers
+
+
+def _drive(
+    drive: Drive,
+    options: RunOptions,
+    outputs: Sequence[Outputs],
+    stop: StopRequest,
+    console: Console,
+    helm: Helm | None,
+) -> tuple[RunResult, ...]:
+    run = options.run
+    robots = " and ".join(robot_name(rover.robot) for rover in run.rovers)
+    with RunProgress(console, f"{robots} on {run.world.terrain}", run.duration) as bar:
+        results = drive(run, outputs, options.ros, stop, bar.show, helm)
+    return tuple(steered(result, helm) for result in results)
+
+
+def _report(
+    results: Sequence[RunResult], options: RunOptions, stop: StopRequest, console: Console
+) -> int:
+    """Prints and writes what a run came to; returns the exit code."""
+    complaints = dict.fromkeys(result.failure for result in results if result.failure is not None)
+    for result in results:
+        if result.rover.name:
+            console.rule(f"{result.rover.name}, a {robot_name(result.rover.robot)}", align="left")
+        print_summary(console, result)
+        if result.lost:
+            lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
+            complaints[f"messages were lost: {lost}"] = None
+        log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
+        summary = with_name(options.files.summary, result.rover)
+        for path in filter(None, (log_manifest, summary)):
+            try:
+                write_manifest(result, path)
+            except HarnessError as error:  # noqa: PERF203 - two files at most
+                if result.failure is None or path == summary:  # a full disk is told of once
+                    complaints[str(error)] = None
+    for complaint in complaints:
+        complain("harness.run", complaint)
+    return 1 if complaints else stop.exit_code
+
+
+def _draw(drawing: Drawing, log: Path, stop: StopRequest, console: Console) -> None:
+    """Draws, which takes its time: whoever ended the run from outside is not kept waiting."""
+    if drawing.wanted and stop.name in OUTSIDE:
+        complain("harness.run", f"nothing was drawn: stopped by {stop.name}")
+        return
+    if drawing.wanted and stop.signal is not None:
+        console.print("drawing what there is; Ctrl-C again leaves it out")
+    if drawing.lack:
+        console.print(drawing.lack, soft_wrap=True)
+    if not drawing.wanted or drawing.lack:
+        return
+    with counted(console, "drawing") as show:
+        drawn = drawing.finish(show, log)
+    for path in drawn:
+        kind = "picture" if path.suffix == SUFFIXES["--picture"] else "video"
+        console.print(f"{kind}: {path}", soft_wrap=True)

@@ -1,0 +1,53 @@
+"""Tables that a command prints, as files where they are asked for: --page, --csv, --json."""
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from harness.base.errors import UsageError
+from harness.base.files import check_target, write_whole
+from harness.base.version import __version__
+from rover_metrics.sheet.render import csv_text
+from rover_metrics.sheet.sheet import Sheet
+
+FILES = {
+    "page": "write the tables as a page",
+    "csv": "write their rows, each behind the name of its table",
+    "json": "write their rows by the names of the tables",
+}
+
+
+def add_files(parser: argparse.ArgumentParser) -> None:
+    """Adds the options that name the files."""
+    for name, about in FILES.items():
+        parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"{about}; default: none")
+
+
+def files_of(options: argparse.Namespace) -> dict[str, Path]:
+    """Returns the files that are asked for, by option; UsageError if one cannot be written."""
+    files = {name: getattr(options, name) for name in FILES if getattr(options, name) is not None}
+    for name, path in files.items():
+        check_target(f"--{name}", path)
+    return files
+
+
+def write_sheets(files: Mapping[str, Path], heading: str, sheets: Sequence[Sheet]) -> None:
+    """Writes tables into the files that are asked for; UsageError if one cannot be written."""
+    rows = {
+        sheet.title: [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]
+        for sheet in sheets
+    }
+    if "json" in files:
+        text = json.dumps(rows, indent=2, ensure_ascii=False) + "\n"
+        write_whole(files["json"], text, "the tables", UsageError)
+    if "csv" in files:
+        records = [{"table": title} | row for title, table in rows.items() for row in table]
+        text = csv_text(records, list(dict.fromkeys(name for record in records for name in record)))
+        write_whole(files["csv"], text, "the tables", UsageError)
+    if "page" in files:
+        from harness.page.shell import fill  # noqa: PLC0415 - most do without
+
+        content = {"heading": heading, "version": __version__, "sheets": sheets, "figures": {}}
+        text = fill("sheets", content, "harness.page")
+        write_whole(files["page"], text, "the page", UsageError)

@@ -1,0 +1,81 @@
+"""What the commands of harness.course do; each takes its options and returns its exit code."""
+
+import argparse
+import secrets
+from pathlib import Path
+
+from rich.console import Console
+
+from harness.base.errors import UsageError
+from harness.base.files import check_target, write_whole
+from harness.cli.console import counted
+from harness.course.board import board_of, page_of, read_folder
+from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
+from harness.course.entry import find_entry
+from harness.course.receipt import read_receipt, receipt_of, write_receipt
+from harness.course.sheets import sheet_of
+from harness.course.tracks import SEEDS, TRACKS, find_track
+from harness.workers import workers_of
+from rover_metrics.sheet.render import terminal
+
+PAGE = "board.html"
+
+
+def run(options: argparse.Namespace, console: Console) -> int:
+    """Drives an entry and writes its receipt."""
+    entry = find_entry(options.entry)
+    tracks = [find_track(name) for name in options.track or (["barn"] if options.worlds else TRACKS)]
+    if options.seeds < 1 or (options.seeds > SEEDS and not (options.nonce or options.worlds)):
+        raise UsageError(f"--seeds {options.seeds} is not valid; give 1 to {SEEDS}")
+    cases = cases_of(tracks, entry, options.seeds, nonce=options.nonce, worlds=options.worlds)
+    target = _target(options.out, entry.name)
+    with (
+        workers_of(options.backend, options.address, options.jobs) as workers,
+        counted(console, f"driving {entry.name}") as show,
+    ):
+        results = drive_all(cases, entry, workers, show)
+    receipt = receipt_of(entry, results, options.nonce, own_worlds=options.worlds is not None)
+    write_receipt(receipt, target)
+    console.print(*terminal((sheet_of(receipt),), console.width), sep="\n")
+    console.print(f"score {receipt.score:.4f}; receipt: {target}", soft_wrap=True)
+    return 0
+
+
+def _target(folder: Path, name: str) -> Path:
+    """The receipt's file, in a folder that is made if it is not there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"--out {folder} cannot be made: {error.strerror}; name another") from error
+    return folder / f"{''.join(c if c.isalnum() or c in '-_' else '_' for c in name)}.json"
+
+
+def verify(options: argparse.Namespace, console: Console) -> int:
+    """Drives a part of a receipt again; returns 1 if a figure differs."""
+    receipt = read_receipt(options.receipt)
+    entry = find_entry(options.entry or receipt.entry)
+    check_origin(receipt, entry)
+    seed = secrets.randbelow(10**6) if options.seed is None else options.seed
+    cases = drawn(receipt, seed, options.worlds)
+    with (
+        workers_of(options.backend, options.address, options.jobs) as workers,
+        counted(console, f"driving {len(cases)} episodes again") as show,
+    ):
+        again = drive_all(cases, entry, workers, show)
+    found = differences(receipt, again)
+    for line in found:
+        console.print(line, soft_wrap=True)
+    said = f"{len(found)} figures differ" if found else "every figure is the same"
+    console.print(f"{len(cases)} episodes driven again (--seed {seed}): {said}", soft_wrap=True)
+    return int(bool(found))
+
+
+def board(options: argparse.Namespace, console: Console) -> int:
+    """Makes a page of a folder of receipts."""
+    receipts = read_folder(options.folder)
+    page = options.page or options.folder / PAGE
+    check_target("--page", page)
+    write_whole(page, page_of(receipts), "the page", UsageError)
+    console.print(*terminal((board_of(receipts),), console.width), sep="\n")
+    console.print(f"leader board: {page}", soft_wrap=True)
+    return 0

@@ -1,3 +1,0 @@
-// No plots: a page of one table.
-
-start(() => {});

@@ -1,0 +1,3 @@
+// No plots: a page of tables.
+
+start(() => {});

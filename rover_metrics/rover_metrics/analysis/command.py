@@ -1,0 +1,94 @@
+"""What rover_metrics.analyze does: reads logs, computes, writes and prints what came of it."""
+
+import argparse
+import contextlib
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from rover_metrics.analysis.logs.header import Skipped, UnreadableLog, read_header
+from rover_metrics.analysis.logs.log import TimeAxis
+from rover_metrics.analysis.logs.reading import read_log
+from rover_metrics.analysis.metric import ALL, METRICS, Metric, choose
+from rover_metrics.analysis.outcome import analyse
+from rover_metrics.analysis.output import prepare_folder, save_all
+from rover_metrics.analysis.pairing import PairingError, Pairs, pair
+from rover_metrics.analysis.program import different, hand_over, inside, read_each
+from rover_metrics.analysis.study import Member, Options, Study, labels
+from rover_metrics.analysis.tables import sheets
+from rover_metrics.errors import counted
+
+SOCIAL = "social_log"  # how the names of logs begin that `social` reads
+
+
+def analyze(options: argparse.Namespace) -> int:
+    """Does what the options ask for; returns 0 if every log was analysed, 1 if any was skipped."""
+    study, skipped, code = _read(options)
+    if not study.members:
+        return code
+    if options.plots or options.save_outliers or options.csv or options.latex:
+        prepare_folder(options.output)  # before the work, which may take a while
+    result = replace(analyse(study), skipped=tuple(skipped))
+    wanted = {"as_csv": options.csv, "as_latex": options.latex, "outliers": options.save_outliers}
+    files = save_all(study, result, options.output, **wanted)
+    told = f"{counted(len(files), 'file')} in {options.output}" if files else ""
+    complete = replace(result, files=tuple(map(str, files)))
+    hand_over(options.json, complete.to_json, sheets(result), told)
+    return code
+
+
+def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
+    """The study of every log that can be read, those that cannot, and the exit code."""
+    groups = tuple(options.group_names) if options.versus else ("all logs",)
+    both = (inside(named, "*.csv", without=SOCIAL) for named in (options.logs, options.versus))
+    paths = [different("analyze", named) for named in both]
+    metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
+    members: list[Member] = []
+    skipped: list[Skipped] = []
+    code = 0
+    for group, of_group in zip(groups, paths, strict=False):
+        read = partial(read_log, metrics=metrics, gap=options.gap)
+        logs, unreadable, worst = read_each("analyze", of_group, read)
+        code = max(code, worst)
+        members += [Member(log, "", group) for log in logs]
+        skipped += unreadable
+    names = labels([member.log for member in members])
+    named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
+    chosen = Options(
+        metrics=tuple(each for each in metrics if each.code in METRICS or _has_number(each, members)),
+        confidence=options.confidence_level,
+        iqr_multiplier=options.iqr_multiplier,
+        remove_outliers=options.remove_outliers,
+        unit=options.unit,
+        ranked=ALL in map(str.casefold, options.metrics),
+        plots=tuple(options.plots),
+        axis=TimeAxis(options.normalize, options.fixed_interval),
+    )
+    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped, code
+
+
+def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
+    """Yields the column names of the logs that have them; others are reported when they are read."""
+    for path in paths:
+        with contextlib.suppress(UnreadableLog):
+            yield read_header(path)
+
+
+def _has_number(metric: Metric, members: Sequence[Member]) -> bool:
+    """Whether any log has a number in the column of a metric."""
+    columns = (member.log.columns for member in members)
+    return any(metric.column in each and np.isfinite(each[metric.column]).any() for each in columns)
+
+
+def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequence[Skipped]) -> Pairs:
+    if not options.versus or options.unit == "episode":
+        return ()
+    if skipped and options.pair_by == "order":
+        raise PairingError(f"--pair-by order: {skipped[0].path} was skipped; leave out its partner too")
+    first, second = (
+        [member.log for member in members if member.group == group] for group in options.group_names
+    )
+    return pair(first, second, options.pair_by)
