@@ -14,6 +14,7 @@ TRACKS = Shipped[Track](
         "rocky": ".grounds:ROCKY",
         "dunes": ".grounds:DUNES",
         "marsyard": ".grounds:MARSYARD",
+        "mission": ".grounds:MISSION",
         "blind": ".grounds:BLIND",
     },
 )

@@ -3,6 +3,7 @@
 import math
 
 from harness.course.tracks.ground import Ground
+from harness.course.tracks.mission import Mission
 
 SAND_LIMIT = math.radians(15.0)  # of a way over sand: a steeper one costs more than its detour
 
@@ -22,6 +23,13 @@ MARSYARD = Ground(
     name="marsyard",
     summary="to a point behind craters and hills",
     world={"terrain": "marsyard"},
+)
+MISSION = Mission(
+    name="mission",
+    summary="to a post by its coordinates, through a gate, to another post; stops within 2 m",
+    world={"terrain": "posts", "difficulty": 1.0},
+    robot="jackal",
+    distance=(5.0, 8.0),
 )
 BLIND = Ground(
     name="blind",
