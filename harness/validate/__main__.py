@@ -2,6 +2,7 @@
 
     python -m harness.validate --robot leo --seed 1
     python -m harness.validate --robot rover_zero4wd --realism A.csv B.csv
+    python -m harness.validate --robot husky --real RECORDINGS
     python -m harness.validate --rig --trials single_wheel.csv --plot soil.png
 
 Parses, calls, prints; the work is in harness.validate.
@@ -53,8 +54,11 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         check_target("--plot", options.plot, ".png")
     if options.pressing and options.trials:
         raise UsageError("--pressing and --trials are of two tests; give one of them")
-    files = files_of(options)
-    work = _rig if options.rig else _realism if options.realism else _suite
+    if options.real is not None and options.robot is None:
+        raise UsageError("--real needs --robot, the rover that the recordings are of")
+    files, work = files_of(options), _suite
+    for given, other in ((options.realism, _realism), (options.real, _real), (options.rig, _rig)):
+        work = other if given else work
     sheets, misses = work(options, console)
     write_sheets(files, "Validation", sheets)
     if misses:
@@ -87,6 +91,25 @@ def _realism(options: argparse.Namespace, console: Console) -> Outcome:
         comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return sheets_of(comparison), comparison.missed
+
+
+def _real(options: argparse.Namespace, console: Console) -> Outcome:
+    with loading():
+        from harness.recordings.tables import recordings_of
+        from harness.validate.real.table import compare as compare_real
+        from harness.validate.suite import print_table, sheet_of
+
+    rover = find_rover(options.robot)
+    if not options.real.is_dir():
+        print(f"harness.validate: {options.real} is not there: nothing is compared", file=sys.stderr)
+        return (), ()
+    recordings = recordings_of(options.real, rover.controller_radius)
+    with console.status(f"driving {rover.name} as {len(recordings)} recordings"):
+        checks, notes = compare_real(rover, recordings, options.seed)
+    title = f"{rover.name} beside {options.real}"
+    print_table(console, title, checks)
+    print(*notes, sep="\n")
+    return [sheet_of(title, checks)], [check.quantity for check in checks if not check.passed]
 
 
 def _rig(options: argparse.Namespace, console: Console) -> Outcome:
@@ -152,6 +175,12 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar=("A.csv", "B.csv"),
         help="compare a 10-minute run with two logs recorded of that rover instead",
+    )
+    parser.add_argument(
+        "--real",
+        type=Path,
+        metavar="FOLDER",
+        help="compare with real recordings (CSV) instead; docs/real_rovers.md; default: none",
     )
     parser.add_argument(
         "--rig", action="store_true", help="draw a single wheel through soil instead; docs/soil.md"

@@ -42,6 +42,8 @@ FULL: dict[str, Any] = {  # another value than the default for each field
     "cmd_vel_timeout": 0.5,
     "lidar_beams": 90,
     "imu_rate": 50,
+    "actuators": "real",
+    "surface": "ice",
     "noise": "hardware",
     "sensors": ["lidar3d=vlp16", "gnss"],
     "faults": ["imu:nan@1+2", "clock:jump=-3@4"],
@@ -210,7 +212,10 @@ def test_rovers_share_what_is_not_their_own() -> None:
     ("text", "mend"),
     [
         ("leo:1a", "a letter first"),
-        ("leo:a,colour=red", "available: x, y, yaw, driver, noise, sensors, fault=VALUE"),
+        (
+            "leo:a,colour=red",
+            "available: x, y, yaw, driver, noise, actuators, surface, sensors, fault=VALUE",
+        ),
         ("leo:a,x=1", "give both, in metres"),
         ("leo:a,x=1,y=north", "give a number"),
         ("leo:a,fault=clock:freeze@1", "give its faults as --fault"),
