@@ -56,8 +56,9 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         raise UsageError("--pressing and --trials are of two tests; give one of them")
     if options.real is not None and options.robot is None:
         raise UsageError("--real needs --robot, the rover that the recordings are of")
-    files = files_of(options)
-    work = _rig if options.rig else _real if options.real else _realism if options.realism else _suite
+    files, work = files_of(options), _suite
+    for given, other in ((options.realism, _realism), (options.real, _real), (options.rig, _rig)):
+        work = other if given else work
     sheets, misses = work(options, console)
     write_sheets(files, "Validation", sheets)
     if misses:
@@ -105,9 +106,10 @@ def _real(options: argparse.Namespace, console: Console) -> Outcome:
     recordings = recordings_of(options.real, rover.controller_radius)
     with console.status(f"driving {rover.name} as {len(recordings)} recordings"):
         checks, notes = compare_real(rover, recordings, options.seed)
-    print_table(console, title := f"{rover.name} beside {options.real}", checks)
+    title = f"{rover.name} beside {options.real}"
+    print_table(console, title, checks)
     print(*notes, sep="\n")
-    return (sheet_of(title, checks),), [check.quantity for check in checks if not check.passed]
+    return [sheet_of(title, checks)], [check.quantity for check in checks if not check.passed]
 
 
 def _rig(options: argparse.Namespace, console: Console) -> Outcome:
