@@ -31,6 +31,9 @@ PROGRAMS = {
         "harness.tune.__main__", "thresholds of the metrics from drives whose truth is known"
     ),
     "analyze": Program("rover_metrics.analyze", "statistics, plots and comparisons of logs"),
+    "view": Program(
+        "harness.play", "a recording on the page of `run --live`, with a slider of its time"
+    ),
     "replay": Program("rover_metrics.replay", "the metrics of a recording"),
     "social": Program("rover_metrics.social", "how near rovers came to people, from their logs"),
     "check": Program("harness.check", "whether two runs here have the same bytes"),

@@ -128,6 +128,12 @@ class Helm(Pacer):
         """Lets a paused run go on by one control period."""
         self._steps += 1
 
+    def take_step(self) -> bool:
+        """Returns whether a step was asked for, which is taken with that."""
+        taken = self._steps > 0
+        self._steps -= taken
+        return taken
+
     def order(self, number: int, order: Order) -> None:
         """Orders something of the rover at a place of the run."""
         self._orders.append((number, order))
@@ -148,6 +154,15 @@ class Helm(Pacer):
                 self._start_ns = self._clock() - round(simulation_ns / self._rate)
         super().wait_until(simulation_ns)
 
+    def begin(self) -> None:
+        """Begins simulated time now: what came before took its own."""
+        self._start_ns = self._clock()
+
+    def go_on(self, simulation_ns: int) -> None:
+        """Waits, after a control period, while it is paused, then until a simulation time."""
+        self._hold()
+        self.wait_until(simulation_ns)
+
     def steered(
         self,
         batches: Iterator[Period],
@@ -162,7 +177,7 @@ class Helm(Pacer):
             now_ns: When what is ordered now comes into effect [ns]; None for never.
         """
         self._hand_on(rovers, now_ns())
-        self._start_ns = self._clock()  # what came before took its own time
+        self.begin()
         for period in batches:
             yield period
             self._hold()

@@ -32,10 +32,12 @@ from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
 
 if TYPE_CHECKING:
+    from harness.gym.live import LiveView
     from harness.sensors.depth import DepthOptions
 
 MOST_TRIES = 20  # places at which a start is tried: a few are too steep to stand on
 LARGEST_SEED = 2**31
+BY_THEMSELVES = ("human", "live")  # render modes that show each step without being asked
 FLIPPED = math.cos(TIPPED_OVER)
 
 Info = dict[str, Any]
@@ -63,6 +65,12 @@ class ResetOptions(Value):
     goal: Annotated[tuple[Finite, ...] | None, Field(min_length=2, max_length=2)] = None
 
 
+def _live_view() -> "LiveView":
+    from harness.gym.live import LiveView  # noqa: PLC0415 - its extra may be missing
+
+    return LiveView()
+
+
 _building = Lock()  # MuJoCo's compiler is not promised to work in two threads at once
 
 
@@ -85,7 +93,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     """
 
     metadata: ClassVar[dict[str, Any]] = {  # type: ignore[misc]  # gymnasium has it for each object
-        "render_modes": ["rgb_array", "human"],
+        "render_modes": ["rgb_array", "human", "live"],
         "render_fps": round(1.0 / CONTROL_PERIOD),
     }
     options_class: ClassVar[type[Options]]
@@ -114,6 +122,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self._extra = own_of(own.reward_fn, own.terminate_fn, own.observe_fn)
         self._box = math.inf  # half the side of the square in which starts and goals are [m]
         self._painter: Painter | None = None
+        self._live: LiveView | None = None
         self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
         self._episodes_left = 0  # in this world
         self._is_over = True  # there is no episode to step
@@ -152,7 +161,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self._seen = self._observe(driven)
         self._apart = math.dist(self.goal, (x, y))
         self._own_seen = self._extra.seen(self._truth("")) if self._extra.sights else {}
-        if self.render_mode == "human":
+        if self.render_mode in BY_THEMSELVES:
             self.render()
         run = self.course.run
         return self._limits.keep({**self._seen, **self._own_seen}), {
@@ -216,7 +225,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         if ending:
             self._is_over = True
             self._schedule.record(success=info["is_success"])
-        if self.render_mode == "human":
+        if self.render_mode in BY_THEMSELVES:
             self.render()
         terminated = ending in self.terminal_endings
         info["ending"] = ending
@@ -242,26 +251,33 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return space_of({**parts, **{name: one.part(name) for name, one in self._extra.sights.items()}})
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Draws the rover from behind with its goal; the image, shape (height, width, 3), or a window.
+        """Draws the rover and its goal: an image, shape (height, width, 3), a window, or a page.
 
         Raises:
             ResetNeeded: There has been no episode yet.
-            UsageError: OpenGL is missing, or the display.
+            UsageError: OpenGL is missing, the display, or viser.
         """
         if self.render_mode is None:
-            gymnasium.logger.warn("render() draws nothing without render_mode='rgb_array' or 'human'")
+            gymnasium.logger.warn(
+                "render() draws nothing without render_mode='rgb_array', 'human' or 'live'"
+            )
             return None
         if not hasattr(self, "driven"):
             raise ResetNeeded("there is nothing to draw yet; call reset() first")
+        if self.render_mode == "live":
+            self._live = self._live or _live_view()
+            self._live.draw(self.course, self.driven, self.goal, self.steps)
+            return None
         if self._painter is None:
             self._painter = Painter(window=self.render_mode == "human")
         return self._painter.draw(self.course, self.driven.simulation, self.goal)
 
     def close(self) -> None:
-        """Gives back the window and OpenGL; may be called twice."""
-        if self._painter is not None:
-            self._painter.close()
-            self._painter = None
+        """Gives back the window or page, and OpenGL; may be called twice."""
+        for drawing in (self._painter, self._live):
+            if drawing is not None:
+                drawing.close()
+        self._painter = self._live = None
 
     @property
     def spec(self) -> EnvSpec | None:

@@ -27,9 +27,12 @@ class Gate(AbstractContextManager["Gate"]):
 
     Args:
         host: Where others come.
-        port: Of that host.
+        port: Of that host; 0 for any.
         token: What they must know; "" lets everybody in.
         behind: The port of this machine.
+
+    Attributes:
+        port: Where it listens.
 
     Raises:
         UsageError: Nobody can listen there.
@@ -44,6 +47,7 @@ class Gate(AbstractContextManager["Gate"]):
         except OSError as error:
             self._loop.close()
             raise UsageError(f"--live {host}:{port} cannot be served: {error.strerror}") from error
+        self.port: int = self._server.sockets[0].getsockname()[1]
         self._thread = Thread(target=self._loop.run_forever, name="live gate", daemon=True)
         self._thread.start()
 

@@ -5,13 +5,18 @@ import time
 from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from threading import Event, Thread
+from typing import TYPE_CHECKING
 
 from harness.base.errors import UsageError
 from harness.episode.helm import Helm
 from harness.live.gate import Gate
 from harness.live.watch import Watch
+from harness.samples import Place
 from harness.spec.live import HERE, LiveOptions, address_of
 from harness.spec.run import Run
+
+if TYPE_CHECKING:
+    from harness.live.player import Player
 
 FRAME, SLOWLY = 0.04, 0.25  # [s] of wall time between two frames; between two of charts and paths
 PATIENCE = 5.0  # [s] for the last frame to be drawn
@@ -24,6 +29,8 @@ class LivePage(AbstractContextManager["LivePage"]):
         run: What is shown.
         helm: Gets what is ordered on the page.
         options: Where it is served.
+        steered: Whether rovers take orders, and there is a log with thresholds.
+        player: Of a recording, whose time has a slider; None for a run that goes on.
 
     Attributes:
         address: What a browser opens.
@@ -33,7 +40,15 @@ class LivePage(AbstractContextManager["LivePage"]):
         UsageError: viser is missing, or it cannot be served there.
     """
 
-    def __init__(self, run: Run, helm: Helm, options: LiveOptions) -> None:
+    def __init__(
+        self,
+        run: Run,
+        helm: Helm,
+        options: LiveOptions,
+        *,
+        steered: bool = True,
+        player: "Player | None" = None,
+    ) -> None:
         if importlib.util.find_spec("viser") is None:
             raise UsageError("--live needs viser; install it with pip install 'rover-harness[live]'")
         from harness.live.panel import Panel  # noqa: PLC0415 - its extra may be missing
@@ -50,7 +65,8 @@ class LivePage(AbstractContextManager["LivePage"]):
             self._at_end.enter_context(Gate(host, port, options.live_token, behind))
         self._stage = Stage(self._server.scene, run)
         self._stage.aim(self._server.initial_camera)
-        self._panel = Panel(self._server, run, helm, self._stage, self.observers)
+        parts = self._server, run, helm, self._stage, self.observers
+        self._panel = Panel(*parts, steered=steered, player=player)
         shown = f"[{host}]" if ":" in host else host
         self.address = f"http://{shown}:{port if guarded else self._server.get_port()}"
         self.address += f"/?token={options.live_token}" if options.live_token else ""
@@ -63,6 +79,10 @@ class LivePage(AbstractContextManager["LivePage"]):
         self._drawing.join(PATIENCE)
         self._at_end.close()
         self._server.stop()
+
+    def mark(self, goal: Place) -> None:
+        """Shows a goal."""
+        self._stage.mark(goal)
 
     def _draw(self) -> None:
         slowly, versions = 0.0, None

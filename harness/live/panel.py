@@ -3,27 +3,29 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import viser
 
 from harness.episode.helm import Helm
 from harness.live.charts import Charts
+from harness.live.keys import DIRECTIONS
 from harness.live.stage import Stage
 from harness.live.watch import Watch
 from harness.live.wheel import Wheel
 from harness.spec.run import Run
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO
 
+if TYPE_CHECKING:
+    from harness.live.player import Player
+
 RATES: dict[str, float | None] = {
     **{f"{rate:g}x": rate for rate in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)},
     "as fast as it can": None,
 }
-KEYS = {"I": ("forwards", 1.0, 0.0), "K": ("backwards", -1.0, 0.0)} | {
-    "J": ("to the left", 0.0, 1.0),
-    "L": ("to the right", 0.0, -1.0),
-}
 HOW_TO_DRIVE = """Hold **I** or **K** to drive forwards or backwards, **J** or **L** to turn.
 **Shift-click** the ground to send it there."""
+TIME_STEP = 0.05  # [s]
 OF_DEFAULT, PARTS = 4.0, 80  # how far a slider of a threshold goes, and in how many steps
 
 
@@ -36,19 +38,36 @@ class Panel:
         helm: Gets what is ordered.
         stage: The scene.
         watches: What is seen of each rover.
+        steered: Whether rovers take orders, and there is a log with thresholds.
+        player: Of a recording; None for a run that goes on.
     """
 
     def __init__(
-        self, server: viser.ViserServer, run: Run, helm: Helm, stage: Stage, watches: Sequence[Watch]
+        self,
+        server: viser.ViserServer,
+        run: Run,
+        helm: Helm,
+        stage: Stage,
+        watches: Sequence[Watch],
+        *,
+        steered: bool,
+        player: "Player | None",
     ) -> None:
         self._run, self._helm, self._stage, self._watches = run, helm, stage, watches
         self._gui = gui = server.gui
         self._wheels = [Wheel(helm, number, rover) for number, rover in enumerate(run.rovers)]
         self._rover = 0  # that is looked at and driven
         self._state = gui.add_markdown("")
+        self._slider = None if player is None else self._add_time(player)
+        self._length = run.duration if player is None else player.end_s
+        self._charts: Charts | None = None
+        if not steered:
+            self._add_pace(steered=False)
+            self._add_view()
+            return
         tabs = gui.add_tab_group()
         with tabs.add_tab("Run"):
-            self._add_pace()
+            self._add_pace(steered=True)
             self._add_view()
             self._add_driving()
         self._charts = Charts(gui, tabs.add_tab("Charts"))
@@ -63,22 +82,37 @@ class Panel:
         name = f"{rover.name}, a {rover.robot}" if rover.name else rover.robot
         self._state.content = (
             f"**{name}** on **{self._run.world.terrain}**\n\n"
-            f"**{watch.time_s:.1f} s** of {self._run.duration:g} s, {truth.path_length:.1f} m, "
-            f"{watch.speed:.2f} m/s"
+            f"**{watch.time_s:.1f} s** of {self._length:g} s"
+            + (f", {truth.path_length:.1f} m, {watch.speed:.2f} m/s" if self._charts else "")
         )
-        self._charts.show(watch)
+        if self._charts is not None:
+            self._charts.show(watch)
+        if self._slider is not None:
+            self._slider.value = watch.time_s  # type: ignore[misc] # it has a setter
 
     def let_go(self) -> None:
         """Stops rovers whose keys nobody holds any more."""
         for wheel in self._wheels:
             wheel.let_go()
 
-    def _add_pace(self) -> None:
+    def _add_time(self, player: "Player") -> viser.GuiSliderHandle[float]:
+        slider = self._gui.add_slider("Time [s]", 0.0, player.end_s, TIME_STEP, 0.0)
+
+        def seek(event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
+            if event.client is not None:  # else it follows the time
+                player.seek(slider.value)
+
+        slider.on_update(seek)
+        return slider
+
+    def _add_pace(self, *, steered: bool) -> None:
         gui, helm = self._gui, self._helm
         with gui.add_folder("Run"):
             self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
             step = gui.add_button("Step", icon=viser.Icon.PLAYER_SKIP_FORWARD, hint="0.05 s")
-            reset = gui.add_button("Reset", icon=viser.Icon.REFRESH, hint="the rover, to its start")
+            reset = gui.add_button(
+                "Reset", icon=viser.Icon.REFRESH, hint="the rover, to its start", visible=steered
+            )
             speed = gui.add_dropdown("Speed", tuple(RATES), initial_value=_name_of(helm.rate))
         self._pause.on_click(lambda _: self._set_paused(not helm.paused))
         step.on_click(lambda _: self._step())
@@ -107,7 +141,7 @@ class Panel:
             gui.add_markdown(HOW_TO_DRIVE)
             back = gui.add_button("Let it drive by itself", icon=viser.Icon.STEERING_WHEEL)
         back.on_click(lambda _: self._wheel.give_back())
-        for key, (where, forward, left) in KEYS.items():
+        for key, (where, forward, left) in DIRECTIONS.items():
             command = gui.add_command(f"Drive {where}", hotkey=key)  # type: ignore[arg-type] # a key it has
             command.on_trigger(partial(self._press, forward, left))
 
@@ -144,7 +178,7 @@ class Panel:
         self._stage.following = rover if self._follow.value else None
 
     def _press(self, forward: float, left: float, _: viser.CommandEvent) -> None:
-        self._wheel.press(forward=forward, left=left)
+        self._wheel.press(forward, left)
 
     def _judge(self, name: str, slider: viser.GuiSliderHandle[float], _: object) -> None:
         if self._helm.metered:

@@ -86,6 +86,14 @@ class Watch:
         self.truth = batch.truth
         self.version += 1
 
+    def see(self, sight: Sight | None, truth: Truth, ranges: Ranges | None) -> None:
+        """Sees a rover that no batch tells of."""
+        self.truth, self.ranges = truth, ranges
+        if sight is not None:
+            self.sight = sight
+            self._go_on(sight.position)
+        self.version += 1
+
     def _go_on(self, place: Vector3) -> None:
         if self.path and math.dist(self.path[-1], place) < self._step:
             return

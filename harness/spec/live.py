@@ -53,6 +53,10 @@ class LiveOptions(Value):
         """Times real time at which a run goes unless it is told another; None for as fast as it can."""
         return None if self.live is None else 1.0
 
+    def served(self) -> "LiveOptions":
+        """Returns the same options of what is a page in any case: here, if nothing else is said."""
+        return self if self.live is not None else LiveOptions(live=f"{HERE}:{PORT}")
+
     @model_validator(mode="after")
     def _is_guarded(self) -> Self:
         if self.live_token and not TOKEN.fullmatch(self.live_token):

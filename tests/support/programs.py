@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
-from harness import call, check, robot, topics
+from harness import call, check, play, robot, topics
 from harness.cli import programs
 from harness.cli.run_parser import run_parser
 from harness.course import __main__ as course
@@ -20,6 +20,7 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.run": run_parser,
     "harness.tune": tune._parser,
     "harness.check": check._parser,
+    "harness.play": play._parser,
     "harness.validate": validate._parser,
     "harness.robot": robot._parser,
     "harness.scenario": scenario._parser,

@@ -1,0 +1,152 @@
+"""A recording as what was seen of each rover at each time; its manifest says what run it is of."""
+
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.base.documents import parse_json
+from harness.base.errors import UsageError
+from harness.episode.assembly import actor_names
+from harness.live.watch import PATH_STEP, Sight, Watch
+from harness.robots import find_rover
+from harness.samples import ActorPoses, Quaternion, Vector3
+from harness.sensors.message_types import read_message
+from harness.spec.run import Run
+from harness.truth.traversal import Truth
+from harness.view.states import PERIOD_NS, people_row
+from rover_metrics.bag.bag_reader import Bag
+from rover_metrics.bag.mcap_stream import BagError
+
+POSE, JOINTS, SCAN = "/rover/pose_array", "/joint_states", "/scan"
+
+
+@dataclass
+class Series:
+    """Values and since when [ns] each holds."""
+
+    times: list[int] = field(default_factory=list)
+    values: list[Any] = field(default_factory=list)
+
+    def put(self, time_ns: int, value: object) -> None:
+        """Takes the next value."""
+        self.times.append(time_ns)
+        self.values.append(value)
+
+    def at(self, time_ns: int) -> Any:  # noqa: ANN401 - whatever it holds
+        """Returns the value that holds at a time; None before the first."""
+        index = bisect_right(self.times, time_ns)
+        return self.values[index - 1] if index else None
+
+
+class Track:
+    """What a recording has of one rover."""
+
+    def __init__(self) -> None:
+        self.poses, self.joints, self.scans, self.people = Series(), Series(), Series(), Series()
+
+    def show(self, watch: Watch, time_ns: int) -> None:
+        """Has a watch see what was to be seen at a time."""
+        pose, joints, people = (s.at(time_ns) for s in (self.poses, self.joints, self.people))
+        watch.people = watch.people if people is None else people
+        driven = self.poses.values[: bisect_right(self.poses.times, time_ns)]
+        stride = max(1, len(driven) // round(100 / PATH_STEP))
+        watch.path = [position for position, _ in driven[::stride]]
+        sight = None if pose is None or joints is None else Sight(pose[0], pose[1], joints)
+        watch.see(sight, Truth(time_ns), self.scans.at(time_ns))
+
+
+def manifests_near(*folders: Path) -> list[Path]:
+    """Returns what may be a manifest in some folders, and in those in them, as fleets have them."""
+    return [file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form)]
+
+
+def run_of(recording: Path, manifests: Sequence[Path]) -> Run:
+    """Returns the run that a recording is of.
+
+    Args:
+        recording: The file.
+        manifests: Of the run, one a rover, among other files.
+
+    Raises:
+        UsageError: None of them is of that recording, or is valid.
+    """
+    runs = dict(_runs(recording, manifests))
+    if not runs:
+        raise UsageError(f"{recording}: no manifest of its run is near; give it: --manifest FILE.json")
+    return runs[min(runs)].but(rovers=tuple(runs[number].rover for number in sorted(runs)))
+
+
+def _runs(recording: Path, manifests: Sequence[Path]) -> Iterator[tuple[int, Run]]:
+    """The runs of manifests of a recording, by the number of their rover."""
+    for file in manifests:
+        with suppress(UsageError, OSError):
+            said = parse_json(file.read_bytes(), str(file))
+            if isinstance(said, dict) and Path(said.get("recording") or "").name == recording.name:
+                arguments = dict(said["arguments"])
+                number = arguments.pop("number", 0)
+                yield number, Run.of(**{k: v for k, v in arguments.items() if k != "world_robot"})
+
+
+def read_tracks(recording: Path, run: Run) -> list[Track]:
+    """Returns what a recording has of each rover of a run.
+
+    Raises:
+        UsageError: It cannot be read, or has no pose of a rover.
+    """
+    tracks = [Track() for _ in run.rovers]
+    takers = {
+        topic: (track, kind, rover.robot)
+        for rover, track in zip(run.rovers, tracks, strict=True)
+        for topic, kind in _topics(f"/{rover.name}" if rover.name else "", actor_names(run.world))
+    }
+    try:
+        with Bag(recording) as bag:
+            for message in bag.messages(takers.keys()):
+                if message.topic in takers:
+                    track, kind, robot = takers[message.topic]
+                    read = read_message(message.data, bag.topics[message.topic])
+                    _take(track, kind, find_rover(robot).joints, message.time_ns, read)
+    except (BagError, OSError, ValueError) as error:
+        raise UsageError(f"{recording}: {error}") from error
+    if not all(track.poses.times for track in tracks):
+        raise UsageError(f"{recording} has no {POSE} of a rover of the run")
+    return tracks
+
+
+def _topics(space: str, people: Sequence[str]) -> list[tuple[str, str | int]]:
+    """The topics of a rover that are read, each with what it brings: of a person, the number."""
+    persons = [(f"{space}/{name}/pose", index) for index, name in enumerate(people)]
+    return [*((f"{space}{topic}", topic) for topic in (POSE, JOINTS, SCAN)), *persons]
+
+
+def _take(track: Track, kind: str | int, joints: Sequence[str], time_ns: int, read: Any) -> None:  # noqa: ANN401
+    """Takes a message; of poses and joints as many as a video shows."""
+    if kind == SCAN:
+        track.scans.put(time_ns, np.asarray(read.ranges))
+    elif isinstance(kind, int):
+        before = track.people.values[-1] if track.people.values else np.zeros((0, 4))
+        rows = np.zeros((max(len(before), kind + 1), 4))
+        rows[: len(before)] = before
+        places = (_vector(read.position),), (_quaternion(read.orientation),)
+        rows[kind] = people_row(ActorPoses(time_ns, *places))
+        track.people.put(time_ns, rows)
+    elif time_ns % PERIOD_NS == 0:
+        if kind == JOINTS:
+            positions = dict(zip(read.name, read.position, strict=False))
+            track.joints.put(time_ns, tuple(float(positions.get(name, 0.0)) for name in joints))
+        elif read.poses:
+            x, y, z, w = _quaternion(read.poses[0].orientation)
+            track.poses.put(time_ns, (_vector(read.poses[0].position), (w, x, y, z)))
+
+
+def _vector(of: Any) -> Vector3:  # noqa: ANN401 - rosbags makes its classes
+    return of.x, of.y, of.z
+
+
+def _quaternion(of: Any) -> Quaternion:  # noqa: ANN401
+    return of.x, of.y, of.z, of.w

@@ -1,0 +1,73 @@
+"""A recording on the page: what is shown at a time is what was there at that time."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.base.interrupt import StopRequest
+from harness.episode.batch import Batch
+from harness.episode.manifest import write_manifest
+from harness.episode.result import Outputs
+from harness.live.recording import manifests_near, read_tracks, run_of
+from harness.live.watch import Watch
+from harness.play import main
+from harness.spec.fleet import parse_rovers
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
+
+SECOND = 1_000_000_000
+
+
+class Kept:
+    """What a watch has seen at two times."""
+
+    def __init__(self) -> None:
+        self.watch, self.at = Watch(), dict[int, tuple[object, ...]]()
+
+    def take(self, batch: Batch) -> None:
+        self.watch.take(batch)
+        if batch.truth.time_ns in (SECOND, 2 * SECOND):
+            seen = self.watch
+            self.at[batch.truth.time_ns] = seen.sight, seen.ranges, seen.people
+
+
+@pytest.mark.parametrize("fleet", [(), ("leo:a", "rover_zero4wd:b,x=3,y=3")], ids=["one", "two"])
+def test_at_a_time_a_recording_shows_what_was_seen_then(
+    ros_domain: int,  # noqa: ARG001 - sets it
+    tmp_path: Path,
+    fleet: tuple[str, ...],
+) -> None:
+    session = pytest.importorskip("harness.ros.session")
+    run = Run.of(terrain="posts", duration=3.0, lidar_beams=36, actors=["anna=2,2/4,2"])
+    run = run.but(rovers=parse_rovers(fleet, run.rover)) if fleet else run
+    file, kept = tmp_path / "run.mcap", [Kept() for _ in run.rovers]
+    options = RosOptions(log_dir=tmp_path, record=file)
+    outputs = [
+        Outputs(log_dir=tmp_path / rover.name, observers=(one,))
+        for rover, one in zip(run.rovers, kept, strict=True)
+    ]
+    for result in session.run_through_ros(run, outputs, options, StopRequest()):
+        assert result.log_path is not None
+        write_manifest(result, result.log_path.with_suffix(".json"))
+    again = run_of(file, manifests_near(tmp_path))
+    assert again == run
+    for track, one in zip(read_tracks(file, again), kept, strict=True):
+        for at, (sight, ranges, people) in one.at.items():
+            watch = Watch()
+            track.show(watch, at)
+            assert (watch.sight, watch.time_s) == (sight, at / SECOND)
+            assert np.array_equal(np.asarray(watch.ranges), np.asarray(ranges))
+            assert watch.people == pytest.approx(people)
+        assert watch.path[0] == pytest.approx(one.watch.path[0], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"), [((), "no manifest of its run is near"), (("--live", "x y"), "give HOST, PORT")]
+)
+def test_a_mistake_is_one_line(
+    words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(tmp_path / "run.mcap"), *words]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line

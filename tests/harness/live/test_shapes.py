@@ -1,0 +1,67 @@
+"""What a page shows has the shape that MuJoCo simulates, wherever a rover stands."""
+
+import io
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+import trimesh
+
+from harness.episode.assembly import scenery
+from harness.live.shapes import WORLD, gltf_of_bodies
+from harness.physics.scene import build_scenes
+from harness.physics.stage import Quality, dress
+from harness.spec.run import Run
+from harness.view.camera import SOLID_GROUPS
+
+QUALITY = Quality(width=64, height=64, samples=0, shadow_map=64, slices=8)
+RUNS = {
+    "rocks": Run.of(terrain="rocky", robot="leo"),
+    "walls": Run.of(terrain="maze", robot="rover_zero4wd"),
+    "people": Run.of(terrain="flat", robot="husky", actors=["anna=2,2/4,2"]),
+    "meshes": Run.of(terrain="gravel", robot="jackal"),
+}
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
+def test_what_is_shown_of_the_world_is_what_rays_meet(run: Run) -> None:
+    model, data, shown = seen(run)
+    mesh = shown[WORLD].to_mesh()
+    rng, high, hit = np.random.default_rng(0), 50.0, np.zeros(1, np.int32)
+    places = rng.uniform(-6.0, 6.0, (40, 2))
+    origins = np.column_stack([places, np.full(40, high)])
+    down = np.tile([0.0, 0.0, -1.0], (40, 1))
+    # the topmost of all triangles above a place; people move by themselves
+    crossed: Any = trimesh.ray.ray_triangle.RayMeshIntersector
+    points, rays, _ = crossed(mesh).intersects_location(origins, down)
+    top = [points[rays == ray, 2].max() for ray in range(40)]
+    met = [
+        mujoco.mj_ray(model, data, origin, down[0], SOLID_GROUPS, 1, -1, hit, None) for origin in origins
+    ]
+    expected = high - np.array(met)
+    people = expected > np.array(top) + 0.5 if run.world.actors else np.zeros(40, bool)
+    assert np.array(top)[~people] == pytest.approx(expected[~people], abs=0.02)
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
+def test_every_part_of_a_rover_is_as_large_as_its_geoms(run: Run) -> None:
+    model, data, shown = seen(run)
+    moving = [body for body in shown if body != WORLD]
+    assert len(moving) >= 5  # a body and four wheels at least
+    for body in moving:
+        points = shown[body].to_mesh().vertices @ data.xmat[body].reshape(3, 3).T + data.xpos[body]
+        own = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_group[g] < 3]
+        for geom in own:  # its middle lies within what is shown
+            middle = data.geom_xpos[geom]
+            assert np.all(points.min(axis=0) - 0.01 <= middle)
+            assert np.all(middle <= points.max(axis=0) + 0.01)
+
+
+def seen(run: Run) -> tuple[mujoco.MjModel, mujoco.MjData, dict[int, trimesh.Scene]]:
+    """The dressed model of a run, its state, and the glTF of its bodies as another program reads it."""
+    model = build_scenes(*scenery(run), run.timestep, lambda spec: dress(spec, QUALITY))[0].model
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    files = gltf_of_bodies(model, data)
+    return model, data, {b: trimesh.load_scene(io.BytesIO(f), "glb") for b, f in files.items()}
