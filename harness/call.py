@@ -1,7 +1,8 @@
-"""Command: call a service of this machine, as `ros2 service call` would, where there is no ros2.
+"""Command: call a service of this machine, or set a parameter, where there is no ros2 command.
 
     python -m harness.call                          # which services there are
     python -m harness.call /harness/pause true
+    python -m harness.call /metrics_node set collision_threshold 0.3
 
 Calls services of std_srvs: Trigger and Empty, which ask nothing, and SetBool, which asks true or false.
 """
@@ -28,6 +29,7 @@ PATIENCE = 5.0  # [s] for services to be found, and for an answer
 LOOK = 1.0  # [s] for finding out which there are
 TYPES = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty", "std_srvs/srv/SetBool")
 SET_BOOL = TYPES[-1]
+SET = "set"
 BOOLS = {"true": True, "false": False}
 
 
@@ -43,7 +45,19 @@ def _main(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
     with StopRequest(), command_node("call") as (node, executor):
+        if options.value == SET:
+            return _set(node, executor, options)
         return (_list if options.service is None else _call)(node, executor, options)
+
+
+def _set(node: "Node", executor: "Executor", options: argparse.Namespace) -> int:
+    from harness.ros.node_parameters import set_parameter  # noqa: PLC0415 - see `_main`
+
+    if len(options.parameter) != 2:
+        raise UsageError(f"give {options.service} set PARAM VALUE, e.g. set collision_threshold 0.3")
+    remote, (name, text) = f"/{options.service.lstrip('/')}", options.parameter
+    print(set_parameter(node, executor, remote, name, text, PATIENCE))
+    return 0
 
 
 def _list(node: "Node", executor: "Executor", _: argparse.Namespace) -> int:
@@ -58,6 +72,10 @@ def _list(node: "Node", executor: "Executor", _: argparse.Namespace) -> int:
 def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> int:
     from harness.ros.context import spin_until
 
+    if options.parameter:
+        raise UsageError(
+            f"leave out '{options.parameter[0]}': a parameter is set with NODE set PARAM VALUE"
+        )
     name = f"/{options.service.lstrip('/')}"
     found = _found(node, executor, name)
     if name not in found:
@@ -111,13 +129,16 @@ def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.call",
         description="Calls a service of std_srvs (Trigger, Empty, SetBool) and prints its answer; "
-        "without a name, prints which there are.",
+        "without a name, prints which there are. NODE set PARAM VALUE sets a parameter.",
         epilog="Exit code 0: it says yes. 1: no, or nothing. 2: there is no such service.",
     )
     parser.add_argument(
         "service", nargs="?", metavar="SERVICE", help="e.g. /harness/reset; default: list"
     )
-    parser.add_argument("value", nargs="?", metavar="true|false", help="what SetBool asks for")
+    about = "what SetBool asks for; or set: then SERVICE is a node"
+    parser.add_argument("value", nargs="?", metavar="true|false|set", help=about)
+    about = "of the node, and its new value, of lists with commas; default: none"
+    parser.add_argument("parameter", nargs="*", metavar="PARAM VALUE", help=about)
     return parser
 
 

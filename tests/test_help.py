@@ -38,7 +38,7 @@ WITHOUT = {  # what does nothing unless it is given, or must be
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
     *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
     *("seeds", "seed", "only", "junit", "csv", "json", "out", "entry", "track", "nonce"),
-    *("receipt", "folder", "config", "words"),
+    *("receipt", "folder", "config", "words", "recording"),
 }
 
 

@@ -9,6 +9,7 @@ import viser
 
 from harness.episode.helm import Helm
 from harness.live.charts import Charts
+from harness.live.keys import DIRECTIONS
 from harness.live.stage import Stage
 from harness.live.watch import Watch
 from harness.live.wheel import Wheel
@@ -21,10 +22,6 @@ if TYPE_CHECKING:
 RATES: dict[str, float | None] = {
     **{f"{rate:g}x": rate for rate in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)},
     "as fast as it can": None,
-}
-KEYS = {"I": ("forwards", 1.0, 0.0), "K": ("backwards", -1.0, 0.0)} | {
-    "J": ("to the left", 0.0, 1.0),
-    "L": ("to the right", 0.0, -1.0),
 }
 HOW_TO_DRIVE = """Hold **I** or **K** to drive forwards or backwards, **J** or **L** to turn.
 **Shift-click** the ground to send it there."""
@@ -144,7 +141,7 @@ class Panel:
             gui.add_markdown(HOW_TO_DRIVE)
             back = gui.add_button("Let it drive by itself", icon=viser.Icon.STEERING_WHEEL)
         back.on_click(lambda _: self._wheel.give_back())
-        for key, (where, forward, left) in KEYS.items():
+        for key, (where, forward, left) in DIRECTIONS.items():
             command = gui.add_command(f"Drive {where}", hotkey=key)  # type: ignore[arg-type] # a key it has
             command.on_trigger(partial(self._press, forward, left))
 
@@ -181,7 +178,7 @@ class Panel:
         self._stage.following = rover if self._follow.value else None
 
     def _press(self, forward: float, left: float, _: viser.CommandEvent) -> None:
-        self._wheel.press(forward=forward, left=left)
+        self._wheel.press(forward, left)
 
     def _judge(self, name: str, slider: viser.GuiSliderHandle[float], _: object) -> None:
         if self._helm.metered:

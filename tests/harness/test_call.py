@@ -7,6 +7,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.executors import SingleThreadedExecutor
 from std_srvs.srv import Empty, SetBool, Trigger
 
@@ -31,6 +32,13 @@ def _services(ros_domain: int) -> Iterator[None]:
     node.create_service(SetBool, "switch", told)
     node.create_service(Trigger, "ask", asked)
     node.create_service(Empty, "clear", lambda _, response: response)
+    node.declare_parameter("speed", 1.0)
+    node.declare_parameter("names", ["nobody"])
+    node.add_on_set_parameters_callback(
+        lambda given: SetParametersResult(
+            successful=all(p.name != "speed" or p.value >= 0.0 for p in given), reason="too slow"
+        )
+    )
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     thread = threading.Thread(target=executor.spin)
@@ -68,6 +76,24 @@ def test_services_are_listed_and_called(
 
 
 @pytest.mark.usefixtures("ros_domain")
+@pytest.mark.usefixtures("_services")
+def test_a_parameter_is_set_as_the_type_that_it_has(capfd: pytest.CaptureFixture[str]) -> None:
+    for words, code, out, err in (
+        (("server", "set", "speed", "2"), 0, "/server speed is 2.0\n", ""),
+        (("/server", "set", "names", "a,b"), 0, "/server names is ['a', 'b']\n", ""),
+        (("/server", "set", "speed", "-1"), 1, "", "/server refuses speed -1: too slow"),
+        (("/server", "set", "speed", "fast"), 2, "", "speed 'fast' is not valid; give a number"),
+        (("/server", "set", "sped", "2"), 2, "", "'sped'"),
+        (("/server", "set", "speed"), 2, "", "give /server set PARAM VALUE"),
+        (("/ask", "true", "2"), 2, "", "NODE set PARAM VALUE"),
+        (("/nobody", "set", "speed", "2"), 2, "", "node /nobody was not found; running: /server"),
+    ):
+        assert call.main(words) == code
+        said = capfd.readouterr()
+        assert said.out == out
+        assert err in said.err
+
+
 def test_where_nothing_runs_it_says_so(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
