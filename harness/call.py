@@ -51,7 +51,7 @@ def _main(options: argparse.Namespace) -> int:
 
 
 def _set(node: "Node", executor: "Executor", options: argparse.Namespace) -> int:
-    from harness.ros.node_parameters import set_parameter  # noqa: PLC0415 - see `_main`
+    from harness.ros.node_parameters import set_parameter
 
     if len(options.parameter) != 2:
         raise UsageError(f"give {options.service} set PARAM VALUE, e.g. set collision_threshold 0.3")

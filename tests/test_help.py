@@ -32,7 +32,8 @@ COMMANDS = {
 }
 PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {**PARSERS, **COMMANDS}
 PROGRAMS = {name: parser for name, parser in PROGRAMS.items() if name not in MANY}
-WITHOUT = {  # what does nothing unless it is given, or must be
+WITHOUT = {
+    "recording",  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "summary"),
     *("wait_for_topic", "runs", "latex", "plot"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
