@@ -63,10 +63,14 @@ def _why_not(timestep_ns: int) -> str:
 
 
 def _nearest_timesteps(timestep_ns: int) -> str:
+    nearest = sorted(timesteps(), key=lambda v: abs(v - timestep_ns / NANOSECONDS))[:2]
+    return " or ".join(f"{v:g}" for v in nearest)
+
+
+def timesteps() -> list[float]:
+    """Returns the valid timesteps, from the largest down [s]."""
     parts = range(TICK_NS // LARGEST_TIMESTEP_NS, TICK_NS // SMALLEST_TIMESTEP_NS + 1)
-    valid = [TICK_NS // n for n in parts if TICK_NS % n == 0]
-    nearest = sorted(valid, key=lambda v: abs(v - timestep_ns))[:2]
-    return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)
+    return [TICK_NS // n / NANOSECONDS for n in parts if TICK_NS % n == 0]
 
 
 def period_ticks(rate: int) -> int:

@@ -56,7 +56,7 @@ class Stage:
 
     def __init__(self, scene: viser.SceneApi, run: Run) -> None:
         world, fleet = scenery(run)
-        world = replace(world, ground=drawn(world.ground))
+        world = replace(world, ground=drawn(world.ground), soil=None)  # without ruts
         self._scenes = build_scenes(world, fleet, run.timestep, partial(dress, quality=QUALITY))
         self._model, self._scene = self._scenes[0].model, scene
         self._posing, self._lock = Posing(self._scenes), Lock()

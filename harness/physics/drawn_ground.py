@@ -2,7 +2,7 @@
 
 OpenGL takes seconds to take over and to draw the finer ground of a whole map. So the terrain is drawn as
 if it were rigid, but for a window around the place: there its vertices lie below, and a second
-heightfield of fine cells covers them. Both are the same surface along the window's edge.
+heightfield of fine cells covers them, ABOVE what else would be the same surface along the window's edge.
 """
 
 import math
@@ -30,6 +30,7 @@ from harness.world.heightfield import Field
 from harness.world.world import World
 
 RUTS, GROUND = "ruts", "ground"
+ABOVE = 1e-3  # [m]
 NEAR = 4.0  # [m] from the middle of the window to a side, or a little more
 
 Patch = tuple[int, int, np.ndarray]  # first row and column, heights [m]
@@ -112,10 +113,8 @@ class DrawnGround:
             upload(self._terrain)
             terrain[covered] = kept  # for rays
         ruts = self.heights[window] - self._fresh[window]
-        for across in (
-            ruts,
-            ruts.T,
-        ):  # softened: each cell is shaded as a whole, a wall would be a row of teeth
+        # Softened: a cell is shaded as a whole, so that a wall would be a row of teeth.
+        for across in (ruts, ruts.T):
             across[1:-1] = 0.25 * across[:-2] + 0.5 * across[1:-1] + 0.25 * across[2:]
             across[[0, -1]] = 0.0  # along the edge there are none
         self._data(self._ruts)[:] = self._shares(self._fresh[window] + ruts)
@@ -141,7 +140,7 @@ class DrawnGround:
             type=mujoco.mjtGeom.mjGEOM_HFIELD,
             hfieldname=RUTS,
             material=RUTS,
-            pos=[1.0, 0.0, self._base],
+            pos=[1.0, 0.0, self._base + ABOVE],
             group=VISUAL_GROUP,
             **UNTOUCHED,
         )

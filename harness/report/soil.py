@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 from harness.page import figure as fig
 from harness.report.recorder import Stretch
+from harness.report.series import ABOVE_AXIS
 from harness.samples import SoilState
 
 # Heading, unit, what it is, and its value for each wheel.
@@ -55,9 +56,10 @@ def soil_plots(track: Sequence[Stretch], wheels: Sequence[str]) -> list[fig.Plot
         ]
         layout = fig.common_layout(
             xaxis=fig.titled("simulated time [s]", automargin=False, range=[0.0, round(times[-1], 2)]),
-            yaxis=fig.titled(f"[{unit}]", automargin=False),
+            yaxis=fig.AXIS | {"automargin": False},
             shapes=shapes,
             hovermode="x",
+            title={"text": f"[{unit}]", **ABOVE_AXIS},
         )
         summary = (
             f"{heading} over time: {min(map(min, values)):.1f} to {max(map(max, values)):.1f} {unit}"

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.soil.press_kernel import BED, FELT, MUJOCO, pointer, press_bed
+from harness.base.sim_time import timesteps
+from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
 from harness.soil.rig_kernel import steady_wheels
 from harness.soil.rim import COMPACTION
 from harness.soil.soils import SOIL_CONTACT, Soil
@@ -26,8 +26,6 @@ from harness.soil.wheel_force import STATE, UNPLACED
 
 MOST_BEDS = 256  # in a process at a time
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
-TICK = TICK_NS / NANOSECONDS  # [s], a whole number of steps
-
 SEEN = 4.0  # [m] around a camera in which ruts are shown
 
 Doubles = NDArray[np.float64]
@@ -171,42 +169,17 @@ class Bed:
         """What the kernel is told, with the arrays whose addresses that holds kept alive."""
         ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         self._near = near, model.geom_aabb[near].copy()
-        own = {
-            "soils": self._numbers,
-            "sizes": self._sizes,
-            "ids": self._bodies,
-            "virgin": self._virgin,
-            "surface": self.surface,
-            "field": ground.field,
-            "states": self.states,
-            "felt": self.felt,
-            "near": self._near[0],
-            "boxes": self._near[1],
-            "solid": ground.solid,
-            "patches": ground.patches,
-        }
-        arrays = own | {
-            name: getattr(model if name == "geom_conaffinity" else data, name) for name in MUJOCO
-        }
-        values = {name: array.ctypes.data for name, array in arrays.items()} | {
-            "kinds": len(self._numbers),
-            "wheels": len(self.wheels),
-            "bodies": model.nbody,
-            "joints": model.njnt,
-            "touching": near.size,
-            "geoms": model.ngeom,
-            "cell": ground.cell,
-            "base": ground.base,
-            "relief": ground.relief,
-            "dt": model.opt.timestep,
-            "solid_cell": ground.solid_cell,
-        }
-        values["x"], values["y"] = ground.corner
-        values["rows"], values["columns"] = self.surface.shape
-        values["solid_rows"], values["solid_columns"] = ground.solid.shape
+        own = [self._numbers, self._sizes, self._bodies, *self._grids(), self.states, self.felt]
+        own += [*self._near, ground.solid, ground.patches]
+        arrays = dict(zip(OWN, own, strict=True))
+        for name in MUJOCO:
+            arrays[name] = getattr(model if name == "geom_conaffinity" else data, name)
         told = np.zeros(1, BED)
-        for name, value in values.items():
-            told[name] = value
+        for name, array in arrays.items():
+            told[name] = (array.ctypes.data, *array.shape, 1)[:3]
+        numbers = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
+        for name, number in zip(NUMBERS, (*numbers, ground.solid_cell), strict=True):
+            told[name] = number
         return told
 
 
@@ -230,11 +203,13 @@ def _check(
         stiffness /= 1.0 - (1.0 - COMPACTION) * (soil.rebound == 0.0) * 0.8
         swing = math.sqrt(stiffness * gravity / wheel.load) * timestep
         if swing > STABLE:
+            valid = [
+                f"--timestep {each:g}, or " for each in timesteps() if each * swing <= STABLE * timestep
+            ]
             raise UsageError(
                 f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by "
-                f"{swing:.2f} rad in one, more than {STABLE:g}; give "
-                f"--timestep {TICK / math.ceil(TICK * swing / (timestep * STABLE)):.3g}, "
-                "or a soil of a smaller k_phi"
+                f"{swing:.2f} rad in one, more than {STABLE:g}; give {''.join(valid[:1])}"
+                "a soil of a smaller k_phi"
             )
 
 

@@ -1,6 +1,6 @@
 """One step of all wheels on a bed of soil, as MuJoCo calls it: compiled by numba.
 
-`BED` is what the step is told: counts, numbers, and addresses of arrays, those of MuJoCo by its names.
+`BED` is what the step is told: arrays, those of MuJoCo by its names, and numbers.
 """
 
 import math
@@ -15,14 +15,12 @@ from harness.base.compiled import inlined, kernel
 from harness.soil.prints import Frame, Grids, Pair, heap, level, press_down, window
 from harness.soil.rim import Doubles
 from harness.soil.soils import SOIL_CONTACT
-from harness.soil.wheel_force import REBOUND, SOIL_NUMBERS, STATE, UNPLACED, wheel_force
+from harness.soil.wheel_force import REBOUND, UNPLACED, wheel_force
 
 HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a time
 NEAR = 0.02  # [m] around what touches the ground at most a step later, were it as fast as 8 m/s
 FELT = 8  # numbers that are told of a wheel
 
-COUNTS: tuple[str, ...] = ("kinds", "wheels", "rows", "columns", "bodies", "joints")
-COUNTS += ("touching", "geoms", "solid_rows", "solid_columns")
 NUMBERS = ("x", "y", "cell", "base", "relief", "dt", "solid_cell")
 OWN = (
     "soils",  # a row for each, as Soil.numbers
@@ -40,8 +38,9 @@ OWN = (
 )
 MUJOCO: tuple[str, ...] = ("xpos", "xaxis", "cvel", "subtree_com", "xipos", "xfrc_applied")
 MUJOCO += ("geom_xpos", "geom_xmat", "geom_conaffinity")
+# Of an array: its address, rows and columns.
 BED = np.dtype(
-    [(name, np.int64) for name in (*COUNTS, *OWN, *MUJOCO)] + [(name, np.float64) for name in NUMBERS]
+    [(name, np.int64, 3) for name in (*OWN, *MUJOCO)] + [(name, np.float64) for name in NUMBERS]
 )
 
 Triple = tuple[float, float, float]
@@ -211,8 +210,8 @@ def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG00
 
 
 @inlined
-def _doubles(address: int, rows: int, columns: int) -> Doubles:
-    values: Doubles = numba.carray(pointer(address), (rows, columns), np.float64)
+def _doubles(of: NDArray[np.int64]) -> Doubles:
+    values: Doubles = numba.carray(pointer(of[0]), (of[1], of[2]), np.float64)
     return values
 
 
@@ -220,37 +219,34 @@ def _doubles(address: int, rows: int, columns: int) -> Doubles:
 def press_bed(address: int) -> None:
     """Presses the wheels of a bed for one step; what it is told stands at that address."""
     told = numba.carray(pointer(address), (1,), BED)[0]
-    wheels, shape = told.wheels, (told.rows, told.columns)
-    solid = _doubles(told.solid, told.solid_rows, told.solid_columns)
+    ids, near, affinity, field = told.ids, told.near, told.geom_conaffinity, told.field
+    solid = _doubles(told.solid)
     _let_near_touch(
-        numba.carray(pointer(told.near), (told.touching,), np.int64),
-        _doubles(told.boxes, told.touching, 6),
-        (_doubles(told.geom_xpos, told.geoms, 3), _doubles(told.geom_xmat, told.geoms, 9)),
-        numba.carray(pointer(told.geom_conaffinity), (told.geoms,), np.int32),
+        numba.carray(pointer(near[0]), (near[1],), np.int64),
+        _doubles(told.boxes),
+        (_doubles(told.geom_xpos), _doubles(told.geom_xmat)),
+        numba.carray(pointer(affinity[0]), (affinity[1],), np.int32),
         solid,
         (told.x, told.y, told.solid_cell),
     )
+    field_of_mujoco = numba.carray(pointer(field[0]), (field[1], field[2]), np.float32)
     _press(
-        _doubles(told.soils, told.kinds, SOIL_NUMBERS),
-        _doubles(told.sizes, wheels, 4),
-        numba.carray(pointer(told.ids), (wheels, 3), np.int64),
-        (
-            _doubles(told.virgin, told.rows, told.columns),
-            _doubles(told.surface, told.rows, told.columns),
-            numba.carray(pointer(told.field), shape, np.float32),
-        ),
+        _doubles(told.soils),
+        _doubles(told.sizes),
+        numba.carray(pointer(ids[0]), (ids[1], 3), np.int64),
+        (_doubles(told.virgin), _doubles(told.surface), field_of_mujoco),
         (told.x, told.y, told.cell, told.base, told.relief),
-        _doubles(told.states, wheels, STATE),
-        _doubles(told.felt, wheels, FELT),
+        _doubles(told.states),
+        _doubles(told.felt),
         (
-            _doubles(told.xpos, told.bodies, 3),
-            _doubles(told.xaxis, told.joints, 3),
-            _doubles(told.cvel, told.bodies, 6),
-            _doubles(told.subtree_com, told.bodies, 3),
-            _doubles(told.xipos, told.bodies, 3),
+            _doubles(told.xpos),
+            _doubles(told.xaxis),
+            _doubles(told.cvel),
+            _doubles(told.subtree_com),
+            _doubles(told.xipos),
         ),
-        _doubles(told.xfrc_applied, told.bodies, 6),
+        _doubles(told.xfrc_applied),
         told.dt,
-        numba.carray(pointer(told.patches), solid.shape, np.uint8),
+        numba.carray(pointer(told.patches[0]), solid.shape, np.uint8),
         told.solid_cell,
     )

@@ -22,7 +22,7 @@ TURNING = 0.005  # [m] of path within which a new direction of motion is taken o
 # the stations, along and across, of the front half and of the rear half.
 UNPLACED, PATHS = 5, 6
 STATE = PATHS + 4 * STATIONS
-SOIL_NUMBERS, REBOUND = len(NUMBERS), NUMBERS.index("rebound")
+REBOUND = NUMBERS.index("rebound")
 
 
 @inlined

@@ -32,6 +32,7 @@ STEEPEST_DEG = 75.0  # slip angle up to which a wheel rolls; beyond it is plough
 MEASURED = ("sinkage", "tractive", "lateral")
 GIVEN = ("wheel_speed", "travel_speed", "slip_angle_deg", "load")
 LARGEST = 1e6  # in a table of trials, whatever its unit
+USUAL = {"sinkage": 0.2, "wheel_speed": 5.0, "travel_speed": 5.0}  # [m], [m/s]: more is another unit
 GRAVITY = 9.81  # [m/s^2]
 SPEED = 0.01  # [m/s] of the carriage
 
@@ -100,6 +101,11 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
             f"{path} has no trial of {' or '.join(WHEELS)} with {', '.join(GIVEN)}; "
             "speeds are 0 or more, loads above 0"
         )
+    for name, most in USUAL.items():
+        if usable[name].abs().median() > most:
+            raise UsageError(
+                f"{path}: {name} is above {most:g} in most trials; give m, m/s, N and degrees"
+            )
     others = sorted(set(wheels[~known]))
     notes = []
     if others:

@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 from PIL import Image
 
+import harness.gym  # noqa: F401 - registers its environments
 from harness.base.errors import UsageError
 from harness.episode.assembly import fleet
 from harness.episode.episode import Episode, episodes_of, together
@@ -13,6 +15,7 @@ from harness.samples import TruthState
 from harness.soil.soils import SOIL_CONTACT
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
+from tests.harness.robots.test_measures import car, motors, wheel
 
 FORTH = ((0.5, 0.3, 0.0),)
 FORTH_AND_BACK = ((0.5, 0.3, 0.0), (5.0, 0.0, 0.0), (5.5, -0.3, 0.0))
@@ -176,11 +179,53 @@ def test_equal_runs_give_equal_bytes_beside_rocks_and_people() -> None:
 
 def test_an_own_soil_that_is_too_stiff_or_wrong_is_one_line(tmp_path: Path) -> None:
     file = tmp_path / "concrete.yaml"
-    file.write_text("k_phi: 1.0e+10\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
-    with pytest.raises(UsageError, match=r"too stiff .* --timestep"):
+    file.write_text("k_phi: 1.0e+12\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    with pytest.raises(UsageError, match=r"too stiff .* give a soil"):  # for the smallest step too
         driven(1.0, soil=str(file))
+    file.write_text("k_phi: 1.0e+8\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    with pytest.raises(UsageError, match=r"too stiff .* --timestep (\S+), or") as stiff:
+        driven(1.0, soil=str(file))
+    mend = float(str(stiff.value).partition("--timestep ")[2].partition(",")[0])
+    assert driven(0.6, soil=str(file), timestep=mend).simulation.physics.bed is not None
     file.write_text("k_phi: -1\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
     with pytest.raises(UsageError, match="k_phi"):
         driven(1.0, soil=str(file))
     with pytest.raises(UsageError, match="dry_sand"):
         driven(1.0, soil="mud")
+
+
+@pytest.mark.parametrize(
+    ("shape", "is_round"), [("cylinder", True), ("ellipsoid", True), ("box", False)]
+)
+def test_wheels_are_round_and_as_wide_as_rover_yaml_says(
+    shape: str, is_round: bool, tmp_path: Path
+) -> None:
+    places = {"a": "0.2 0.2 0.1", "b": "-0.2 0.2 0.1", "c": "0.2 -0.2 0.1", "d": "-0.2 -0.2 0.1"}
+    wheels = "".join(wheel(name, place, shape=shape) for name, place in places.items())
+    (tmp_path / "car.xml").write_text(car(wheels, motors(a=9, b=9, c=9, d=9)))
+    (tmp_path / "rover.yaml").write_text("wheel_width: 0.09\n")
+    if is_round:
+        bed = driven(0.6, robot=str(tmp_path)).simulation.physics.bed
+        assert bed is not None
+        assert {each.width for each in bed.wheels} == {0.09}
+    else:
+        with pytest.raises(UsageError, match="'a' is not round"):
+            driven(0.6, robot=str(tmp_path))
+
+
+def test_episodes_of_an_environment_begin_on_fresh_ground_unless_ruts_are_kept() -> None:
+    for keep in (False, True):
+        env = gymnasium.make(
+            "RoverHarness/PointNav-v0",
+            terrain="flat",
+            soil="dry_sand",
+            random_start=False,
+            keep_ruts=keep,
+        )
+        env.reset(seed=1)
+        for _ in range(40):
+            env.step(np.array([1.0, 0.0], np.float32))
+        env.reset()
+        bed = env.unwrapped.driven.simulation.physics.bed  # type: ignore[attr-defined]
+        far = bed.surface[:, bed.surface.shape[1] // 2 + 20 :]  # ahead of where it stands
+        assert bool(far.min() < -0.005) is keep

@@ -77,6 +77,7 @@ def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> No
         "trial of smooth .* with": table.assign(load="9" * 400),
         "grousered with": table.assign(load=True),
         "speeds are 0 or more": table.assign(load="5_0"),
+        "give m, m/s, N": table.assign(load=20.0, sinkage=12.0),
     }
     for told, bad in wrong.items():
         bad.to_csv(file, index=False)
