@@ -12,6 +12,7 @@ FAULTS = 11  # with a fault's place in the run
 OPTIONAL_SENSORS = 12  # with a sensor's name
 FLEET = 13  # with a rover's place in the run: the seed of that rover
 COURSE = 14  # with the name of a track: its goals
+VIBRATION = 15  # of what a surface shakes an IMU by
 PEOPLE = 20  # with a person's name; of the world's seed
 TARGETS = 21  # with a target's name; of the world's seed
 # In the entropy beside the seed instead of in the spawn key:

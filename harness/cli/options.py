@@ -11,7 +11,7 @@ from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
 from harness.drivers import takes_goals
-from harness.episode.assembly import check, fleet, gravity, has_soil, people
+from harness.episode.assembly import check, fleet, gravity, has_soil, people, tells_energy
 from harness.episode.loop import Observer
 from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import Outputs
@@ -137,8 +137,9 @@ def _settings(run: Run, number: int, values: Mapping[str, Any], *, extended: boo
     """The settings of a rover's metrics: of its model for the extended columns, then those of a file."""
     settings = Settings()
     if extended:
-        rover, soil = find_rover(run.rovers[number].robot), has_soil(run)
-        of_rover = extended_settings(rover, gravity(run, number), soil=soil)
+        setup, soil = run.rovers[number], has_soil(run)
+        rover, energy = find_rover(setup.robot), tells_energy(setup)
+        of_rover = extended_settings(rover, gravity(run, number), soil=soil, energy=energy)
         settings = replace(settings, extended_columns=True, extended=of_rover)
     return settings.updated(values)
 

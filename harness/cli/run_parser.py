@@ -23,6 +23,7 @@ from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
+ON_WHEELS = ("actuators", "surface")
 IN_SENSORS = ("noise", "lidar_beams", "imu_rate", "sensors")
 IN_RUN = ("log_dir", "rate", "wait_for", "wait_for_topic", "record", "overwrite", "truth_map")
 
@@ -54,7 +55,7 @@ def run_parser() -> argparse.ArgumentParser:
         "all other options hold for all of them (docs/fleets.md)"
     )
     episode.add_argument("--rover", action="append", default=[], metavar="SPEC", help=about)
-    add_flags(episode, RoverSetup, ("robot", "start", "driver", "goal_area"), choices)
+    add_flags(episode, RoverSetup, ("robot", *ON_WHEELS, "start", "driver", "goal_area"), choices)
     add_flags(episode, Plan, ("route",))
     add_flags(episode, Run)
     add_flags(parser.add_argument_group("sensors"), RoverSetup, IN_SENSORS, choices)

@@ -96,7 +96,7 @@ def attempt(case: Case, *, entry: Entry) -> EpisodeResult:
         if entry.about is not None and entry.about.launch:
             from harness.course.node_entry import drive_node  # noqa: PLC0415 - only this needs ROS 2
 
-            return drive_node(case, task, entry, folder)
+            return drive_node(case, task, entry.about, folder)
         return _driven(case, task, find_driver(entry.driver(case.track, folder)))[0]
 
 
@@ -111,7 +111,7 @@ def _driven(case: Case, task: Task, kind: type[D]) -> tuple[EpisodeResult, D]:
     scene = episode.simulation.scene
     referee = Referee(task, scene.world)
     driver = kind(_context(episode))
-    client = Client(driver, episode, referee)
+    client = Client(driver, episode)
     route = Route(injector(task.run), client.hear, (referee, client))
     failure = ""
     try:
@@ -137,23 +137,18 @@ def result_of(case: Case, task: Task, driven: Drive, episode: Episode) -> Episod
     truth, info = driven.truth, episode.info
     reduced = penalty(task, driven, weight_of(episode.simulation.scene.rover))
     values: dict[str, Any] = {
+        **{item.name: getattr(driven, item.name) for item in fields(driven) if item.name != "truth"},
         "track": case.track,
         "seed": case.seed,
         "world": "" if case.world is None else case.world.name,
         "world_hash": info.terrain_hash,
         "model_hash": info.model_hash,
-        "ending": driven.ending,
-        "goals": driven.goals,
-        "of_goals": len(task.goals),
-        "time": driven.time,
+        "of_goals": 0 if task.run.plan.route is None else len(task.run.plan.route.points),
         "optimal": task.optimal,
         "path": truth.path_length,
         "shortest": task.shortest,
         "hazard_s": truth.hazard_contact_s,
         "scrape_s": truth.scrape_s,
-        "energy": driven.energy,
-        "risk_s": driven.risk,
-        "tilt_p95": driven.tilt_p95,
         "penalty": reduced,
         "spl": spl(task, driven),
         "score": score(task, driven, reduced),

@@ -1,6 +1,6 @@
 """The leader board: a page of a folder of receipts, which needs no network."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
@@ -8,13 +8,13 @@ from harness.base.errors import UsageError
 from harness.base.version import __version__
 from harness.course.receipt import Receipt, read_receipt
 from harness.course.sheets import interval
-from harness.course.summary import difference
+from harness.course.summary import TrackSummary, difference
 from harness.course.tracks import TRACKS
 from harness.page.figure import (
     INK,
     METRIC,
     PANEL,
-    Figure,
+    Layout,
     Plot,
     Trace,
     common_layout,
@@ -100,59 +100,51 @@ def _score(receipt: Receipt, track: str) -> str:
 
 
 def _plot(number: int, track: str, receipts: Sequence[Receipt]) -> Plot:
-    known = [receipt for receipt in receipts if track in receipt.tracks]
-    means = "; ".join(f"{one.entry}: {one.tracks[track].score.mean:.3f}" for one in known)
-    summary = f"Scores on track {track}, mean of each entry: {means}"
-    return Plot(f"track-{number}", summary, _figure(track, known), track, TRACKS[track].summary)
-
-
-def _figure(track: str, known: Sequence[Receipt]) -> Figure:
+    known = [(one.entry, one.tracks[track]) for one in receipts if track in one.tracks]
+    means = "; ".join(f"{name}: {summary.score.mean:.3f}" for name, summary in known)
+    rows = {"tickvals": [*range(len(known))], "ticktext": [escape(name) for name, _ in known]}
     layout = common_layout(
         margin={"l": 10, "r": 14, "t": 24, "b": 44},
         xaxis=titled("score", range=list(ROOM)),
-        yaxis=titled(
-            "",
-            range=[len(known) - 0.5, -0.5],
-            tickvals=list(range(len(known))),
-            ticktext=[escape(receipt.entry) for receipt in known],
-        ),
+        yaxis=titled("", range=[len(known) - 0.5, -0.5], **rows),
     )
-    return {"data": list(_traces(track, known)), "layout": layout}
+    summaries = [summary for _, summary in known]
+    figure = {"data": [_episodes(summaries), _means(summaries)], "layout": layout}
+    summary = f"Scores on track {track}, mean of each entry: {means}"
+    return Plot(f"track-{number}", summary, figure, track, TRACKS[track].summary)
 
 
-def _traces(track: str, known: Sequence[Receipt]) -> Iterator[Trace]:
-    """Each episode a dot, the mean of each entry with its interval."""
-    summaries = [receipt.tracks[track] for receipt in known]
-    points = [
-        (one.score, index + SPREAD * (2 * (place + 0.5) / len(summary.episodes) - 1), one)
-        for index, summary in enumerate(summaries)
+def _episodes(known: Sequence[TrackSummary]) -> Trace:
+    """A dot an episode, those of an entry over its row's height."""
+    dots = [
+        (one, row + SPREAD * (2 * (place + 0.5) / len(summary.episodes) - 1))
+        for row, summary in enumerate(known)
         for place, one in enumerate(summary.episodes)
     ]
-    yield {
-        **_markers("episode", METRIC, "circle", 6),
-        "x": numbers([x for x, _, _ in points]),
-        "y": numbers([y for _, y, _ in points]),
-        "customdata": [f"seed {one.seed}: {escape(one.ending[:60])}" for _, _, one in points],
+    return {
+        **_markers("episode", PANEL, {"symbol": "circle", "size": 6, "line": METRIC}),
+        "x": numbers([one.score for one, _ in dots]),
+        "y": numbers([y for _, y in dots]),
+        "customdata": [f"seed {one.seed}: {escape(one.ending[:60])}" for one, _ in dots],
         "hovertemplate": "%{customdata}, %{x}<extra></extra>",
     }
-    ends = [(s.score.mean if s.score.low is None else s.score.low, s.score.mean) for s in summaries]
-    yield {
-        **_markers("mean with its 95 % interval", INK, "diamond-open", 11),
-        "x": numbers([mean for _, mean in ends]),
-        "y": list(range(len(known))),
-        "error_x": {
-            "type": "data",
-            "array": numbers([mean - low for low, mean in ends]),
-            "color": INK,
-            "thickness": 1.5,
-            "width": 4,
-        },
+
+
+def _means(known: Sequence[TrackSummary]) -> Trace:
+    """The mean of each entry with its interval."""
+    scores = [summary.score for summary in known]
+    reach = numbers([0.0 if one.low is None else one.mean - one.low for one in scores])
+    return {
+        **_markers(
+            "mean with its 95 % interval", INK, {"symbol": "diamond-open", "size": 11, "line": INK}
+        ),
+        "x": numbers([one.mean for one in scores]),
+        "y": [*range(len(scores))],
+        "error_x": {"type": "data", "array": reach, "color": INK, "thickness": 1.5, "width": 4},
         "hovertemplate": "%{x}<extra></extra>",
     }
 
 
-def _markers(name: str, color: str, symbol: str, size: int) -> Trace:
-    fill_color = PANEL if symbol == "circle" else color  # open symbols have no other colour
-    line = {"color": color, "width": 1.5}
-    marker = {"symbol": symbol, "size": size, "color": fill_color, "line": line}
+def _markers(name: str, color: str, style: Layout) -> Trace:
+    marker = style | {"color": color, "line": {"color": style["line"], "width": 1.5}}
     return {"type": "scatter", "mode": "markers", "name": name, "marker": marker}

@@ -5,74 +5,60 @@ It gets its goals on /goal_pose, the next one when the one before is reached.
 
 from pathlib import Path
 
-from geometry_msgs.msg import PoseStamped
-
 from harness.base.errors import RunFailed
 from harness.course.attempt import EpisodeResult, result_of
-from harness.course.entry import Entry
+from harness.course.entry import EntryFile
 from harness.course.referee import Referee
-from harness.course.task import Case, Point, Task
+from harness.course.task import Case, Task
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.testing.process import Programs
 from harness.testing.trial import Trial, TrialListener
 
-GOAL_TOPIC, FRAME = "goal_pose", "world"
 OUTPUT = "output.txt"
 
 
 class _Watch(TrialListener):
     """Starts the entry's program, and shows the referee every batch."""
 
-    def __init__(self, entry: Entry, referee: Referee, folder: Path) -> None:
-        self._entry, self._referee, self._folder = entry, referee, folder
+    def __init__(self, about: EntryFile, referee: Referee, folder: Path) -> None:
+        self._about, self._referee, self._folder = about, referee, folder
 
     def begin_programs(self, programs: Programs) -> None:
         """Starts the entry's command in its folder."""
-        assert self._entry.about is not None  # noqa: S101 - as the caller makes sure
-        programs.begin(self._entry.about.launch, self._folder, self._folder / OUTPUT)
+        programs.begin(self._about.launch, self._folder, self._folder / OUTPUT)
 
     def take(self, batch: Batch) -> None:
         """Shows a batch to the referee."""
         self._referee.take(batch)
 
 
-def drive_node(case: Case, task: Task, entry: Entry, folder: Path) -> EpisodeResult:
+def drive_node(case: Case, task: Task, about: EntryFile, folder: Path) -> EpisodeResult:
     """Drives an episode with an entry's node and returns how it went.
 
     Args:
         case: The episode.
         task: What it asks.
-        entry: Whose command starts the node.
+        about: The entry, whose command starts the node.
         folder: Where its files are.
 
     Raises:
         UsageError: Its node does not turn up.
     """
-    assert entry.about is not None  # noqa: S101 - as the caller makes sure
-    node, referee, failure = entry.about.node, Referee(task, world_of(task.run)), ""
-    trial = Trial(task.run, listener=_Watch(entry, referee, folder), cmd_vel="auto")
-    with trial:
-        goals = trial.bridge.create_publisher(PoseStamped, GOAL_TOPIC, 10)
-        trial.nodes.wait_until(lambda: node in trial.nodes.names())
-        trial.join(node)
-        told: Point | None = None
+    referee, failure = Referee(task, world_of(task.run)), ""
+    with Trial(task.run, listener=_Watch(about, referee, folder), cmd_vel="auto") as trial:
+        commands = trial.bridge.commands
+
+        def is_heard() -> bool:
+            """Whether its commands are, of whichever type they are."""
+            of_it = (own for own in trial.bridge.subscriptions if own.topic_name == commands.topic)
+            return commands.look_around() and any(own.get_publisher_count() for own in of_it)
+
+        trial.nodes.wait_until(lambda: about.node in trial.nodes.names() and is_heard())
+        trial.join(about.node)
         try:
-            while not referee.ending:
-                if referee.goal is not None and referee.goal != told:
-                    told = referee.goal
-                    goals.publish(_message(told, trial.clock_ns))
-                if not trial.advance():
-                    break
+            while not referee.ending and trial.advance():
+                pass
         except RunFailed as error:
             failure = " ".join(str(error).split())
         return result_of(case, task, referee.drive(failure), trial.episode)
-
-
-def _message(goal: Point, stamp_ns: int) -> PoseStamped:
-    message = PoseStamped()
-    message.header.frame_id = FRAME
-    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 10**9)
-    message.pose.position.x, message.pose.position.y = goal
-    message.pose.orientation.w = 1.0
-    return message

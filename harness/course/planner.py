@@ -1,6 +1,7 @@
 """Shortest ways on the truth: what an entry's time and path are compared with."""
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -43,7 +44,7 @@ class Planner:
         cells = np.array([self.cell(start)], np.int64)
         return np.asarray(RESOLUTION * travel(self._cost, cells, np.zeros(1), STEPS))
 
-    def length(self, points: tuple[Point, ...]) -> float:
+    def length(self, points: Sequence[Point]) -> float:
         """Returns the length of the shortest way through points [m].
 
         Raises:

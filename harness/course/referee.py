@@ -8,6 +8,7 @@ import numpy as np
 from harness.base.sim_time import NANOSECONDS
 from harness.course.planner import RESOLUTION
 from harness.course.task import Point, Task
+from harness.episode.assembly import route_progress
 from harness.episode.batch import Batch
 from harness.samples import ActorPoses, JointStates, Pose
 from harness.truth.traversal import Truth
@@ -29,7 +30,7 @@ class Drive:
         goals: How many were reached.
         time: From the clock's start to the end [s].
         energy: Work of the wheels' motors, braking counted as driving [J].
-        risk: Time with a hazard or a person nearer than RISK_DISTANCE [s].
+        risk_s: Time with a hazard or a person nearer than RISK_DISTANCE [s].
         tilt_p95: 95th percentile of the tilt over time [rad].
         truth: Totals of the drive.
     """
@@ -38,7 +39,7 @@ class Drive:
     goals: int
     time: float
     energy: float
-    risk: float
+    risk_s: float
     tilt_p95: float
     truth: Truth
 
@@ -52,13 +53,12 @@ class Referee:
 
     Attributes:
         ending: Why the episode is over; "" while it goes on.
-        goals: How many goals have been reached.
     """
 
     def __init__(self, task: Task, world: World) -> None:
         self._task, self._space = task, FreeSpace(world.ground, world.obstacles)
         self._radii = [person.spec.options.radius for person in world.people]
-        self.ending, self.goals = "", 0
+        self.ending, self._progress = "", route_progress(task.run, world)
         self._truth, self._began_ns = Truth(), 0 if task.rule.begins_at == 0.0 else None
         start = world.start[:2]
         self._start: Point = (start[0], start[1])
@@ -67,11 +67,6 @@ class Referee:
         self._people: ActorPoses | None = None
         self._tilts: list[float] = []
         self._before_ns = self._period_ns = 0
-
-    @property
-    def goal(self) -> Point | None:
-        """The goal to be reached next [m]; None if there is none left."""
-        return self._task.goals[self.goals] if self.goals < len(self._task.goals) else None
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch, unless it is over."""
@@ -84,8 +79,7 @@ class Referee:
         if self._began_ns is None and math.dist(self._start, (x, y)) >= self._task.rule.begins_at:
             self._began_ns = time_ns
         self._risk_batches += self._is_at_risk(x, y)
-        if self.goal is not None and math.dist(self.goal, (x, y)) <= self._task.rule.radius:
-            self.goals += 1
+        self._progress.observe(time_ns / NANOSECONDS, (x, y))
         self.ending = self._ending()
 
     def drive(self, failure: str = "") -> Drive:
@@ -94,10 +88,10 @@ class Referee:
         tilts = np.sort(np.array(self._tilts or [0.0]))
         return Drive(
             ending=ending,
-            goals=self.goals,
+            goals=len(self._progress.reached),
             time=self._time,
             energy=self._energy,
-            risk=self._risk_batches * self._period_ns / NANOSECONDS,
+            risk_s=self._risk_batches * self._period_ns / NANOSECONDS,
             tilt_p95=float(tilts[math.ceil(0.95 * len(tilts)) - 1]),
             truth=self._truth,
         )
@@ -114,7 +108,7 @@ class Referee:
             return CONTACT
         if self._truth.tipped_over:
             return TIPPED
-        if self.goal is None:
+        if not math.isnan(self._progress.done_s):
             return REACHED
         return LATE if self._time >= rule.limit else ""
 

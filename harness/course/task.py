@@ -13,7 +13,6 @@ class Rule:
 
     Attributes:
         limit: Time for all goals [s].
-        radius: Distance at which a goal counts as reached [m].
         fastest: Multiple of the optimal time from which on a success scores less.
         slowest: Multiple beyond which it scores no less.
         begins_at: Distance from the start at which the clock starts [m].
@@ -22,7 +21,6 @@ class Rule:
     """
 
     limit: float = 60.0
-    radius: float = 0.5
     fastest: float = 1.0
     slowest: float = 4.0
     begins_at: float = 0.0
@@ -35,15 +33,13 @@ class Task:
     """One episode of a track.
 
     Attributes:
-        run: The world and the rover; its driver obeys commands.
-        goals: In their order, in the world [m].
+        run: The world and the rover, which obeys commands, and the route that is to be driven.
         shortest: Length of the shortest way through all goals [m].
         optimal: Time that it takes at best [s].
         rule: How it is judged.
     """
 
     run: Run
-    goals: tuple[Point, ...]
     shortest: float
     optimal: float
     rule: Rule

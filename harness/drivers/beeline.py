@@ -11,13 +11,16 @@ TURN_GAIN = 2.0  # of the cruising yaw rate for each radian
 
 
 class Beeline:
-    """Turns towards its goal while it drives there, slower the more it has to turn."""
+    """Turns towards its goal while it drives there, slower the more it has to turn.
+
+    A subclass that looks at what is in the way overrides `towards`.
+    """
 
     summary: ClassVar[str] = "drives straight to each /goal_pose, whatever is in the way"
     senses: ClassVar[frozenset[type[Sample]]] = frozenset()
 
     def __init__(self, context: DriverContext) -> None:
-        self._rover = context.rover
+        self.rover = context.rover
         self._goal: tuple[float, float] | None = None
 
     def head_for(self, x: float, y: float, _yaw: float) -> None:
@@ -29,7 +32,19 @@ class Beeline:
         here = observation.x, observation.y
         if self._goal is None or math.dist(self._goal, here) < REACHED:
             return Twist()
-        bearing = math.atan2(self._goal[1] - here[1], self._goal[0] - here[0])
-        error = math.remainder(bearing - observation.yaw, math.tau)
-        rate = max(-1.0, min(1.0, TURN_GAIN * error)) * self._rover.cruise_yaw_rate
-        return Twist(self._rover.cruise_speed * max(0.0, math.cos(error)), rate)
+        return self.towards(self._goal, observation)
+
+    def towards(self, goal: tuple[float, float], observation: Observation) -> Twist:
+        """Returns the twist towards a goal that is not reached [m]."""
+        error = off_course(goal, observation)
+        return Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), self.turning(error))
+
+    def turning(self, error: float) -> float:
+        """Returns the yaw rate that turns by an angle [rad]."""
+        return max(-1.0, min(1.0, TURN_GAIN * error)) * self.rover.cruise_yaw_rate
+
+
+def off_course(goal: tuple[float, float], observation: Observation) -> float:
+    """Returns the angle from the heading to a goal, left positive [rad]."""
+    bearing = math.atan2(goal[1] - observation.y, goal[0] - observation.x)
+    return math.remainder(bearing - observation.yaw, math.tau)

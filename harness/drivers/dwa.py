@@ -1,83 +1,143 @@
-"""The dynamic window approach (Fox, Burgard and Thrun 1997) on a map of what the lidar has seen.
+"""The dynamic window approach (Fox, Burgard and Thrun 1997) as the BARN challenge ships it.
 
-Every twist of a window is driven ahead for a while; the one whose end has the cheapest way to the goal
-wins, if the footprint stays free. Its limits are those that BARN's DWA was published with.
+That is ROS' base_local_planner with the settings of Daffan/the-barn-challenge at bf5a226 (jackal_helper,
+base_local_planner_params.yaml, costmap_common_params.yaml), on a map of what the lidar has seen: every
+twist is driven ahead for 2 s with the padded footprint; the cheapest end wins; where none is free, the
+rover turns on the spot, else it backs up. The way to go of the map stands for its two grids of path and
+goal.
 """
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.goal import REACHED
+from harness.drivers.beeline import Beeline
 from harness.samples import LaserScan, Sample, Twist
 
-TOP_SPEED, TOP_RATE = 0.5, 1.57  # [m/s], [rad/s]: DWA as the BARN challenge ships it
-SPEEDS, RATES = 6, 21  # twists of the window
-WINDOW = 1.0, 3.0  # [m/s], [rad/s]: how far the next twist may be from the last one
-# [m] before the end, where the way to the goal is looked up: heading counts; less near the goal
-AHEAD, AHEAD_SHARE = 0.25, 0.4
+SPEED, RATE = (0.1, 0.5), 1.57  # [m/s], [rad/s]
+SPEEDS, RATES = 6, 20
+FASTER = 1.0  # [rad/s]: 20 rad/s^2 over a period; 10 m/s^2 reach every speed
+LEAST_TURN = 0.314  # [rad/s] on the spot
+STEP, STEPS = 0.1, 20  # [s]: 2 s in all
+PADDING = 0.08, 0.055  # [m] ahead and aside; with it the Jackal's footprint is BARN's 0.62 x 0.53 m
+SPACING = 0.15  # [m] between points of the footprint's outline
+# Cost within the half width of what is occupied, how far beyond it ends [m], and what it is worth [m].
+INSCRIBED, FADING, OF_COST = 253.0, 0.035, 0.005
+LOOKED_AHEAD = 0.325  # [m], for turns on the spot
+MOVED, ESCAPED = 0.05, (0.1, 0.1)  # [m] until it may turn the other way; [m], [rad] of backing up
+BACK = -0.5  # [m/s]
 PLANNED_EVERY = 4  # periods
-BACK = -0.15  # [m/s], if every twist would touch
+# The map of costs: its ranges and its inflation.
+KEPT = {"marked": 2.5, "cleared": 3.0, "margin": PADDING[1], "ring": FADING, "shyness": 4.0}
 
 
-class Dwa:
+class Dwa(Beeline):
     """Drives to each goal by the twist that leads on best."""
 
     summary: ClassVar[str] = "drives to each /goal_pose by the dynamic window approach on a local map"
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
+    kept: ClassVar[Mapping[str, float]] = KEPT  # MapOptions
+    decides_every: ClassVar[int] = 2  # periods: 10 Hz, at which its goal comes and stops it for a cycle
 
     def __init__(self, context: DriverContext) -> None:
-        from harness.drivers.local_map import LocalMap  # noqa: PLC0415 - who only names drivers does
+        from harness.drivers.local_map import LocalMap, MapOptions  # noqa: PLC0415 - who only names drivers does
 
-        rover = context.rover
-        self._map = LocalMap(context)
-        self._top = min(TOP_SPEED, rover.top_speed), TOP_RATE
-        x_min, x_max = rover.footprint[:2]
-        self._discs = np.array([x_min + share * (x_max - x_min) for share in (0.25, 0.75)])
-        self._radius = math.hypot(0.25 * rover.length, 0.5 * rover.width)
-        self._goal: tuple[float, float] | None = None
+        super().__init__(context)
+        self._map = LocalMap(context, MapOptions(**self.kept))
+        self._inscribed = 0.5 * context.rover.width + PADDING[1]
+        self._outline = self._outlined()
         self._last, self._count = Twist(), 0
+        self._turned: tuple[float, float, float] | None = None  # where, and which way
+        self._backed: tuple[float, float, float] | None = None  # from where, and its heading
 
-    def head_for(self, x: float, y: float, _yaw: float) -> None:
+    def head_for(self, x: float, y: float, yaw: float) -> None:
         """Takes the next goal [m]; it arrives there with any heading."""
-        self._goal, self._count = (x, y), 0
+        super().head_for(x, y, yaw)
+        self._count = 0
 
     def command(self, observation: Observation) -> Twist:
         """Returns the twist that leads on best; it stands at the goal, and before the first."""
-        here = observation.x, observation.y
         self._map.see(observation)
-        if self._goal is None or math.dist(self._goal, here) < REACHED:
-            self._last = Twist()
-            return self._last
-        if self._count % PLANNED_EVERY == 0:
-            self._map.plan(here, self._goal)
-            self._corner = np.array(self._map.corner)
-        self._count += 1
-        self._last = self._best(observation)
+        self._last = super().command(observation)
         return self._last
 
-    def _best(self, observation: Observation) -> Twist:
-        from harness.drivers.dwa_kernel import judged  # noqa: PLC0415 - without compiled kernels
+    def towards(self, goal: tuple[float, float], observation: Observation) -> Twist:
+        """Returns the twist that leads to a goal best."""
+        if self._count % PLANNED_EVERY == 0:
+            self._map.plan((observation.x, observation.y), goal)
+            self._corner = self._map.corner
+        self._count += 1
+        due = self._count % self.decides_every == 1 % self.decides_every
+        return self._best(goal, observation) if due else self._last
 
-        twists, yaw = self._window(), observation.yaw
-        pose = np.array([observation.x, observation.y, math.cos(yaw), math.sin(yaw)])
-        field = self._map.clearance, self._map.to_go, self._corner
-        assert self._goal is not None  # noqa: S101 - as `command` makes sure
-        ahead = min(AHEAD, AHEAD_SHARE * math.dist(self._goal, (observation.x, observation.y)))
-        costs = judged(*field, pose, twists, self._discs, self._radius, ahead)
-        best = int(np.argmin(costs))
-        if not math.isfinite(costs[best]):
+    def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:
+        from harness.drivers.rollout import AHEAD, END, FARTHEST, ROOM  # noqa: PLC0415 - kernels
+
+        here = observation.x, observation.y
+        twists = self._twists(math.dist(goal, here))
+        plans = np.repeat(twists[:, None], STEPS, axis=1)
+        found = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
+        near = 1.0 - (found[:, ROOM] - self._inscribed) / FADING
+        cost = found[:, END] + OF_COST * INSCRIBED * np.minimum(np.maximum(near, 0.0), 1.0)
+        cost[(found[:, ROOM] <= 0.0) | np.isinf(found[:, FARTHEST])] = np.inf
+        on_the_spot, way = twists[:, 0] == 0.0, self._way(here)
+        forward = np.where(on_the_spot | self._is_escaping(observation), np.inf, cost)
+        allowed = on_the_spot & np.isfinite(cost) & (cost <= forward.min()) & (way * twists[:, 1] >= 0.0)
+        if allowed.any():
+            best = int(np.argmin(np.where(allowed, found[:, AHEAD], np.inf)))
+            self._turned = self._turned or (*here, float(twists[best, 1]))
+        elif math.isfinite(forward.min()):
+            best = int(np.argmin(forward))
+        else:
+            self._backed = self._backed or (*here, observation.yaw)
             return Twist(BACK)
         return Twist(float(twists[best, 0]), float(twists[best, 1]))
 
-    def _window(self) -> NDArray[np.float64]:
-        top, rate = self._top
-        dv, dw = WINDOW
-        speeds = np.linspace(max(0.0, self._last.linear - dv), min(top, self._last.linear + dv), SPEEDS)
-        rates = np.linspace(
-            max(-rate, self._last.angular - dw), min(rate, self._last.angular + dw), RATES
-        )
-        return np.column_stack([np.repeat(speeds, RATES), np.tile(rates, SPEEDS)])
+    def _way(self, here: tuple[float, float]) -> float:
+        """Which way it turned on this spot; 0 if it may turn either way."""
+        if self._turned is not None and math.dist(self._turned[:2], here) > MOVED:
+            self._turned = None
+        return 0.0 if self._turned is None else self._turned[2]
+
+    def _is_escaping(self, observation: Observation) -> bool:
+        """Whether it has not backed up far enough to go ahead again."""
+        if self._backed is not None:
+            far = math.dist(self._backed[:2], (observation.x, observation.y)) > ESCAPED[0]
+            turn = math.remainder(self._backed[2] - observation.yaw, math.tau)
+            if far or abs(turn) > ESCAPED[1]:
+                self._backed = None
+        return self._backed is not None
+
+    def _twists(self, distance: float) -> NDArray[np.float64]:
+        """Those that are tried: straight on, then in curves, then on the spot."""
+        low, top = SPEED
+        speeds = np.linspace(low, max(low, min(top, self.rover.top_speed, distance / 2.0)), SPEEDS)
+        last = self._last.angular
+        rates = np.linspace(max(-RATE, last - FASTER), min(RATE, last + FASTER), RATES)
+        turns = np.copysign(np.maximum(np.abs(rates), LEAST_TURN), rates)
+        curves = np.append(0.0, rates)
+        ahead = np.column_stack([np.repeat(speeds, len(curves)), np.tile(curves, SPEEDS)])
+        return np.concatenate([ahead, np.column_stack([np.zeros(RATES), turns])])
+
+    def _rolled(
+        self, seen: Observation, plans: NDArray[np.float64], step: float, close: float, ahead: float
+    ) -> NDArray[np.float64]:
+        """What `rolled` finds of plans from where the rover is."""
+        from harness.drivers.rollout import rolled  # noqa: PLC0415 - without compiled kernels
+
+        (x, y), known = self._corner, self._map
+        pose = np.array([seen.x - x, seen.y - y, math.cos(seen.yaw), math.sin(seen.yaw)])
+        return rolled(known.clearance, known.to_go, pose, plans, step, self._outline, close, ahead)
+
+    def _outlined(self) -> NDArray[np.float64]:
+        """Points around the padded footprint."""
+        (x_min, x_max, y_min, y_max), (ahead, aside) = self.rover.footprint, PADDING
+        x_min, x_max, y_min, y_max = x_min - ahead, x_max + ahead, y_min - aside, y_max + aside
+        along = np.linspace(x_min, x_max, math.ceil((x_max - x_min) / SPACING) + 1)
+        across = np.linspace(y_min, y_max, math.ceil((y_max - y_min) / SPACING) + 1)[1:-1]
+        sides = [(x, y, 0.0) for y in (y_min, y_max) for x in along]
+        return np.array(sides + [(x, y, 0.0) for x in (x_min, x_max) for y in across])

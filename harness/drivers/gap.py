@@ -11,47 +11,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.goal import REACHED
+from harness.drivers.beeline import Beeline, off_course
 from harness.samples import LaserScan, Sample, Twist
 
 MARGIN = 0.08  # [m] beside the rover
 FAR = 3.0  # [m]: a direction that is free so far is open
 SECTORS = 180  # directions that are looked at, all around
 STOP, SLOW = 0.08, 1.0  # [m] of room ahead at which it stops, from which it slows down
-TURN_GAIN = 2.0  # of the cruising yaw rate for each radian
 
 
-class Gap:
+class Gap(Beeline):
     """Turns to the direction whose room and whose detour are best, as one scan shows them."""
 
     summary: ClassVar[str] = "drives to each /goal_pose through the gaps of one scan, without memory"
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
-        rover = context.rover
-        self._rover, self._bearings = rover, context.bearings
+        super().__init__(context)
+        rover, self._bearings = context.rover, context.bearings
         self._directions = np.linspace(-math.pi, math.pi, SECTORS + 1)[:-1]
         self._width = 0.5 * rover.width + MARGIN
         self._nose = rover.footprint[1] - rover.lidar_x
-        self._goal: tuple[float, float] | None = None
 
-    def head_for(self, x: float, y: float, _yaw: float) -> None:
-        """Takes the next goal [m]; it arrives there with any heading."""
-        self._goal = x, y
-
-    def command(self, observation: Observation) -> Twist:
-        """Returns the twist into the best gap; it stands at the goal, and before the first."""
-        here = observation.x, observation.y
-        if self._goal is None or math.dist(self._goal, here) < REACHED:
-            return Twist()
-        bearing = math.atan2(self._goal[1] - here[1], self._goal[0] - here[0])
-        error = math.remainder(bearing - observation.yaw, math.tau)
-        room = self._room(observation.ranges, math.dist(self._goal, here))
-        heading = self._heading(room, error)
-        rate = max(-1.0, min(1.0, TURN_GAIN * heading)) * self._rover.cruise_yaw_rate
+    def towards(self, goal: tuple[float, float], observation: Observation) -> Twist:
+        """Returns the twist into the gap that leads to a goal best."""
+        room = self._room(observation.ranges, math.dist(goal, (observation.x, observation.y)))
+        heading = self._heading(room, off_course(goal, observation))
         ahead = float(room[SECTORS // 2]) - self._nose
         slow = min(1.0, max(0.0, ahead - STOP) / SLOW) * max(0.0, math.cos(heading)) ** 2
-        return Twist(self._rover.cruise_speed * slow, rate)
+        return Twist(self.rover.cruise_speed * slow, self.turning(heading))
 
     def _heading(self, room: NDArray[np.float64], error: float) -> float:
         """The direction whose detour is least among those that are open, or the one with most room."""

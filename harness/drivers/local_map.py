@@ -5,6 +5,7 @@ its beams cross and occupies those where they end. Kernels sum in a fixed order 
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,22 +15,38 @@ from harness.drivers.base import DriverContext, Observation
 from harness.world.grid import STEPS, Cells, Lengths, distances, travel
 
 CELL, SIDE = 0.05, 200  # [m] of a cell; cells along a side
-MARKED = 5.0  # [m]: what is hit farther away may be the ground that a tilted rover looks at
-CLEARED = 7.0  # [m] along a beam that hits nothing
-MARGIN = 0.03  # [m] beside the rover that a way keeps free
-SHY, SHYNESS = 0.35, 3.0  # [m] around hazards in which a way costs more, and how much more
 GOAL_DISC = 0.4  # [m] around a goal in which a way may end
 
 Point = tuple[float, float]
 
 
+@dataclass(frozen=True)
+class MapOptions:
+    """What a map keeps of a scan, and what its ways cost.
+
+    Attributes:
+        marked: Range up to which a hit occupies its cell; farther away it may be the ground that a
+            tilted rover looks at [m].
+        cleared: Range up to which a beam frees the cells that it crosses [m].
+        margin: Beside the rover, which a way keeps free [m].
+        ring: Width of the ring beyond it in which a way costs more [m].
+        shyness: How much more it costs there at most.
+    """
+
+    marked: float = 5.0
+    cleared: float = 7.0
+    margin: float = 0.03
+    ring: float = 0.35
+    shyness: float = 3.0
+
+
 @kernel("void(b1[:,:], f8, f8, f8, f8, f4[:], f8[:], f8[:])")
 def mark(
     cells: Cells,
-    corner_x: float,
-    corner_y: float,
     x: float,
     y: float,
+    marked: float,
+    cleared: float,
     ranges: NDArray[np.float32],
     cos: NDArray[np.float64],
     sin: NDArray[np.float64],
@@ -38,10 +55,10 @@ def mark(
 
     Args:
         cells: Changed in place.
-        corner_x: Of the grid in the world [m].
-        corner_y: Of the grid in the world [m].
-        x: Of the lidar in the world [m].
-        y: Of the lidar in the world [m].
+        x: Of the lidar from the grid's corner [m].
+        y: Of the lidar from the grid's corner [m].
+        marked: As of MapOptions [m].
+        cleared: As of MapOptions [m].
         ranges: Of a scan, REP-117 [m].
         cos: Of each beam's direction in the world.
         sin: Of each beam's direction in the world.
@@ -50,18 +67,18 @@ def mark(
         reach = ranges[beam]
         if math.isnan(reach) or reach < 0.0:
             continue
-        steps = int(min(reach - CELL, CLEARED) / CELL)
+        steps = int(min(reach - CELL, cleared) / CELL)
         for step in range(steps):
-            column = int((x + step * CELL * cos[beam] - corner_x) / CELL)
-            row = int((y + step * CELL * sin[beam] - corner_y) / CELL)
+            column = int((x + step * CELL * cos[beam]) / CELL)
+            row = int((y + step * CELL * sin[beam]) / CELL)
             if not (0 <= row < SIDE and 0 <= column < SIDE):
                 break
             cells[row, column] = False
     for beam in range(len(ranges)):
         reach = ranges[beam]
-        if reach <= MARKED and reach > 0.0:
-            column = int((x + reach * cos[beam] - corner_x) / CELL)
-            row = int((y + reach * sin[beam] - corner_y) / CELL)
+        if reach <= marked and reach > 0.0:
+            column = int((x + reach * cos[beam]) / CELL)
+            row = int((y + reach * sin[beam]) / CELL)
             if 0 <= row < SIDE and 0 <= column < SIDE:
                 cells[row, column] = True
 
@@ -71,6 +88,7 @@ class LocalMap:
 
     Args:
         context: Of the driver that has it.
+        options: What it keeps and what its ways cost.
 
     Attributes:
         corner: Of the grid in the world [m].
@@ -79,11 +97,11 @@ class LocalMap:
         to_go: Cost of the way from each cell to the goal, about its length [m]; inf without one.
     """
 
-    def __init__(self, context: DriverContext) -> None:
+    def __init__(self, context: DriverContext, options: MapOptions) -> None:
         rover = context.rover
         self._bearings = context.bearings
         self._mount = rover.lidar_x, rover.lidar_y
-        self._half_width = 0.5 * rover.width + MARGIN
+        self._options, self._half_width = options, 0.5 * rover.width + options.margin
         self._cells: Cells = np.zeros((SIDE, SIDE), np.bool_)
         self._at: tuple[int, int] | None = None  # cells of the corner from the world's origin
         self.clearance: Lengths = np.full((SIDE, SIDE), math.inf)
@@ -101,13 +119,14 @@ class LocalMap:
         if observation.ranges is None:
             return
         ahead, left = math.cos(observation.yaw), math.sin(observation.yaw)
-        x, y = self._mount
+        (x, y), (corner_x, corner_y) = self._mount, self.corner
         angles = self._bearings + observation.yaw
         mark(
             self._cells,
-            *self.corner,
-            observation.x + ahead * x - left * y,
-            observation.y + left * x + ahead * y,
+            observation.x + ahead * x - left * y - corner_x,
+            observation.y + left * x + ahead * y - corner_y,
+            self._options.marked,
+            self._options.cleared,
             observation.ranges,
             np.cos(angles),
             np.sin(angles),
@@ -116,12 +135,13 @@ class LocalMap:
     def plan(self, here: Point, goal: Point) -> None:
         """Finds the ways to a goal [m] from all cells, and how much room there is."""
         self.clearance = CELL * distances(self._cells)
-        room = np.maximum(0.0, 1.0 - (self.clearance - self._half_width) / SHY)
-        cost = np.where(self.clearance > self._half_width, 1.0 + SHYNESS * room * room, np.inf)
+        shyness, half_width = self._options.shyness, self._half_width
+        room = np.maximum(0.0, 1.0 - (self.clearance - half_width) / self._options.ring)
+        cost = np.where(self.clearance > half_width, 1.0 + shyness * room * room, np.inf)
         row, column = self.cell(here)
-        reach = math.ceil(self._half_width / CELL)
+        reach = math.ceil(half_width / CELL)
         own = np.s_[max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1]
-        cost[own] = np.minimum(cost[own], 4.0 * SHYNESS)  # it stands there: there must be a way out
+        cost[own] = np.minimum(cost[own], 4.0 * shyness)  # it stands there: there must be a way out
         ends, begin = self._ends(goal, cost)
         self.to_go = CELL * travel(cost, ends, begin / CELL, STEPS)
 

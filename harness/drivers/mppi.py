@@ -6,6 +6,7 @@ everywhere.
 """
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -16,15 +17,22 @@ from harness.drivers.dwa import Dwa
 from harness.samples import Twist
 
 PLANS, STEPS = 300, 16  # noisy plans, and the twists of each
+STEP = 0.15  # [s] that each twist of a plan holds
 SHARE = 0.9  # of the rover's top speed that is commanded at most
 NOISE = 0.35, 0.9  # standard deviation of the noise [m/s], [rad/s]
 SMOOTH = 0.6  # how much of its noise a twist of a plan hands on to the next one
+NEAR, NEARNESS = 0.25, 0.4  # [m] beside the footprint within which each step costs, and how much
+LOOKED_AHEAD = 0.3  # [m] before the end of a plan, where the way to go is looked up: heading counts
+TOUCH = 1e3  # of a plan that would touch
+TEMPERATURE = 0.35  # [m]: plans that cost so much more than the cheapest weigh a sixteenth as much
 
 
 class Mppi(Dwa):
     """Drives to each goal as a mean of noisy plans says, up to 0.9 of the rover's top speed."""
 
     summary: ClassVar[str] = "drives to each /goal_pose by path integrals (MPPI) on a local map"
+    kept: ClassVar[Mapping[str, float]] = {}
+    decides_every: ClassVar[int] = 1
 
     def __init__(self, context: DriverContext) -> None:
         super().__init__(context)
@@ -32,14 +40,14 @@ class Mppi(Dwa):
         self._limits = np.array([SHARE * context.rover.top_speed, 2.0 * context.rover.cruise_yaw_rate])
         self._plan = np.zeros((STEPS, 2))
 
-    def _best(self, observation: Observation) -> Twist:
-        from harness.drivers.mppi_kernel import blended, priced  # noqa: PLC0415 - see Dwa
+    def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:  # noqa: ARG002
+        from harness.drivers.rollout import AHEAD, CLOSE, NEAREST, ROOM  # noqa: PLC0415 - see Dwa
 
-        yaw = observation.yaw
-        pose = np.array([observation.x, observation.y, math.cos(yaw), math.sin(yaw)])
         plans = self._noisy()
-        field = self._map.clearance, self._map.to_go, self._corner
-        self._plan = blended(plans, priced(*field, pose, plans, self._discs, self._radius))
+        found = self._rolled(observation, plans, STEP, NEAR, LOOKED_AHEAD)
+        cost = NEARNESS * found[:, CLOSE] + 0.02 * STEP * np.add.reduce(np.abs(plans[:, :, 1]).T)
+        cost += np.minimum(found[:, AHEAD], TOUCH) + 0.2 * np.minimum(found[:, NEAREST], TOUCH)
+        self._plan = blended(plans, cost + TOUCH * (found[:, ROOM] <= 0.0))
         speed, rate = self._plan[0].tolist()
         return Twist(speed, rate)
 
@@ -53,3 +61,22 @@ class Mppi(Dwa):
         plans[1] = 0.0
         low = np.array([-0.2 * self._limits[0], -self._limits[1]])
         return np.asarray(np.minimum(np.maximum(plans, low), self._limits))
+
+    def _outlined(self) -> NDArray[np.float64]:
+        """Two discs that cover the footprint."""
+        x_min, x_max = self.rover.footprint[:2]
+        radius = math.hypot(0.25 * self.rover.length, 0.5 * self.rover.width)
+        return np.array([(x_min + share * (x_max - x_min), 0.0, radius) for share in (0.25, 0.75)])
+
+
+def blended(plans: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the mean of plans, each with the weight 1 / (1 + its cost above the least / T)^4.
+
+    Args:
+        plans: Shape (n, STEPS, 2).
+        costs: Of each [m].
+    """
+    weights = 1.0 / (1.0 + (costs - costs.min()) / TEMPERATURE)
+    weights *= weights
+    weights *= weights
+    return np.asarray(np.add.reduce(weights[:, None, None] * plans) / math.fsum(weights))

@@ -36,17 +36,18 @@ class CmdVel(OpenLoop):
         super().__init__(Twist())
         self._timeout_ns = context.command_timeout_ns
         self._since_ns: int | None = None
+        self._held = False
 
-    def obey(self, twist: Twist) -> None:
-        """Takes the next command."""
-        self.latest, self._since_ns = twist, None
+    def obey(self, twist: Twist, *, held: bool = False) -> None:
+        """Takes the next command; one that is held knows no time-out."""
+        self.latest, self._since_ns, self._held = twist, None, held
 
     def command(self, observation: Observation) -> Twist:
         """Returns the twist in force, which stands from the next control period on."""
         if self._since_ns is None:
             self._since_ns = observation.time_ns
         age_ns = observation.time_ns - self._since_ns
-        is_over = self._timeout_ns is not None and age_ns >= self._timeout_ns
+        is_over = self._timeout_ns is not None and not self._held and age_ns >= self._timeout_ns
         return Twist() if is_over else self.latest
 
 

@@ -15,9 +15,10 @@ from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.encounters import StagedEncounter
+from harness.faults.actuation import WHEEL, ActuatorFaults
 from harness.faults.injector import FaultInjector
 from harness.faults.lookup import find_faults
-from harness.robots import RoverSpec, find_rover
+from harness.robots import RoverSpec, equipped, find_rover
 from harness.sensors.choice import chosen
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
@@ -35,12 +36,18 @@ from harness.world.route import RouteProgress, check_target, marks
 from harness.world.soil_map import check_soil, soils_on
 from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
+from rover_metrics.topics import ENERGY
+
+
+def rover_of(setup: RoverSetup) -> RoverSpec:
+    """Returns a rover of a run with the motors and the tyres that it has there; UsageError without."""
+    return equipped(find_rover(setup.robot), setup.actuators, setup.surface)
 
 
 def check(run: Run) -> None:
     """Checks everything that can be checked without building the world; a UsageError names what fits."""
     for rover in run.rovers:
-        find_rover(rover.robot)
+        rover_of(rover)
     check_terrain(run.world)
     check_soil(run.world.soil, run.world.terrain)
     people(run.world)
@@ -128,6 +135,12 @@ def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
     return tuple(replace(row, noise=noise) for row in rows)
 
 
+def tells_energy(rover: RoverSetup) -> bool:
+    """Returns whether a rover carries the battery that the columns of energy are made of."""
+    topics = (f"/{topic.name}" for row in sensor_rows(rover) for topic in row.topics)
+    return any(topic == source.name for topic in topics for source in ENERGY)
+
+
 def gravity(run: Run, number: int = 0) -> float:
     """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model."""
     of_world = _terrain_world(run).gravity if is_terrain_file(run.world.terrain) else None
@@ -139,6 +152,12 @@ def injector(run: Run, number: int = 0) -> FaultInjector:
     rover = run.rovers[number]
     rows = sensor_rows(rover)
     return FaultInjector(find_faults(rover.faults, rows), run.own_seed(number), rows, run.seed)
+
+
+def actuator_faults(run: Run, number: int = 0) -> ActuatorFaults:
+    """Returns what goes wrong between the commands and the wheels of a rover."""
+    rover = run.rovers[number]
+    return ActuatorFaults(find_faults(rover.faults, sensor_rows(rover)), run.own_seed(number))
 
 
 class Scenery(NamedTuple):
@@ -155,7 +174,7 @@ def scenery(run: Run, world: World | None = None) -> Scenery:
     return Scenery(
         world,
         tuple(
-            Member(rover.name, find_rover(rover.robot), start)
+            Member(rover.name, rover_of(rover), start)
             for rover, start in zip(run.rovers, starts, strict=True)
         ),
     )
@@ -241,7 +260,15 @@ def _check_rover(rover: RoverSetup) -> None:
     find_driver(rover.driver)
     if rover.noise is not None:
         find_named("noise preset", rover.noise, PRESETS)
-    find_faults(rover.faults, sensor_rows(rover))
+    equipped_rover, rows = rover_of(rover), sensor_rows(rover)
+    for row in rows:
+        if row.given is not None:
+            row.given.check(equipped_rover)
+    wheels = equipped_rover.wheel_names
+    for fault in find_faults(rover.faults, rows):
+        if fault.sensor.startswith(WHEEL) and fault.sensor.removeprefix(WHEEL) not in wheels:
+            named = ", ".join(WHEEL + wheel for wheel in wheels)
+            raise UsageError(f"there is no '{fault.sensor}'; available: {named}")
     if rover.goal_area is not None and not takes_goals(rover.driver):
         raise UsageError("a goal area gives goals by itself: it needs driver 'goal' or a policy")
     if rover.cmd_vel_timeout is not None and rover.driver != CMD_VEL:

@@ -11,13 +11,13 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import itemgetter
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
-from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, generator, seeded
+from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, VIBRATION, generator, seeded
 from harness.drivers import (
     CmdVel,
     Driver,
@@ -32,6 +32,7 @@ from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.route_course import RouteCourse
 from harness.episode.assembly import (
+    actuator_faults,
     check,
     check_world,
     follows_route,
@@ -48,11 +49,12 @@ from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.robots.reading import model_hash
+from harness.robots.sections import Shake
 from harness.samples import ActorPoses, GoalPose, Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors.base import EpisodeParts
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.noise import PRESETS, SensorNoise
+from harness.sensors.noise import EXACT, PRESETS, SensorNoise
 from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.people import PeopleSensor
 from harness.sensors.rays.bundle import Surroundings
@@ -64,6 +66,9 @@ from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
 from harness.world.geodesy import Datum
 from harness.world.world import World, terrain_hash
+
+if TYPE_CHECKING:
+    from harness.sensors.vibration import Vibration
 
 Given = TypeVar("Given", bound=SensorOptions)
 
@@ -126,7 +131,7 @@ class Episode:
         if frame_options is not None:
             self.description = describe(frames, frame_options)
             parts = replace(parts, frames=frames, frame_options=frame_options)
-        noise = sensor_noise(self.setup.noise, run.own_seed(number), lidar_spec)
+        noise = sensor_noise(self.setup.noise, run.own_seed(number), lidar_spec, rover.vibration)
         rates: dict[type[Sample], int] = {Imu: self.setup.imu_rate}
         self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
         crowd, told = self.simulation.crowd, samples is None or ActorPoses in samples
@@ -147,9 +152,14 @@ class Episode:
         planned += [(t, self._abort) for t in run.plan.aborts]
         planned += [(t, self._resume) for t in run.plan.resumes]
         planned += [(t, partial(self.hand_over, driver)) for t, driver in run.plan.drivers]
-        planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in run.plan.commands]
+        # Only a time-out that is asked for ends the commands of a plan, not the rover's own.
+        held = self.setup.cmd_vel_timeout is None
+        planned += [
+            (t, partial(self.command, Twist(*twist), held=held)) for t, *twist in run.plan.commands
+        ]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in run.plan.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
+        self._faults = actuator_faults(run, number)
         self._begin()
 
     def _begin(self) -> None:
@@ -159,6 +169,8 @@ class Episode:
         scene, (rng, *_) = self.simulation.scene, generators(self.run.own_seed(self.number), 3)
         middle, half_size = scene.world.roaming
         seconds = self.setup.cmd_vel_timeout
+        if seconds is None and scene.rover.real and scene.rover.actuators is not None:
+            seconds = scene.rover.actuators.command_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
         self._context = DriverContext(
             scene.rover,
@@ -176,10 +188,15 @@ class Episode:
         self._driver: Driver = find_driver(driver or self.setup.driver)(self._context)
         self._give_again()
 
-    def command(self, twist: Twist) -> None:
-        """Hands a command to the cmd_vel driver, unless the link is lost; others make their own."""
+    def command(self, twist: Twist, *, held: bool = False) -> None:
+        """Hands a command to the cmd_vel driver, unless the link is lost; others make their own.
+
+        Args:
+            twist: The command.
+            held: Whether it holds until the next one, whatever the time-out.
+        """
         if isinstance(self._driver, CmdVel) and self._is_linked:
-            self._driver.obey(twist)
+            self._driver.obey(twist, held=held)
 
     def head_for(self, place: Place) -> None:
         """Gives a driver that takes goals its next one; other drivers choose their own."""
@@ -221,7 +238,8 @@ class Episode:
     def begin_period(self, tick: int) -> None:
         """Does what is planned up to a tick, and takes the driver's command."""
         self._act(tick)
-        self._drive.command(self._commanded())
+        twist = self._faults.command(self._commanded(), self.simulation.time_ns)
+        self._drive.command(twist)
 
     @property
     def looks_at_each_tick(self) -> bool:
@@ -231,6 +249,7 @@ class Episode:
     def drive_wheels(self, ticks: int) -> None:
         """Commands the wheels for the next ticks."""
         self.simulation.command_ahead(self._drive.ahead(ticks))
+        self._faults.act(self.simulation)
 
     def needs(self, index: int) -> bool:
         """Returns whether anybody looks at the state at the end of a tick, counted from 1."""
@@ -436,12 +455,33 @@ def installed(
     )
 
 
-def sensor_noise(preset: str | None, seed: int, lidar: LidarSpec) -> SensorNoise | None:
-    """Returns the noise of an episode, from its own generators; None without."""
-    if preset is None:
+def sensor_noise(
+    preset: str | None, seed: int, lidar: LidarSpec, shakes: tuple[Shake, ...] = ()
+) -> SensorNoise | None:
+    """Returns the noise of an episode, from its own generators; None without.
+
+    Args:
+        preset: Its name; None for sensors without errors.
+        seed: Of the rover.
+        lidar: Whose limits ranges have.
+        shakes: What the surface that it drives on adds.
+    """
+    if preset is None and not shakes:
         return None
     _, scan_rng, imu_rng = generators(seed, 3)
-    return SensorNoise(PRESETS[preset], (lidar.range_min, lidar.range_max), scan_rng, imu_rng)
+    vibration = vibration_of(shakes, seed)
+    limits = lidar.range_min, lidar.range_max
+    chosen = EXACT if preset is None else PRESETS[preset]
+    return SensorNoise(chosen, limits, scan_rng, imu_rng, vibration)
+
+
+def vibration_of(shakes: tuple[Shake, ...], seed: int) -> "Vibration | None":
+    """Returns what shakes an IMU, from its own generator; None where nothing does."""
+    if not shakes:
+        return None
+    from harness.sensors.vibration import Vibration  # noqa: PLC0415 - it loads scipy's filters
+
+    return Vibration(shakes, generator(seed, VIBRATION))
 
 
 def generators(seed: int, count: int) -> list[np.random.Generator]:

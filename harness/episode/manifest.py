@@ -15,6 +15,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
 from harness.episode.plugins import plugins_of
 from harness.episode.result import RunResult
+from harness.robots import IDEAL
 from harness.truth.traversal import ContactEvent
 from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
@@ -80,8 +81,9 @@ def _arguments(result: RunResult) -> dict[str, Any]:
 
 
 def _stated(values: dict[str, Any]) -> dict[str, Any]:
-    """Values without the rare ones that nobody gave."""
-    return {name: value for name, value in values.items() if value or name not in RARE}
+    """Values without the rare ones that nobody gave, and without the usual motors."""
+    usual = dict.fromkeys(RARE, None) | {"actuators": IDEAL, "surface": None}
+    return {n: value for n, value in values.items() if n not in usual or (value or None) != usual[n]}
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:

@@ -8,28 +8,37 @@ from harness.base.sim_time import NANOSECONDS
 from harness.robots import RoverSpec
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
 from harness.sensors import table
+from harness.sensors.battery import Battery
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing import RowSchedule
-from rover_metrics.topics import SENSORS, TRUTH
+from rover_metrics.topics import ENERGY, sources_of
 
 if TYPE_CHECKING:
     from rover_metrics.core.columns import Row
 
 
 def extended_settings(
-    rover: RoverSpec, gravity: float | None = None, *, soil: bool = False
+    rover: RoverSpec, gravity: float | None = None, *, soil: bool = False, energy: bool = False
 ) -> ExtendedSettings:
-    """Returns the rover's footprint, lidar and wheels, gravity [m/s^2] (None: its model's), and soil."""
+    """Returns what a run knows of its rover.
+
+    Args:
+        rover: Has footprint and lidar.
+        gravity: Of its world [m/s^2]; its model's if None.
+        soil: Whether its world has some.
+        energy: Whether it carries a battery.
+    """
     return ExtendedSettings(
         footprint=Footprint.rectangle(rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, rover.lidar_y, rover.lidar_yaw),
         gravity=rover.gravity if gravity is None else gravity,
         wheels=",".join(rover.wheel_names),
         soil=soil,
+        energy=energy,
     )
 
 
@@ -44,13 +53,12 @@ class SampleFeed:
         increment = 2 * lidar.angle_max / (lidar.beams - 1)
         # sensor_msgs/LaserScan carries both as float32.
         self._angles = float(np.float32(-lidar.angle_max)), float(np.float32(increment))
-        sources = SENSORS if session.extended is None else (*SENSORS, *TRUTH)
-        heard = {source.name for source in sources}
+        heard = {source.name for source in sources_of(session)}
         topics = {
             row.sample: tuple(f"/{topic.name}" for topic in row.topics)
             for row in table.SENSORS
             if row.options is None
-        }
+        } | {Battery: tuple(source.name for source in ENERGY)}
         self._topics = {sample: names for sample, names in topics.items() if heard.issuperset(names)}
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
 
@@ -70,6 +78,8 @@ class SampleFeed:
                 session.take_odometry(sample.stamp_ns, (sample.twist.linear, 0.0, 0.0))
             case GroundTruth():
                 session.take_true_velocity(sample.linear_velocity)
+            case Battery(sensor="battery"):  # whose topic is that of the columns
+                session.take_battery(sample.stamp_ns, sample.voltage, sample.current)
             case TruthState():
                 session.take_contact(touches=sample.hazard_contact)
                 session.take_traversal(sample.traversal)

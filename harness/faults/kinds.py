@@ -1,9 +1,19 @@
 """All faults there are; the help shows them in this order."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
+from harness.faults.actuation import (
+    CMD_VEL,
+    MOTOR,
+    WHEEL,
+    frozen_commands,
+    late_commands,
+    lost_commands,
+)
 from harness.faults.base import Kind, SensorAct, Value
 from harness.faults.clock import ClockAct, drift, freeze, jump, reset, silence
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
@@ -12,6 +22,7 @@ from harness.spec.fault import LONGEST
 from rover_metrics.plugins import Table
 
 SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
+WEAK = Value("SHARE", "a share of the torque from 0 up, below 1", lambda x: 0.0 <= x < 1.0, default=0.0)
 SIZE = Value("SIZE", "a size above 0", lambda x: 0.0 < x < math.inf, default=10.0)
 ANY = Value("X", "a number, inf or nan", lambda _: True)
 RATE = Value("HZ", "a rate above 0 up to 100 Hz", lambda x: 0.0 < x <= 100.0)
@@ -58,3 +69,17 @@ OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind("freeze", "/clock repeats its last time, then catches up", freeze),
     Kind("dropout", "/clock is not sent", silence, SHARE),
 )
+# Between commands and wheels: they change the drive itself (harness.faults.actuation).
+OF_COMMANDS: tuple[Kind[Any], ...] = (
+    Kind("latency", "commands take effect S later", late_commands, DELAY),
+    Kind("dropout", "commands are lost; the last one stays in force", lost_commands, SHARE),
+    Kind("freeze", "no command is heard; the last one stays in force", frozen_commands),
+)
+OF_MOTORS = (Kind[Any]("weak", "the motors of a side give a SHARE of their torque", None, WEAK),)
+OF_WHEELS = (Kind[Any]("stuck", "the wheel does not turn", None),)
+OF_ACTUATION: Mapping[str, tuple[Kind[Any], ...]] = {
+    CMD_VEL: OF_COMMANDS,
+    f"{MOTOR}left": OF_MOTORS,
+    f"{MOTOR}right": OF_MOTORS,
+    f"{WHEEL}front_left": OF_WHEELS,  # and other wheels
+}

@@ -7,9 +7,10 @@ from typing import Any
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
+from harness.faults.actuation import WHEEL
 from harness.faults.base import Fault, Kind
 from harness.faults.clock import CLOCK
-from harness.faults.kinds import DUPLICATE, FAULTS, OF_SENSORS, OF_THE_CLOCK
+from harness.faults.kinds import DUPLICATE, FAULTS, OF_ACTUATION, OF_SENSORS, OF_THE_CLOCK, OF_WHEELS
 from harness.sensors import table
 from harness.sensors.table import ATTITUDE, SensorRow
 from harness.spec.fault import FaultSpec
@@ -25,6 +26,9 @@ def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
 
 def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str, Kind[Any]]:
     """Returns the faults of this project that a sensor, of some or of all, or the clock can have."""
+    actuated = OF_WHEELS if sensor.startswith(WHEEL) else OF_ACTUATION.get(sensor)
+    if actuated is not None:
+        return {kind.name: kind for kind in actuated}
     kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
     return {kind.name: kind for kind in kinds if _can_have(sensor, kind, rows)}
 
@@ -60,12 +64,15 @@ def find_faults(
 
 @cache  # a run checks its options and then makes its faults
 def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
-    sensor, some, names = spec.sensor, faults_of(spec.sensor, rows), sensors(rows)
-    if sensor not in names:
+    sensor, some = spec.sensor, faults_of(spec.sensor, rows)
+    is_sensor, names = sensor in sensors(rows), (*sensors(rows), *OF_ACTUATION)
+    if sensor not in names and not sensor.startswith(WHEEL):
         optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
         no_such = f"there is no sensor '{sensor}'{optional}"
         raise UsageError(f"fault '{spec}': {no_such}; available: {', '.join(names)}")
-    if sensor != CLOCK and spec.kind not in some and spec.kind in FAULTS:  # somebody else's
+    if (
+        is_sensor and sensor != CLOCK and spec.kind not in some and spec.kind in FAULTS
+    ):  # somebody else's
         other = FAULTS[spec.kind]
         some |= {spec.kind: other} if _can_have(sensor, other, rows) else {}
     if spec.kind not in some:
@@ -103,6 +110,11 @@ def describe_faults() -> str:
     for sensor in sensors():
         own = [_described(kind) for kind in faults_of(sensor).values() if kind.own or sensor == CLOCK]
         lines += [f"{sensor}:", *own] if own else []
+    lines += [
+        line
+        for sensor, kinds in OF_ACTUATION.items()
+        for line in (f"{sensor}:", *map(_described, kinds))
+    ]
     return "\n".join(lines)
 
 

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from harness.base.sim_time import CONTROL_PERIOD, TICKS_PER_CONTROL
-from harness.episode.assembly import world_of
+from harness.episode.assembly import rover_of, world_of
 from harness.episode.episode import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
@@ -17,7 +17,6 @@ from harness.physics.physics import Physics
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
-from harness.robots import find_rover
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
@@ -76,7 +75,7 @@ class Course:
     """
 
     def __init__(self, run: Run, camera: DepthOptions | None = None) -> None:
-        world, rover = world_of(run), find_rover(run.rover.robot)
+        world, rover = world_of(run), rover_of(run.rover)
         self.run, self.camera = run, camera
         self._frames = None if camera is None else rover_frames(rover, camera.frames(rover))
         self.scene = build_scene(world, rover, run.timestep)

@@ -13,6 +13,7 @@ from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.episode.episode import sensor_noise
 from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
+from harness.physics.motor_power import MotorPower
 from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.base import EpisodeParts
@@ -23,6 +24,7 @@ from harness.truth.soil import SoilWheels
 from harness.world.world import Start
 
 SENSED = (LaserScan, Imu, Pose, Odometry)
+HOUR = 3600.0  # [s]
 TICK = TICK_NS / NANOSECONDS  # [s]
 
 Readings = dict[type[Sample], Sample]
@@ -42,6 +44,7 @@ class DrivenRover:
         readings: The last samples, of each kind in SENSED and of the depth camera if there is one; as
             much older as the variation's latency says.
         hazard_s: Contact of the rover with hazards in the last control period [s].
+        energy: What the motors took in the last control period [W h]; 0 of servos.
         scrape_s: Contact of anything but wheels with the ground in the last control period [s].
         soil: What soil does to the wheels; None on rigid ground.
 
@@ -56,13 +59,16 @@ class DrivenRover:
         self._base = base_controller(scene.rover, TICK)
         lidar = course.lidar_of(self.simulation)
         parts = EpisodeParts(simulation=self.simulation, lidar=lidar)
-        noise = sensor_noise(course.run.rover.noise, noise_seed, course.lidar.spec)
+        noise = sensor_noise(
+            course.run.rover.noise, noise_seed, course.lidar.spec, scene.rover.vibration
+        )
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
         self._camera = course.camera_of(self.simulation, lidar, noise_seed)
         self._late: deque[Readings] = deque(maxlen=1 + variation.late_periods)
         sensors = [scene.model.sensor(index) for index in range(scene.model.nsensor)]
         self._hazard = int(scene.model.sensor(HAZARD_CONTACT).adr[0])
         self._scrapes = [int(s.adr[0]) for s in sensors if s.name.startswith(SCRAPE_CONTACT)]
+        self._motors, self.energy = MotorPower(self.simulation) if scene.rover.real else None, 0.0
         self._soil = None if self.simulation.physics.bed is None else SoilWheels(self.simulation)
         self._ticks = 0
         self.readings: Readings = {}
@@ -90,6 +96,8 @@ class DrivenRover:
             self._ticks += 1
             self._suite.tick(self._ticks)
         counts = physics.latest_sums(TICKS_PER_CONTROL)
+        if self._motors is not None:
+            self.energy = sum(self._motors.draw(sums)[1] for sums in counts) * TICK / HOUR
         self.hazard_s = TICK * int(np.count_nonzero(counts[:, self._hazard]))
         self.scrape_s = TICK * int(np.count_nonzero(counts[:, self._scrapes].any(axis=1)))
         self.soil = None if self._soil is None else self._soil.state()

@@ -58,12 +58,15 @@ if TYPE_CHECKING:
 
         robot: str = ""
         lidar_beams: int = 0
+        actuators: str = ""
         keep_ruts: bool = False
 else:
     RunOptions = create_model(
         "RunOptions",
         __base__=Value,
-        **keys_of("robot", "lidar_beams", "targets", "datum", "keep_ruts", *FILE_FIELDS),
+        **keys_of(
+            "robot", "actuators", "surface", "lidar_beams", "targets", "datum", "keep_ruts", *FILE_FIELDS
+        ),
     )
 
 

@@ -21,12 +21,14 @@ from harness.gym.observation import (
     soil_part,
 )
 from harness.gym.options import Options
-from harness.robots import find_rover
+from harness.robots import REAL, find_rover
 from harness.samples import Pose, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
 from harness.spec.value import Finite, Length, Value, as_tuple, checked, made
+
+ENERGY = "energy"  # the only term that is left out where it is not weighed
 
 
 class PointNavWeights(Value):
@@ -42,6 +44,7 @@ class PointNavWeights(Value):
         action_rate: Change of the action, both components' magnitudes added.
         sinkage: Depth of the deepest wheel in soil [m], in each step.
         stuck: 1 in each step in which wheels turn in soil without getting on.
+        energy: Taken by the motors [W h]; needs actuators="real".
     """
 
     progress: Finite = 1.0
@@ -53,6 +56,7 @@ class PointNavWeights(Value):
     action_rate: Finite = -0.01
     sinkage: Finite = 0.0
     stuck: Finite = 0.0
+    energy: Finite = 0.0
 
 
 class PointNavOptions(Options):
@@ -84,6 +88,12 @@ class PointNavOptions(Options):
             return None
         (width, height), rate = self.depth, round(1.0 / CONTROL_PERIOD)
         return made(DepthOptions, {"name": "depth", "width": width, "height": height, "rate": rate})
+
+    @model_validator(mode="after")
+    def _knows_its_energy(self) -> Self:
+        if self.reward.energy and self.actuators != REAL:
+            raise ValueError("the reward's weight 'energy' needs actuators 'real'; give both or neither")
+        return self
 
     @model_validator(mode="after")
     def _has_a_camera(self) -> Self:
@@ -127,7 +137,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             f"speed; 1 is {rover.top_speed:.3g} m/s, as fast as the wheels of {rover.name} turn",
             f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
         )
-        self._weights = dict(self.options.reward)
+        weights = dict(self.options.reward)
+        self._weights = {n: weight for n, weight in weights.items() if weight or n != ENERGY}
 
     def _begin(self, driven: DrivenRover) -> None:
         self._distance = self._to_goal(driven)
@@ -170,6 +181,7 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "action_rate": self._action_rate,
             "sinkage": 0.0 if driven.soil is None else max(driven.soil.sinkage),
             "stuck": 0.0 if driven.soil is None else float(driven.soil.stuck),
+            ENERGY: driven.energy,
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
         x, y, _ = driven.simulation.position

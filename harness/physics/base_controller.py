@@ -7,14 +7,17 @@ are not those of the model (facts: models/README.md).
 
 import math
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
+from harness.robots.sections import Actuators
 from harness.samples import Twist
 
+STILL = 1e-3  # [rad/s]: a speed that has faded below it is none, and the rover parks
 CREEPING = 1e-6  # [m/s]: slower is no speed, and has no curvature
 
 
@@ -121,7 +124,67 @@ def base_controller(rover: RoverSpec, period: float) -> BaseController:
         rover: The rover.
         period: From one call of `wheel_speeds` to the next [s].
     """
-    return Ackermann(rover, period) if rover.steers else DiffDrive(rover, period)
+    ideal = Ackermann(rover, period) if rover.steers else DiffDrive(rover, period)
+    if not rover.real or rover.actuators is None:
+        return ideal
+    return LaggingController(ideal, rover, rover.actuators, period)
+
+
+class LaggingController(BaseController):
+    """The controller of a rover whose motors are real, in front of the one of its kind of drive.
+
+    Commands come `delay` late to it; what it makes of them is limited and goes through two lags of first
+    order, whose sum is `lag`, to the wheels: the response of a speed loop is an S.
+
+    Args:
+        controller: Of its kind of drive.
+        rover: The rover.
+        actuators: What its motors can do.
+        period: From one call of `wheel_speeds` to the next [s].
+    """
+
+    def __init__(
+        self, controller: BaseController, rover: RoverSpec, actuators: Actuators, period: float
+    ) -> None:
+        super().__init__(rover, period)
+        self._controller, self._driven = controller, len(rover.drive.driven)
+        self._left = np.array([name in rover.drive.left for name in rover.drive.driven])
+        ticks, self._part = divmod(actuators.delay / period, 1.0)
+        self._late = deque([Twist()] * (int(ticks) + 1))
+        self._dead = actuators.dead_band / self._radius
+        self._turn = (actuators.turn_limit or math.inf) / self._radius
+        self._keep = np.exp(-2.0 * period / actuators.lag) if actuators.lag else 0.0
+        self._half_way = self._there = np.zeros(self._driven)
+
+    def commands(self) -> list[float]:
+        """Returns what the wheels are told now, as the controller of its kind of drive does."""
+        self._controller.command(self._delayed())
+        told = self._controller.wheel_speeds()
+        wanted = self._limited(told[: self._driven])
+        self._half_way = wanted + self._keep * (self._half_way - wanted)
+        self._there = self._half_way + self._keep * (self._there - self._half_way)
+        if not wanted.any() and (np.abs(self._there) < STILL).all():
+            self._half_way = self._there = np.zeros(self._driven)
+        return [*self._there.tolist(), *told[self._driven :].tolist()]
+
+    def _delayed(self) -> Twist:
+        """The command of a delay ago, between those of two periods."""
+        self._late.append(self._target)
+        earlier, later, part = self._late.popleft(), self._late[0], self._part
+        return Twist(
+            later.linear + part * (earlier.linear - later.linear),
+            later.angular + part * (earlier.angular - later.angular),
+        )
+
+    def _limited(self, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Speeds [rad/s] as the motors' drivers take them."""
+        speeds = np.where(np.abs(speeds) < self._dead, 0.0, speeds)
+        left, right = speeds[self._left].mean(), speeds[~self._left].mean()
+        excess = abs(right - left) - self._turn
+        if excess > 0.0:
+            half = np.copysign(excess / 2, right - left)
+            speeds = speeds + np.where(self._left, half, -half)
+        return speeds
 
 
 def curvature_of(angles: list[float], wheelbase: float, separation: float) -> float:

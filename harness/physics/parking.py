@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from harness.physics.scene import motors_of
 
 PARKED_IMPRATIO = 30.0  # stiffness of friction over that of the contact's normal direction
+LOCKED = 10.0  # times the motor's torque, that a stuck wheel resists: nor do motor and ground move it
 NEARLY_RIGID = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # solimp of the held bearings: they yield by 1e-4
 
 
@@ -43,17 +44,28 @@ class ParkingHold:
         self._driving = (model.opt.impratio, own, model.dof_solimp[self._dofs])
         parked_impratio = max(PARKED_IMPRATIO, model.opt.impratio)
         self._parked = (parked_impratio, own + _holding_torque(model, joints), np.array(NEARLY_RIGID))
-        self.held = False
+        self.held, self._stuck = False, np.zeros(len(joints))
+        self._strongest, self._joints = own + _holding_torque(model, joints), joints
+
+    def block(self, stuck: frozenset[str]) -> None:
+        """Keeps some wheels from turning, by the names of their joints, and lets go of all others."""
+        blocked = np.array([name in stuck for name in self._joints])
+        self._stuck = np.where(blocked, LOCKED * self._strongest, 0.0)
+        self._take_hold()
 
     def hold(self, holds: bool) -> None:
         """Parks the rover, or lets it drive."""
         if holds != self.held:
             self.held = holds
             self._all_parked ^= {self._name}
-            _, friction, solimp = self._parked if holds else self._driving
             self._model.opt.impratio = (self._parked if self._all_parked else self._driving)[0]
-            self._model.dof_frictionloss[self._dofs] = friction
-            self._model.dof_solimp[self._dofs] = solimp
+            self._take_hold()
+
+    def _take_hold(self) -> None:
+        _, friction, solimp = self._parked if self.held else self._driving
+        self._model.dof_frictionloss[self._dofs] = friction + self._stuck
+        rigid = (self._stuck > 0.0)[:, None]
+        self._model.dof_solimp[self._dofs] = np.where(rigid, NEARLY_RIGID, solimp)
 
 
 def _holding_torque(model: mujoco.MjModel, joints: tuple[str, ...]) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
@@ -134,6 +134,9 @@ class Physics:
         self.contacts.begin(watches=watched)
         if self.crowd is not None:
             self.crowd.move(self.time_ns + TICK_NS)
+        if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # whoever looks on
+            for rover in self.rovers:
+                rover.drag.turn(rover.twist[:2])
         self._simulated, per_tick = 0, self.steps_per_tick
         parked = zip(*(rover.parked for rover in self.rovers), strict=True)
         for holds, alike in groupby(parked):

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.actuators import Drag
 from harness.physics.contacts import RoverContacts
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene, motors_of
@@ -35,6 +36,7 @@ class Rover:
         contacts: What it touches in the tick that is shown.
         now: Its pose in the tick that is shown, as `pose`.
         parking: Its brake.
+        drag: What the ground resists of its motion.
         motors: The actuators that are commanded, in the order of the rover's `motors`; the first
             `driven` of them drive.
         ahead: To them in the ticks that are simulated next, shape (SPAN, motors).
@@ -55,6 +57,7 @@ class Rover:
         self.scene, self.contacts = scene, contacts
         model, self._geoms = scene.model, scene.geoms()
         self.parking = ParkingHold(model, scene.all_own(scene.rover.drive.driven), parked)
+        self.drag = Drag(model, scene.rover, scene.root)
         self.motors = np.array(motors_of(model, scene.all_own(scene.rover.motors)))
         self.driven = len(scene.rover.drive.driven)
         self.parked: list[bool] = []

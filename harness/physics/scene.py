@@ -16,6 +16,7 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
+from harness.physics.actuators import fit_motors, resist_rolling, sense_motors
 from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
@@ -135,15 +136,14 @@ def build_scenes(
     ]
     prefixes = ["", *(f"/{member.name}/" for member in fleet[1:])]
     roots = [prefix + root_of(spec) for prefix, spec in zip(prefixes, specs, strict=True)]
-    for number, one in enumerate(specs):
+    for number, (one, rover) in enumerate(zip(specs, rovers, strict=True)):
         _let_meet(one, number, len(specs))
         if world.soil is not None:
-            _let_sink(one, fleet[number].rover)
+            _let_sink(one, rover)
+        one.option.timestep = timestep
+        fit_motors(one, rover)
     spec = specs[0]
-    spec.option.timestep = timestep
-    if (
-        len(specs) == 1
-    ):  # what hangs together is the whole rover: to look for islands takes 2 % of a step
+    if len(specs) == 1:  # it hangs together: to look for islands takes 2 % of a step
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
@@ -155,23 +155,29 @@ def build_scenes(
     for prefix, root, rover in zip(prefixes, roots, rovers, strict=True):
         moving = [*solid, *((SUBTREE, other) for other in roots if other != root)]
         _add_truth_sensors(spec, prefix, root, rover, moving)
+        sense_motors(spec, rover, prefix)
     if world.gravity is not None:
         spec.option.gravity = [0.0, 0.0, -world.gravity]
     if world.friction is not None:
-        # The lesser of the two, as in Gazebo. MuJoCo takes the larger, unless one has priority.
-        for geom in spec.geoms:
-            is_ground = geom.contype & (GROUND_CONTACT["contype"] | SOIL_CONTACT)
-            friction = 0.0 if is_ground else min(geom.friction[0], world.friction)
-            geom.friction = [friction, *geom.friction[1:]]
+        _limit_friction(spec, world.friction)
     if dress is not None:
         _add_skins(spec, world)
         dress(spec)
     with warnings.catch_warnings(action="ignore"):  # of options of the other rovers' models
         model = spec.compile()
+    for rover, prefix, root in zip(rovers, prefixes, roots, strict=True):
+        resist_rolling(model, rover, prefix, model.body(root).id)
     return tuple(
         Scene(model, replace(world, start=of.start), of.rover, of.name, prefix, model.body(root).id)
         for of, prefix, root in zip(fleet, prefixes, roots, strict=True)
     )
+
+
+def _limit_friction(spec: mujoco.MjSpec, limit: float) -> None:
+    # The lesser of the two, as in Gazebo. MuJoCo takes the larger, unless one has priority.
+    for geom in spec.geoms:
+        is_ground = geom.contype & (GROUND_CONTACT["contype"] | SOIL_CONTACT)
+        geom.friction = [0.0 if is_ground else min(geom.friction[0], limit), *geom.friction[1:]]
 
 
 def soil_ground(world: World) -> Heightfield:

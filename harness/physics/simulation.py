@@ -1,6 +1,6 @@
 """One rover in a world: what its sensors, its truth and its driver read and command."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -45,6 +45,9 @@ class Simulation:
         self.steps_per_tick, self.tick_sum = physics.steps_per_tick, physics.tick_sum
         self.motors = self._rover.motors
         self._felt = scene.sensors()
+        driven = self.motors[: len(scene.rover.drive.driven)]
+        self._strongest = self.model.actuator_forcerange[driven].copy()
+        self._limited: tuple[object, ...] = (1.0, 1.0, frozenset())
         self._start = self._rover.state()
 
     @property
@@ -120,6 +123,22 @@ class Simulation:
             commands: Of each tick as `command_wheels` takes them, shape (ticks, motors).
         """
         self._rover.command(commands)
+
+    def limit_motors(self, strength: Mapping[str, float], stuck: frozenset[str]) -> None:
+        """Weakens the motors of the sides and blocks wheels, from now on.
+
+        Args:
+            strength: Share of their torque, of "left" and "right".
+            stuck: Joints of the wheels that do not turn.
+        """
+        if (now := (*strength.values(), stuck)) == self._limited:
+            return
+        self._limited = now
+        drive, own = self.scene.rover.drive, self.scene.own
+        for number, name in enumerate(drive.driven):
+            share = strength["left" if name in drive.left else "right"]
+            self.model.actuator_forcerange[self.motors[number]] = share * self._strongest[number]
+        self._rover.parking.block(frozenset(map(own, stuck)))
 
     def tick(self) -> None:
         """Advances one clock tick with all rovers, under what is commanded now, and shows its end.

@@ -16,7 +16,7 @@ from harness.samples import Vector3
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
-from rover_metrics.extended.metrics import EXTENDED_COLUMNS
+from rover_metrics.extended.metrics import ALL_COLUMNS
 from rover_metrics.extended.truth_columns import SLIP, slip_column
 from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
@@ -28,7 +28,7 @@ MOST_NOTES = 20  # kinds
 THRESHOLDS = {metric.column: metric.thresholds for metric in METRICS.values() if metric.thresholds}
 WITH_GRAVITY = ("Current Smoothness", "IMU Acceleration Magnitude", "Vertical Roughness")
 DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
-    column.header: column for column in EXTENDED_COLUMNS
+    column.header: column for column in ALL_COLUMNS
 }
 
 

@@ -10,20 +10,26 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.robots.reading import MODELS_DIR, read_rover
-from harness.robots.sections import Drive, FrameRow, Mount
+from harness.robots.sections import Drive, FrameRow, Mount, Tyres
 from harness.robots.spec import RoverSpec
 
 __all__ = [
+    "IDEAL",
     "MODELS_DIR",
+    "REAL",
     "ROVERS",
     "Drive",
     "FrameRow",
     "Mount",
     "RoverSpec",
+    "equipped",
     "find_rover",
     "read_rover",
     "robot_name",
 ]
+
+
+IDEAL, REAL = "ideal", "real"  # what drives the wheels
 
 
 class _Rovers(Mapping[str, RoverSpec]):
@@ -63,6 +69,36 @@ def find_rover(robot: str) -> RoverSpec:
             "or the path of a folder with a rover.yaml (docs/robots.md)"
         )
     return read_rover(Path(robot).resolve())
+
+
+def equipped(rover: RoverSpec, actuators: str, surface: str) -> RoverSpec:
+    """Returns a rover with motors and tyres as a run has them.
+
+    Args:
+        rover: As its folder says.
+        actuators: IDEAL for the model's servos, REAL for those of its section `actuators`.
+        surface: The name of one of its surfaces; "" for tyres as the folder says.
+
+    Raises:
+        UsageError: The folder has no such section or surface.
+    """
+    where = rover.folder / "rover.yaml"
+    if actuators == REAL and rover.actuators is None:
+        raise UsageError(
+            f"--actuators real needs the section 'actuators', which {where} lacks "
+            "(docs/real_rovers.md); give it, or leave the option out"
+        )
+    rover = rover.but(real=True) if actuators == REAL else rover
+    if not surface:
+        return rover
+    if surface not in rover.surfaces:
+        there = ", ".join(rover.surfaces) or "none"
+        raise UsageError(f"surface '{surface}' is not one of {where}; available: {there}")
+    met = rover.surfaces[surface]
+    tyres = Tyres(**{name: getattr(met, name) for name in Tyres.model_fields})
+    return rover.but(
+        tyres=tyres, vibration=met.vibration, wheel_friction=tyres.friction or rover.wheel_friction
+    )
 
 
 def robot_name(robot: str) -> str:

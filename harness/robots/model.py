@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.robots.sections import Mount
+from harness.robots.sections import Mount, Tyres
 from harness.robots.spec import RoverSpec
 from harness.robots.strangers import check_files, check_quantities, inside
 
@@ -28,6 +28,7 @@ SENSORS = {
 }
 # Of what harness.physics.scene adds.
 TAKEN = frozenset(("terrain", "rocks", "hazards", "rock_contact", "hazard_contact"))
+ROUND = (mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYLINDER)  # radius first
 ABOVE = 0.05  # [m] over the highest point: a lidar that nobody has placed
 
 
@@ -57,7 +58,9 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
     free_root(spec, path)
     sort_geoms(spec)
     show_what_collides(spec)
-    _add_site(spec, "imu", rover.imu or Mount(), path)
+    _put_on(rover, spec)
+    has_imu = any(site.name == "imu" for site in spec.sites)
+    _add_site(spec, "imu", rover.imu or (None if has_imu else Mount()), path)
     _add_site(spec, "lidar", rover.lidar, path)
     for name, kind in SENSORS.items():
         if all(sensor.name != name for sensor in spec.sensors):
@@ -139,9 +142,27 @@ def show_what_collides(spec: mujoco.MjSpec) -> None:
             )
 
 
+def _put_on(rover: RoverSpec, spec: mujoco.MjSpec) -> None:
+    """Gives the wheels the tyres of rover.yaml."""
+    tyres, wheels = rover.tyres, set(rover.wheel_joints)
+    for body in spec.bodies[1:] if tyres != Tyres() else ():
+        if not any(joint.name in wheels for joint in body.joints):
+            continue
+        for geom in (one for one in body.geoms if one.group == COLLIDING_GROUP):
+            sliding, turning, rolling = geom.friction
+            geom.friction = [tyres.friction or sliding, tyres.turning or turning, rolling]
+            geom.priority = max(geom.priority, 1)
+            geom.condim = max(geom.condim, 4) if tyres.turning else geom.condim
+            if tyres.radius is not None and geom.type in ROUND:
+                geom.size = [tyres.radius, geom.size[1], tyres.radius * bool(geom.size[2])]
+
+
 def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -> None:
-    if any(site.name == name for site in spec.sites):
+    there = [site for site in spec.sites if site.name == name]
+    if there and mount is None:
         return
+    for site in there:  # rover.yaml wins
+        spec.delete(site)
     mount = mount or Mount(xyz=(0.0, 0.0, _top(spec, path) + ABOVE))
     bodies = {body.name: body for body in spec.bodies[1:]}
     if mount.body and mount.body not in bodies:

@@ -62,6 +62,7 @@ def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
     stated = made(RoverFile, values, str(path))
     if folder.parent == MODELS_DIR:
         facts = _shipped(folder) | {"name": folder.name, "folder": folder}
+        facts["wheel_radius"] = stated.tyres.radius or facts["wheel_radius"]
         width = {"wheel_width": facts.pop("wheel_width")}
         return made(RoverSpec, width | values | facts, str(path))
     # Here, for a process that only publishes a rover that ships does without MuJoCo.

@@ -61,6 +61,97 @@ class Drive(Value):
     )
 
 
+NotNegative = Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)]
+
+
+class Actuators(Value):
+    """What the motors of a rover can do, with their gears, at the wheels (--actuators real)."""
+
+    voltage: Positive = Field(default=24.0, description="largest that drives a motor [V]")
+    motor_constant: Positive = Field(
+        description="torque of a motor over its current, and voltage over speed [N m/A, V s/rad]"
+    )
+    resistance: Positive = Field(description="of a motor [Ohm]")
+    current_limit: Positive = Field(description="largest current of a motor [A]")
+    gain: Positive | None = Field(
+        default=None,
+        description="of the speed loop, at a wheel [N m s/rad]; default: the model's servo's",
+    )
+    inertia: Positive | None = Field(
+        default=None,
+        description="of the motor and its gear, at a wheel [kg m^2]; default: the model's armature",
+    )
+    one_motor_a_side: bool = Field(
+        default=False,
+        description="whether one motor drives all driven wheels of a side, else each its own",
+    )
+    delay: NotNegative = Field(default=0.0, description="dead time from a command to its effect [s]")
+    lag: NotNegative = Field(
+        default=0.0, description="of the wheels' speeds behind what the controller wants [s]"
+    )
+    dead_band: NotNegative = Field(
+        default=0.0, description="slower commands of a wheel do nothing [m/s]"
+    )
+    turn_limit: Positive | None = Field(
+        default=None, description="largest difference of the two sides' speeds [m/s]; default: none"
+    )
+    backlash: NotNegative = Field(default=0.0, description="play between motor and wheel [rad]")
+    command_timeout: Positive | None = Field(
+        default=None, description="a rover stops this long after the last command [s]; default: never"
+    )
+
+
+class BatteryPack(Value):
+    """The battery of a rover (sensor `battery`)."""
+
+    capacity: Positive = Field(description="[W h]")
+    full: Positive = Field(description="voltage when full, without load [V]")
+    empty: Positive = Field(description="voltage when empty, without load [V]")
+    resistance: NotNegative = Field(default=0.0, description="[Ohm]")
+    standby: NotNegative = Field(default=0.0, description="what all but the motors takes [W]")
+
+    @property
+    def nominal(self) -> float:
+        """The mean voltage [V]."""
+        return (self.full + self.empty) / 2
+
+
+class Shake(Value):
+    """A part of what tyres and gears add to the vertical acceleration that an IMU reads."""
+
+    sd: NotNegative = Field(description="standard deviation at a wheel speed of 1 m/s [m/s^2]")
+    power: NotNegative = Field(default=1.0, description="of the wheels' speed, with which it grows")
+    low: NotNegative = Field(default=0.0, description="its lowest frequency [Hz]")
+    high: Positive = Field(default=50.0, description="its highest frequency [Hz]")
+    spacing: NotNegative = Field(
+        default=0.0, description="of the lugs that make it, along the tread [m]; 0: it is a band"
+    )
+
+
+class Tyres(Value):
+    """How the wheels meet the ground, where it is not as the model says; None: as it says."""
+
+    friction: Positive | None = Field(default=None, description="coefficient of sliding friction")
+    turning: NotNegative = Field(
+        default=0.0, description="friction of a contact that spins on the spot, over its load [m]"
+    )
+    rolling: NotNegative = Field(default=0.0, description="rolling resistance over load")
+    falling: NotNegative = Field(
+        default=0.0, description="how much of the rolling resistance goes with speed [s/m]"
+    )
+    drag: NotNegative = Field(
+        default=0.0, description="what the ground resists of the rover's motion, over its weight"
+    )
+    radius: Positive | None = Field(default=None, description="of the wheels [m]")
+
+
+class Surface(Tyres):
+    """What --surface NAME stands for: tyres on it, and what shakes the IMU there."""
+
+    vibration: tuple[Shake, ...] = Field(default=(), description="of the IMU while driving")
+    source: str = Field(default="", description="where the numbers come from")
+
+
 @dataclass(frozen=True, slots=True)
 class Span:
     """Lowest and highest expected value, and where they come from; an open end is infinite."""

@@ -7,7 +7,20 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from harness.robots.sections import ACKERMANN, Drive, Expected, FrameRow, Mount, Number, Positive
+from harness.robots.sections import (
+    ACKERMANN,
+    Actuators,
+    BatteryPack,
+    Drive,
+    Expected,
+    FrameRow,
+    Mount,
+    Number,
+    Positive,
+    Shake,
+    Surface,
+    Tyres,
+)
 from harness.spec.value import Value
 
 GRAVITY = 0.01, 100.0  # [m/s^2] on which rovers drive
@@ -82,6 +95,14 @@ class RoverFile(Value):
     odometry_rate: Annotated[int, Field(strict=True, gt=0)] = _measured("rate of the wheel odometry")
     cruise_speed: Positive = _measured("speed that the scripted drivers command [m/s]")
     cruise_yaw_rate: Positive = _measured("yaw rate that the scripted drivers command [rad/s]")
+    actuators: Actuators | None = Field(
+        default=None, description="what the motors can do, for --actuators real"
+    )
+    battery: BatteryPack | None = Field(default=None, description="for the sensor `battery`")
+    tyres: Tyres = Field(default=Tyres(), description="how the wheels meet the ground")
+    surfaces: dict[str, Surface] = Field(
+        default_factory=dict, description="by name, for --surface: tyres on it and what it shakes"
+    )
     expected: Expected = Field(
         default_factory=Expected,
         description="what harness.validate expects; without it nothing is judged",
@@ -112,6 +133,9 @@ class RoverSpec(RoverFile, ModelFacts):
     """One rover, complete; lengths in metres, angles in radians, rates in hertz of simulation time."""
 
     model_config = ConfigDict(validate_default=True)  # what nobody states is no valid value
+
+    real: bool = False  # whether its motors are those of `actuators`, not the model's servos
+    vibration: tuple[Shake, ...] = ()  # of the surface that it drives on
 
     def __hash__(self) -> int:
         """Rovers are told apart by their folders; entries of `sensors` have no hash."""

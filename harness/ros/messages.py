@@ -13,6 +13,7 @@ import numpy as np
 from geometry_msgs.msg import Pose, PoseArray, PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
+    BatteryState,
     CameraInfo,
     Image,
     Imu,
@@ -30,6 +31,7 @@ from harness.robots import RoverSpec
 from harness.ros import optional_messages as optional
 from harness.ros.channel import Fill, Message
 from harness.ros.refilled import refilled
+from harness.sensors.battery import BatteryOptions
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
@@ -192,6 +194,21 @@ def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
     return refilled(message, {**sources, "status.status": attrgetter("fix")})
 
 
+def _battery_state(message: BatteryState, _: BatteryOptions) -> Fill:
+    """What a battery with a gauge of charge tells; what it does not measure is NaN."""
+    message.temperature = message.capacity = message.design_capacity = math.nan
+    message.power_supply_status = BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+    message.present = True
+    names = ("voltage", "current", "charge", "percentage")
+    return refilled(message, {name: attrgetter(name) for name in names})
+
+
+def _motor_currents(message: Float64MultiArray, _: BatteryOptions) -> Fill:
+    """The currents of the left and the right side's motors [A]."""
+    message.layout.dim = [MultiArrayDimension(label="left,right", size=2, stride=2)]
+    return refilled(message, {"data": attrgetter("motor_currents")})
+
+
 FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
     (samples.LaserScan, LaserScan): _laser_scan,
     (samples.Pose, PoseArray): _pose_array,
@@ -212,4 +229,6 @@ OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
     ),
     (CameraOptions, CameraInfo): lambda message, given: optional.lens_info(message, given.lens_of()),
     (GnssOptions, NavSatFix): _nav_sat_fix,
+    (BatteryOptions, BatteryState): _battery_state,
+    (BatteryOptions, Float64MultiArray): _motor_currents,
 }

@@ -11,8 +11,9 @@ from typing import Any
 from harness.base.errors import UsageError
 from harness.drivers import takes_goals
 from harness.drivers.policy import PREFIX
-from harness.episode.assembly import check
+from harness.episode.assembly import check, tells_energy
 from harness.robots import ROVERS
+from harness.scenario.quantities import LOG
 from harness.scenario.reading import SUFFIX, read_scenario
 from harness.scenario.spec import MOST_RUNS, ExpectedFailure, Scenario
 from harness.scenario.steps import (
@@ -26,6 +27,7 @@ from harness.scenario.steps import (
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.energy_columns import EnergyColumns
 from rover_metrics.extended.parameter_file import read_values
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
@@ -108,9 +110,19 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
         ]
         for case in cases:
             check(case.run)
+            _check_energy(case)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
     return cases
+
+
+def _check_energy(case: Case) -> None:
+    columns = [f"{LOG}{column.header}" for column in EnergyColumns.COLUMNS]
+    asked = [name for name in case.scenario.quantities if name in columns]
+    if asked and not tells_energy(case.run.rover):
+        raise UsageError(
+            f"'{asked[0]}' is of a rover with a battery; give sensors: [battery] and actuators: real"
+        )
 
 
 def _check_number(runs: int, where: str = "") -> None:

@@ -2,14 +2,12 @@
 
 import math
 import re
-from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from harness.world.route import RouteProgress, crossed
+from harness.world.route import RouteProgress, Standstill, crossed
 from harness.world.targets.placing import Target, Where
 
-STANDING_S, STANDING = 1.0, 0.05  # a stop: so long [s], so little path meanwhile [m]
 OF_TARGET = re.compile(r"truth\.target\.(?P<name>[A-Za-z]\w*)\.(?P<what>distance|stop_distance)")
 
 
@@ -43,7 +41,8 @@ class MissionAccount:
 
     def __init__(self, targets: Sequence[Target], progress: RouteProgress) -> None:
         self._targets, self._progress = targets, progress
-        self._trail: deque[tuple[float, Where]] = deque()
+        self._standstill = Standstill()
+        self._before: Where | None = None
         self._passed: set[str] = set()
         self._stops = {target.name: math.nan for target in targets}
         self._resets = 0
@@ -58,18 +57,17 @@ class MissionAccount:
         """
         if resets != self._resets:
             self._resets = resets
-            self._trail.clear()
+            self._before = None
+            self._standstill.carried_away()
             self._progress.carried_away()
         self._progress.observe(time_s, place)
         for target in self._targets:
-            before = self._trail[-1][1] if self._trail else place
+            before = self._before or place
             if len(target.posts) == 2 and crossed(before, place, target.posts[0], target.posts[1]):
                 self._passed.add(target.name)
-        self._trail.append((time_s, place))
-        while len(self._trail) > 2 and self._trail[1][0] <= time_s - STANDING_S:
-            self._trail.popleft()
+        self._before = place
         distances = {target.name: math.dist(place, target.position[:2]) for target in self._targets}
-        if self._stands(time_s, place):
+        if self._standstill.observe(time_s, place):
             self._stops = {name: _least(self._stops[name], d) for name, d in distances.items()}
         found = {t.name for t in self._targets if self._stops[t.name] <= t.spec.options.reach}
         gates = {target.name for target in self._targets if target.spec.kind == "gate"}
@@ -81,11 +79,6 @@ class MissionAccount:
             distances,
             self._stops,
         )
-
-    def _stands(self, time_s: float, place: Where) -> bool:
-        since_s, _ = self._trail[0]
-        is_long = time_s - since_s >= STANDING_S - 1e-9
-        return is_long and all(math.dist(place, before) <= STANDING for _, before in self._trail)
 
 
 def _least(known: float, new: float) -> float:

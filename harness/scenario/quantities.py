@@ -13,7 +13,8 @@ from harness.samples import ContactKind, SoilState, TruthState
 from harness.scenario.mission import OF_TARGET, MissionState
 from harness.scenario.names import MAP, POSE, TOPIC, check_heard
 from harness.truth.traversal import Truth
-from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.core.columns import COLUMNS
+from rover_metrics.extended.metrics import ALL_COLUMNS
 from rover_metrics.plugins import Table
 
 NO_VALUE = "there is no value"
@@ -197,7 +198,10 @@ RUN = {"run.lost_messages": "Messages given up.", "run.rows": "Rows of the log."
 
 def names() -> tuple[str, ...]:
     """Returns all quantities; those of the log are its columns with numbers, also the extended ones."""
-    columns = [f"{LOG}{name}" for name in EXTENDED_HEADER if name not in (TIME_COLUMN, NOTES_COLUMN)]
+    headers = (column.header for column in ALL_COLUMNS)
+    columns = [
+        f"{LOG}{name}" for name in (*COLUMNS, *headers) if name not in (TIME_COLUMN, NOTES_COLUMN)
+    ]
     return (*QUANTITIES, *RUN, *columns)
 
 

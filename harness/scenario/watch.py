@@ -7,7 +7,7 @@ from shutil import rmtree
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.assembly import gravity, has_soil, route_progress, world_of
+from harness.episode.assembly import gravity, has_soil, route_progress, tells_energy, world_of
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import RunResult
@@ -75,7 +75,7 @@ class Watch:
         if not set(columns) <= set(COLUMNS):
             run = self._case.run
             rover, soil = find_rover(run.rover.robot), has_soil(run)
-            of_run = extended_settings(rover, gravity(run), soil=soil)
+            of_run = extended_settings(rover, gravity(run), soil=soil, energy=tells_energy(run.rover))
             settings = Settings(extended_columns=True, extended=of_run)
         return settings.updated(self._case.params)
 

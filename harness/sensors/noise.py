@@ -6,11 +6,15 @@ does not change with the other's rate.
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from harness.samples import Imu, LaserScan, Odometry, Quaternion, Sample, Vector3
 from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
+
+if TYPE_CHECKING:  # it loads filters that most runs do without
+    from harness.sensors.vibration import Vibration
 
 G = 9.80665  # [m/s^2], the unit that data sheets count in, wherever the rover is
 DEGREE = np.pi / 180.0  # [rad]
@@ -67,8 +71,8 @@ HARDWARE = NoisePreset(
         step=DEGREE / 65.5,
         limit=500 * DEGREE,
     ),
-    # What fuses these into an attitude leans on gravity: the accelerometer's bias over g; the heading,
-    # of a compass, taken as much (a BNO055's 2.5 deg are taken as three deviations less).
+    # What makes an attitude of these leans on gravity, so it is off by the accelerometer's bias over g;
+    # the heading, of a compass, is taken to be as good: an estimate.
     attitude=AxisErrors(bias=0.020),
     # An estimate: the tyres of DRIVE's Husky were 3.8 % smaller than published, both sides alike.
     wheel_radius=0.005,
@@ -89,13 +93,14 @@ GAZEBO = NoisePreset(
     ),
 )
 
+EXACT = NoisePreset(name="none", summary="no errors, for what vibrates alone")
 PRESETS = {preset.name: preset for preset in (WHITE, HARDWARE, GAZEBO)}
 
 
 class SensorNoise:
     """Corrupts scans and IMU readings; leaves everything else as it is.
 
-    The chatter follows the latest speed in the odometry, which passes here too.
+    Chatter and vibration follow the latest speed in the odometry, which passes here too.
 
     Attributes:
         wheel_scale: Radius of the wheels, left and right, over the one that the odometry knows.
@@ -107,6 +112,7 @@ class SensorNoise:
         range_limits: tuple[float, float],
         scan_rng: np.random.Generator,
         imu_rng: np.random.Generator,
+        vibration: "Vibration | None" = None,
     ) -> None:
         self._preset, self._range_limits = preset, range_limits
         self._scan_rng, self._imu_rng = scan_rng, imu_rng
@@ -116,7 +122,7 @@ class SensorNoise:
         self._attitude = AxisTriad(preset.attitude, attitude_rng)
         left, right = (1.0 + preset.wheel_radius * attitude_rng.standard_normal(2)).tolist()
         self.wheel_scale = left, right
-        self._wheel_speed = 0.0
+        self._vibration, self._wheel_speed = vibration, 0.0
 
     def corrupt(self, sample: Sample) -> Sample:
         """Returns the reading as a faulty sensor would give it."""
@@ -129,6 +135,8 @@ class SensorNoise:
             force = sample.linear_acceleration
             if self._preset.chatter is not None:
                 force = self._preset.chatter.shake(force, self._wheel_speed, self._imu_rng)
+            if self._vibration is not None:
+                force = self._vibration.shake(force, self._wheel_speed, sample.stamp_ns)
             force = self._force.corrupt(force, sample.stamp_ns)
             rate = self._rate.corrupt(sample.angular_velocity, sample.stamp_ns)
             turn = self._attitude.corrupt((0.0, 0.0, 0.0), sample.stamp_ns)

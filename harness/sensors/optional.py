@@ -73,6 +73,9 @@ class SensorOptions(Value):
         """The frame of its messages."""
         return self.frame or f"{self.name}_link"
 
+    def check(self, rover: RoverSpec) -> None:
+        """Checks that a rover can carry it; UsageError if not."""
+
     def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
         """Returns the frames that it adds to those of a rover, the mount first."""
         return self.mount(rover, self.frame_id)

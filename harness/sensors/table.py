@@ -18,6 +18,7 @@ from harness.robots import RoverSpec
 from harness.samples import Sample, Source
 from harness.sensors.barometer import BarometerOptions, Pressure
 from harness.sensors.base import EpisodeParts, Sensor
+from harness.sensors.battery import Battery, BatteryOptions
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions
@@ -262,6 +263,18 @@ SENSORS: tuple[SensorRow, ...] = (
         measured=("fluid_pressure",),
         options=BarometerOptions,
         summary="pressure of the standard atmosphere",
+    ),
+    SensorRow(
+        sample=Battery,
+        factory="harness.sensors.battery:BatterySensor",
+        topics=(
+            Topic("battery_state", "sensor_msgs/msg/BatteryState"),
+            Topic("motor_currents", "std_msgs/msg/Float64MultiArray"),
+        ),
+        fault="battery",
+        measured=("voltage", "current", "percentage"),
+        options=BatteryOptions,
+        summary="charge, voltage and current, and the motors' currents; needs real actuators",
     ),
     SensorRow(
         sample=HeightScan,

@@ -13,7 +13,7 @@ from harness.spec.value import made
 from rover_metrics.errors import shown
 
 FORM = "ROBOT[:NAME][,KEY=VALUE]..."
-PLACE, WORDS = ("x", "y", "yaw"), ("driver", "noise")
+PLACE, WORDS = ("x", "y", "yaw"), ("driver", "noise", "actuators", "surface")
 KEYS = (*PLACE, *WORDS, "sensors", "fault")
 CLOCK = "clock"  # of which there is one for all
 

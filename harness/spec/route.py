@@ -1,7 +1,7 @@
 """Way points of a mission in their order, with how near is near enough and how long each may take.
 
-As text: X,Y/NAME/@LAT,LON[:KEY=VALUE,...]; NAME is a target's, the keys are `radius`, `within`, `order`
-and `limit`. A file may give a mapping or a list of way points instead.
+As text: X,Y/NAME/@LAT,LON[:KEY=VALUE,...]; NAME is a target's, the keys are `radius`, `within`, `stop`,
+`order` and `limit`. A file may give a mapping or a list of way points instead.
 """
 
 import re
@@ -18,7 +18,7 @@ FORM = "X,Y/TARGET/@LAT,LON[:KEY=VALUE,...]"
 TEXT = re.compile(r"(?P<points>[^:]+)(?::(?P<options>.*))?", re.DOTALL)
 PAIR = re.compile(rf"(?P<at>@)?({number.FORM}),({number.FORM})")
 RADIUS = 1.0  # [m]
-OF_POINTS, OF_ROUTE = ("radius", "within"), ("order", "limit")
+OF_POINTS, OF_ROUTE = ("radius", "within", "stop"), ("order", "limit")
 
 
 class WayPoint(Value):
@@ -30,6 +30,7 @@ class WayPoint(Value):
         target: The name of a target; a gate is passed between its posts.
         radius: How near is near enough [m].
         within: How long it may take from the way point before, or from the start [s]; then it is missed.
+        stop: Whether it is reached only by standing there for a second; a gate is passed all the same.
     """
 
     at: Annotated[tuple[Finite, Finite], BeforeValidator(as_tuple)] | None = None
@@ -38,6 +39,7 @@ class WayPoint(Value):
     target: str = ""
     radius: Length = RADIUS
     within: Length | None = None
+    stop: bool = False
 
     @model_validator(mode="after")
     def _has_one_place(self) -> Self:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
@@ -95,10 +95,20 @@ class RoverSetup(Value):
         description="give the driver one random goal after another in this rectangle [m], as "
         "RoboTerrain's collector",
     )
+    actuators: Annotated[Literal["ideal", "real"], Option("NAME", choices=("ideal", "real"))] = Field(
+        default="ideal",
+        description="ideal: the model's servos; real: motors that lag, as rover.yaml says "
+        "(docs/real_rovers.md)",
+    )
+    surface: Annotated[str, Option("NAME")] = Field(
+        default="", description="tyres and vibration on a surface that rover.yaml knows; default: none"
+    )
     cmd_vel_timeout: Annotated[
         Annotated[float, Field(ge=CONTROL_PERIOD, allow_inf_nan=False)] | None, Option("S")
     ] = Field(
-        default=None, description="stop S simulated seconds after the last command; off by default"
+        default=None,
+        description="stop S simulated seconds after the last command; off by default, "
+        "with real actuators what rover.yaml says",
     )
     lidar_beams: Annotated[int, Field(ge=2, le=100_000), Option("N")] = Field(
         default=LIDAR_BEAMS, description="beams of the lidar, all around"

@@ -2,6 +2,7 @@
 
     python -m harness.validate --robot leo --seed 1
     python -m harness.validate --robot rover_zero4wd --realism A.csv B.csv
+    python -m harness.validate --robot husky --real RECORDINGS
     python -m harness.validate --rig --trials single_wheel.csv --plot soil.png
 
 Parses, calls, prints; the work is in harness.validate.
@@ -48,10 +49,17 @@ def _validate(options: argparse.Namespace, console: Console) -> int:
         check_target("--plot", options.plot, ".png")
     if options.pressing and options.trials:
         raise UsageError("--pressing and --trials are of two tests; give one of them")
+    if options.real is not None and options.robot is None:
+        raise UsageError("--real needs --robot, the rover that the recordings are of")
     if options.rig:
         _rig(options, console)
         return 0
-    misses = _realism(options, console) if options.realism else _suite(options, console)
+    if options.real is not None:
+        return _print_misses(_real(options, console))
+    return _print_misses(_realism(options, console) if options.realism else _suite(options, console))
+
+
+def _print_misses(misses: Sequence[str]) -> int:
     if misses:
         complain("harness.validate", f"missed {'; '.join(misses)}")
     return 1 if misses else 0
@@ -78,6 +86,23 @@ def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
         comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return comparison.missed
+
+
+def _real(options: argparse.Namespace, console: Console) -> Sequence[str]:
+    from harness.recordings.tables import recordings_of  # noqa: PLC0415 - not for --help
+    from harness.validate.real.table import compare as compare_real  # noqa: PLC0415
+    from harness.validate.suite import print_table  # noqa: PLC0415
+
+    rover = find_rover(options.robot)
+    if not options.real.is_dir():
+        print(f"harness.validate: {options.real} is not there: nothing is compared", file=sys.stderr)
+        return []
+    recordings = recordings_of(options.real, rover.controller_radius)
+    with console.status(f"driving {rover.name} as {len(recordings)} recordings"):
+        checks, notes = compare_real(rover, recordings, options.seed)
+    print_table(console, f"{rover.name} beside {options.real}", checks)
+    print(*notes, sep="\n")
+    return [check.quantity for check in checks if not check.passed]
 
 
 def _rig(options: argparse.Namespace, console: Console) -> None:
@@ -131,6 +156,12 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar=("A.csv", "B.csv"),
         help="compare a 10-minute run with two logs recorded of that rover instead",
+    )
+    parser.add_argument(
+        "--real",
+        type=Path,
+        metavar="FOLDER",
+        help="compare with real recordings (CSV) instead; docs/real_rovers.md; default: none",
     )
     parser.add_argument(
         "--rig", action="store_true", help="draw a single wheel through soil instead; docs/soil.md"

@@ -1,6 +1,7 @@
 """A route in its world, and how far somebody has come on it: for who drives it and who judges it."""
 
 import math
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -8,6 +9,8 @@ from harness.base.errors import UsageError, unknown
 from harness.spec.route import Route
 from harness.world.geodesy import Datum
 from harness.world.targets.placing import Target, Where
+
+STANDING_S, STANDING = 1.0, 0.05  # a stop: so long [s], so little path meanwhile [m]
 
 
 @dataclass(frozen=True)
@@ -20,6 +23,7 @@ class Mark:
         within: How long it may take [s].
         gate: Its two posts, which are to be passed between; None of a plain place.
         is_solid: Whether something stands there, so that nobody can be at the very place.
+        stop: Whether only who stands there has reached it.
     """
 
     place: Where
@@ -27,6 +31,7 @@ class Mark:
     within: float = math.inf
     gate: tuple[Where, Where] | None = None
     is_solid: bool = False
+    stop: bool = False
 
     def is_reached(self, before: Where, now: Where) -> bool:
         """Returns whether who went straight from one place to another [m] has reached it."""
@@ -55,10 +60,19 @@ def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, 
             check_target(point.target, known)
             target = known[point.target]
             gate = (target.posts[0], target.posts[1]) if len(target.posts) == 2 else None
-            found.append(Mark(target.position[:2], point.radius, within, gate, gate is None))
+            found.append(
+                Mark(
+                    target.position[:2],
+                    point.radius,
+                    within,
+                    gate,
+                    is_solid=gate is None,
+                    stop=point.stop and gate is None,
+                )
+            )
         else:
             place = point.at or datum.local(point.lat or 0.0, point.lon or 0.0)
-            found.append(Mark(place, point.radius, within))
+            found.append(Mark(place, point.radius, within, stop=point.stop))
     return tuple(found)
 
 
@@ -67,6 +81,31 @@ def check_target(name: str, names: Iterable[str]) -> None:
     if name not in (known := list(names)):
         lack = "there are no targets" if not known else unknown("target", name, known)
         raise UsageError(f"route: a way point is target '{name}', but {lack}")
+
+
+@dataclass
+class Standstill:
+    """Tells whether somebody stands; `observe` is told where it is, step by step."""
+
+    _trail: deque[tuple[float, Where]] = field(default_factory=deque)
+
+    def observe(self, time_s: float, place: Where) -> bool:
+        """Returns whether it has stayed within STANDING of a place for STANDING_S.
+
+        Args:
+            time_s: Since the start [s].
+            place: x, y in the world [m].
+        """
+        trail = self._trail
+        trail.append((time_s, place))
+        while len(trail) > 2 and trail[1][0] <= time_s - STANDING_S:
+            trail.popleft()
+        is_long = time_s - trail[0][0] >= STANDING_S - 1e-9
+        return is_long and all(math.dist(place, before) <= STANDING for _, before in trail)
+
+    def carried_away(self) -> None:
+        """Takes that somebody was put elsewhere: it begins to stand anew."""
+        self._trail.clear()
 
 
 @dataclass
@@ -91,6 +130,7 @@ class RouteProgress:
     _left: list[int] = field(init=False)
     _since_s: float = 0.0
     _before: Where | None = None
+    _standstill: Standstill = field(default_factory=Standstill)
 
     def __post_init__(self) -> None:
         self._left = list(range(len(self.marks)))
@@ -104,7 +144,9 @@ class RouteProgress:
         """
         before, self._before = self._before or place, place
         due = list(self._left) if self.any_order else self._left[:1]
-        hit = [number for number in due if self.marks[number].is_reached(before, place)]
+        stands = self._standstill.observe(time_s, place)
+        near = [number for number in due if self.marks[number].is_reached(before, place)]
+        hit = [number for number in near if stands or not self.marks[number].stop]
         late = time_s > self.limit
         if hit and not late:
             self.reached += hit
@@ -122,6 +164,7 @@ class RouteProgress:
     def carried_away(self) -> None:
         """Takes that somebody was put elsewhere: the next place is no step from the last one."""
         self._before = None
+        self._standstill.carried_away()
 
     def _settle(self, numbers: list[int], time_s: float) -> None:
         self._left = [number for number in self._left if number not in numbers]

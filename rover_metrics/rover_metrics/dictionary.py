@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.errors import OneLineParser
-from rover_metrics.extended.metrics import EXTENDED_COLUMNS
+from rover_metrics.extended.metrics import ALL_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
@@ -58,7 +58,7 @@ def dictionary() -> str:
         _columns((each.name, each) for each in ROBOTERRAIN_COLUMNS),
         "## Extended columns\n",
         EXTENDED_HEAD,
-        _columns((each.header, each) for each in EXTENDED_COLUMNS),
+        _columns((each.header, each) for each in ALL_COLUMNS),
         "## Thresholds\n",
         THRESHOLDS_HEAD,
         _thresholds(),

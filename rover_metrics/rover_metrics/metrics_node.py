@@ -35,7 +35,7 @@ from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.session_record import SessionRecord
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing import NANOSECONDS
-from rover_metrics.topics import SENSORS, TRUTH, Message, Source, stamp_ns
+from rover_metrics.topics import Message, Source, sources_of, stamp_ns
 
 if TYPE_CHECKING:
     from rover_metrics.core.columns import Row
@@ -125,12 +125,11 @@ class MetricsNode(GuardedNode):
 
     def setup_subscribers(self) -> None:
         """Subscribes to the topics, relative to the node's namespace."""
-        sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
         self.topics = {
             each: subscribe(
                 self, each, partial(self.take, each), self.reception, pose_queue=self.settings.pose_queue
             )
-            for each in sources
+            for each in sources_of(self.session)
         }
 
     def take(self, source: Source, message: Message) -> None:

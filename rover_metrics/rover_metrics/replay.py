@@ -27,7 +27,7 @@ from rover_metrics.errors import LogError, OneLineParser, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
-from rover_metrics.topics import CLOCK, SENSORS, TRUTH
+from rover_metrics.topics import CLOCK, ENERGY, SENSORS, TRUTH
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 INTERRUPTED = 130
@@ -168,7 +168,7 @@ def parser() -> argparse.ArgumentParser:
 
 def _remap(text: str) -> tuple[str, str]:
     """Returns the two parts of FROM:=TO, both made absolute."""
-    known = [source.name for source in (*SENSORS, *TRUTH, CLOCK)]
+    known = [source.name for source in (*SENSORS, *TRUTH, *ENERGY, CLOCK)]
     name, separator, recorded = text.partition(":=")
     name, recorded = (f"/{part.strip().lstrip('/')}" for part in (name, recorded))
     if not separator or recorded == "/" or name not in known:

@@ -135,6 +135,14 @@ class MetricsSession:
         """Takes the other values of the truth, with their names if the message has any."""
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
+    def take_battery(self, stamp_ns: int, voltage: float, current: float) -> Remark | None:
+        """Takes a state of the battery: voltage [V], current, negative while it discharges [A]."""
+        if not (math.isfinite(voltage) and math.isfinite(current)):
+            return self._judged(False)
+        if self.extended is not None and self.extended.energy is not None:
+            self.extended.energy.add(stamp_ns, voltage, current)
+        return None
+
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:
         """Returns the row at a ROS time [ns]; the middleware reports what it has lost, by topic."""
         if self.extended is None:

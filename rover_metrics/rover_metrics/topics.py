@@ -30,7 +30,7 @@ class Source:
     _: KW_ONLY
     best_effort: bool = False  # only the newest message matters, so that old ones are not queued
     has_stamp: bool = True  # its messages have a header
-    is_truth: bool = False  # only simulators publish it, for the extended columns
+    is_truth: bool = False  # for the extended columns; many robots do not publish it
 
 
 def nanoseconds(time: Message) -> int:
@@ -82,6 +82,13 @@ def _vector(value: Message) -> Vector3:
     return value.x, value.y, value.z
 
 
+def sources_of(session: MetricsSession) -> tuple[Source, ...]:
+    """Returns the topics that the columns of a session are made of."""
+    if session.extended is None:
+        return SENSORS
+    return (*SENSORS, *TRUTH, *(() if session.extended.energy is None else ENERGY))
+
+
 SENSORS = (
     Source(SCAN.name, "sensor_msgs/msg/LaserScan", _scan, SCAN),
     Source(IMU.name, "sensor_msgs/msg/Imu", _imu, IMU),
@@ -112,6 +119,16 @@ TRUTH = (
         "std_msgs/msg/Float64MultiArray",
         _traversal,
         has_stamp=False,
+        is_truth=True,
+    ),
+)
+ENERGY = (
+    Source(
+        "/battery/battery_state",
+        "sensor_msgs/msg/BatteryState",
+        lambda session, battery, stamp_ns: session.take_battery(
+            stamp_ns, battery.voltage, battery.current
+        ),
         is_truth=True,
     ),
 )

@@ -15,7 +15,7 @@ from rover_metrics.bag.playback import Playback
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
-from rover_metrics.topics import SENSORS, TRUTH
+from rover_metrics.topics import ENERGY, SENSORS, TRUTH
 from tests.golden.drive import (
     Driven,
     drive_direct,
@@ -138,7 +138,7 @@ def replay(bag: Path, settings: Settings, namespace: str, folder: Path) -> str:
     session = MetricsSession(
         settings.thresholds, settings.extended if settings.extended_columns else None
     )
-    remaps = {source.name: namespace + source.name for source in (*SENSORS, *TRUTH)}
+    remaps = {source.name: namespace + source.name for source in (*SENSORS, *TRUTH, *ENERGY)}
     path = folder / (namespace.strip("/") or "root")
     with Bag(bag) as recording, CsvLog(path, None, stem="log", columns=session.columns) as log:
         for row in Playback(recording, session, remaps).rows():

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from harness.drivers import DRIVERS
-from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
+from harness.faults.kinds import OF_COMMANDS, OF_MOTORS, OF_SENSORS, OF_THE_CLOCK, OF_WHEELS
 from harness.sensors.choice import kinds
 from harness.sensors.noise import PRESETS
 from harness.world.terrains import TERRAINS
 
 TABLE = Path(__file__).with_name("runs.txt")
 NONE = "-"
-OWN_ROBOTS = {"leo": "leo", "zero": "rover_zero4wd"}  # others are folders, made for the tests
+# Others are folders, made for the tests.
+OWN_ROBOTS = {"leo": "leo", "zero": "rover_zero4wd", "a200": "husky", "jackal": "jackal"}
 STAGED = ("ram", "reverse_into", "graze", "swing", "pass_by")
 AREA = ["--goal-area", "-3,3,-3,3"]
 DRIVER = {
@@ -113,6 +114,9 @@ class GoldenRun:
         words += [] if self.numbers == NONE else OTHER_NUMBERS
         words += MISSION.get(self.mission, [])
         words += [] if self.soil == NONE else ["--soil", self.soil]
+        actuators, _, surface = self.motors.partition(":")
+        words += [] if self.motors == NONE else ["--actuators", actuators]
+        words += ["--surface", surface] if surface else []
         words += ["--namespace", "below"] if self.ros == "namespace" else []
         words += self._fleet(robot) if self.is_fleet else ["--robot", robot]
         return [word.format(**files) for word in words]
@@ -143,10 +147,12 @@ def kind(column: str, value: str) -> str:
     groups = {
         "terrain": {"posts": "hazards", "maze": "hazards"}
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
-        "robot": {"sojourner": "husky"},
+        "robot": {"sojourner": "husky", "a200": "husky", "jackal": "husky"},
         "fleet": {"close": "twin"},
         "mission": dict.fromkeys((*MISSION, "link"), NONE),  # each in a run of its own
         "soil": dict.fromkeys(("dry_sand", "firm", "terrain"), NONE),
+        "sensors": {"battery": NONE},  # whose runs have motors
+        "motors": dict.fromkeys(("real", "real:sandy_loam", "real:snow"), NONE),
         "reset": {"2.6": "1.3", "1.35": "1.3"},
         "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},
     }
@@ -154,6 +160,8 @@ def kind(column: str, value: str) -> str:
         return "own"
     if column != "fault" or value == NONE:
         return groups.get(column, {}).get(value, value)
+    if sensor in ("cmd_vel", "motor.left", "motor.right", "wheel.front_left"):
+        return "stream"
     if sensor == "clock" or sensor in kinds():
         return "clock" if sensor == "clock" else "optional"
     fault = next(kind for kind in OF_SENSORS if kind.name == name.partition("=")[0].partition("@")[0])
@@ -197,6 +205,9 @@ def missing_values() -> set[str]:
         *(set(DRIVERS) - of["driver"] - {"policy"}),
         *(set(kinds()) - sensors),
         *(set(PRESETS) - of["noise"]),
-        *({kind.name for kind in OF_SENSORS} - {name.partition(":")[2] for name in faults}),
+        *(
+            {kind.name for kind in (*OF_SENSORS, *OF_COMMANDS, *OF_MOTORS, *OF_WHEELS)}
+            - {name.partition(":")[2] for name in faults}
+        ),
         *(of_clock - faults),
     }

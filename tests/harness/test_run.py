@@ -181,3 +181,11 @@ def test_missing_rclpy_names_the_extra_and_direct(
     text = complaint(main, ["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
     assert "pip install 'rover-harness[ros]'" in text
     assert "--direct" in text
+
+
+def test_each_rover_of_a_fleet_has_a_log_of_how_near_people_were(tmp_path: Path) -> None:
+    fleet = "--rover leo:a --rover leo:b,x=3,y=0 --actor p=2,1/2,-1 --lidar-beams 8"
+    words = f"--terrain flat --duration 1.2 --direct {fleet} --log-dir {tmp_path}".split()
+    assert main(words) == 0
+    first, second = (next((tmp_path / name).rglob("social_log_*.csv")).read_text() for name in "ab")
+    assert first != second

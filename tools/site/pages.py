@@ -35,7 +35,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
             "extend.md",
             "social.md",
         ),
-        *("gym.md", "driving.md", "looking.md", "ros.md"),
+        *("gym.md", "real_rovers.md", "driving.md", "looking.md", "ros.md"),
     ),
     "Notebooks": tuple(f"notebooks/{name}.md" for name in NOTEBOOKS),
     "Reference": (

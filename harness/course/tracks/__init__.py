@@ -7,6 +7,7 @@ from harness.course.tracks.barn import Barn
 from harness.course.tracks.base import SEEDS, Track
 from harness.course.tracks.dynabarn import DynaBarn
 from harness.course.tracks.ground import Ground
+from harness.course.tracks.mission import Mission
 
 __all__ = ["SEEDS", "TRACKS", "Track", "find_track"]
 
@@ -40,6 +41,13 @@ TRACKS: dict[str, Track] = {
             name="marsyard",
             summary="to a point behind craters and hills",
             world={"terrain": "marsyard"},
+        ),
+        Mission(
+            name="mission",
+            summary="to a post by its coordinates, through a gate, to another post; stops within 2 m",
+            world={"terrain": "posts", "difficulty": 1.0},
+            robot="jackal",
+            distance=(5.0, 8.0),
         ),
         Ground(
             name="blind",

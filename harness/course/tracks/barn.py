@@ -17,21 +17,24 @@ from numpy.typing import NDArray
 from harness.base.streams import generator
 from harness.course.planner import Planner
 from harness.course.task import Case, Rule, Task, WorldFile
-from harness.course.tracks.barn_files import read_worlds
-from harness.course.tracks.base import Track
+from harness.course.tracks.barn_files import GOAL, RADIUS, read_worlds
+from harness.course.tracks.barn_files import START as PLACE
+from harness.course.tracks.base import Track, to
 from harness.course.tracks.sdf import Circle, world_text
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
 from harness.spec.run import Run
 
-START, GOAL = (-2.25, 3.0, 1.57), (-2.25, 13.0)
-RADIUS, HEIGHT, CELL = 0.075, 1.0, 0.15  # [m] of a cylinder, of the grid
+START, NEAR = (*PLACE, 1.57), 1.0  # [m]: so near is there
+CELL = 0.15  # [m] of the grid
 SIDE, ROWS, FIRST_ROW = 30, 64, 34  # cells of the field's side; rows; the field's first
 CORNER = (-4.425, 0.075)  # [m] of the grid's first cell
 REFERENCE_SPEED = 2.0  # [m/s] of the optimal time
 # Of the generator's twelve sets: share of filled cells, rounds of smoothing.
 FILLS, ROUNDS = (0.15, 0.20, 0.25, 0.30), (2, 3, 4)
 UNSEEN = 15  # stream of the generator's cells
+
+RULE = Rule(limit=100.0, fastest=2.0, slowest=8.0, begins_at=0.1, touch_ends=True, penalties=False)
 
 Field = NDArray[np.int64]
 
@@ -40,16 +43,7 @@ class Barn(Track):
     """Ten metres through cylinders; any contact ends the episode."""
 
     name, summary = "barn", "BARN's worlds, rules and score (0.5 at best)"
-    rule = Rule(
-        limit=100.0,
-        radius=1.0,
-        fastest=2.0,
-        slowest=8.0,
-        begins_at=0.1,
-        touch_ends=True,
-        penalties=False,
-    )
-    robot = "jackal"
+    rule, robot = RULE, "jackal"
     takes_worlds: ClassVar[bool] = True
 
     def cases(self, seeds: int, folder: Path | None = None) -> list[Case]:
@@ -71,13 +65,13 @@ class Barn(Track):
         assert case.world is not None  # noqa: S101 - as `cases` and `unseen` make them
         file = folder / case.world.name
         file.write_bytes(case.world.text)
-        run = self.run(terrain=str(file), start=START, seed=case.seed, lidar_beams=960)
-        length = case.world.length or self._length(run)
-        optimal = length / REFERENCE_SPEED
-        return Task(run=run, goals=(GOAL,), shortest=length, optimal=optimal, rule=self.rule)
+        run = self.run(
+            terrain=str(file), start=START, route=to(GOAL, NEAR), seed=case.seed, lidar_beams=960
+        )
+        return self.asked(run, case.world.length or self._length(run), REFERENCE_SPEED)
 
     def _length(self, run: Run) -> float:
-        return Planner(world_of(run), find_rover(self.robot)).length((START[:2], GOAL))
+        return Planner(world_of(run), find_rover(self.robot)).length((PLACE, GOAL))
 
 
 def shipped() -> list[WorldFile]:

@@ -2,21 +2,23 @@
 
 import math
 import re
-from collections import defaultdict
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
-from harness.course.task import WorldFile
-from harness.course.tracks.sdf import Circle, world_text
+from harness.course.task import Point, WorldFile
+from harness.course.tracks.sdf import world_text
 
 LARGEST = 64 * 2**20  # bytes
 MOST = 1000  # worlds
 START, GOAL = (-2.25, 3.0), (-2.25, 13.0)
+RADIUS = 0.075  # [m] of a cylinder that does not say
 TABLE, PATHS = "cylinders.csv", "paths.csv"
 # The cell of a path in the world [m]: BARN's own formula.
 PATH_CORNER, PATH_CELL = (-4.575, 5.075), 0.15
@@ -42,30 +44,28 @@ def read_worlds(folder: Path) -> list[WorldFile]:
     return worlds
 
 
-def path_length(points: list[tuple[float, float]]) -> float:
+def path_length(points: Iterable[Point]) -> float:
     """Returns the length of a way from BARN's start through points to its goal [m]."""
-    way = [START, *points, GOAL]
+    way = [START, *(point for point in points if point not in (START, GOAL)), GOAL]
     return math.fsum(math.dist(a, b) for a, b in pairwise(way))
 
 
 def _of_files(folder: Path) -> list[WorldFile]:
-    found = sorted(path for path in folder.rglob("*") if path.suffix.lower() in (".world", ".sdf"))
+    found = (path for path in folder.rglob("*") if path.suffix.lower() in (".world", ".sdf"))
     return [
         WorldFile(path.name, read_bytes(path, LARGEST), _path_of(path))
-        for path in sorted(found, key=lambda path: (_number(path.stem), path.name))
+        for path in sorted(found, key=lambda path: (_number(path), path.name, path))
     ]
 
 
-def _number(name: str) -> int:
-    digits = re.findall(r"\d+", name)
-    return int(digits[-1]) if digits else 0
+def _number(path: Path) -> int:
+    return int(([0, *re.findall(r"\d+", path.stem)])[-1])
 
 
 def _path_of(world: Path) -> float | None:
     """The length of the path beside a world, if there is one."""
-    name = f"path_{_number(world.stem)}.npy"
-    tops = world.parent, world.parent.parent
-    places = (world.parent / name, *(top / "path_files" / name for top in tops))
+    name, folder = f"path_{_number(world)}.npy", world.parent
+    places = (folder / name, folder / "path_files" / name, folder.parent / "path_files" / name)
     file = next((place for place in places if place.is_file()), None)
     if file is None:
         return None
@@ -74,40 +74,29 @@ def _path_of(world: Path) -> float | None:
     except (OSError, ValueError, TypeError) as error:
         raise UsageError(f"{file} is no path of cells, shape (n, 2): {error}") from error
     x, y = PATH_CORNER
-    return path_length([(x + PATH_CELL * i, y + PATH_CELL * j) for i, j in cells.tolist()])
+    return path_length((x + PATH_CELL * i, y + PATH_CELL * j) for i, j in cells.tolist())
 
 
 def _of_table(file: Path) -> list[WorldFile]:
-    by_world: dict[int, list[Circle]] = defaultdict(list)
-    rows = _rows(file, ("world", "x", "y"))
-    radii = rows["radius"] if "radius" in rows else [0.075] * len(rows)
-    for world, x, y, radius in zip(rows["world"], rows["x"], rows["y"], radii, strict=True):
-        by_world[int(world)].append((float(x), float(y), float(radius)))
-    paths = _paths(file.parent / PATHS)
+    paths = file.parent / PATHS
+    lengths = {} if not paths.is_file() else {n: path_length(p) for n, p in _rows(paths, "x", "y")}
     return [
-        WorldFile(f"barn_{number}.sdf", world_text(f"barn_{number}", sorted(circles)), paths.get(number))
-        for number, circles in sorted(by_world.items())
+        WorldFile(f"barn_{n}.sdf", world_text(f"barn_{n}", sorted(circles)), lengths.get(n))
+        for n, circles in _rows(file, "x", "y", "radius")
     ]
 
 
-def _paths(file: Path) -> dict[int, float]:
-    if not file.is_file():
-        return {}
-    rows = _rows(file, ("world", "x", "y"))
-    lengths = {}
-    for number, own in rows.groupby("world"):
-        points = [*zip(own["x"].tolist(), own["y"].tolist(), strict=True)]
-        inner = [point for point in points if point not in (START, GOAL)]
-        lengths[int(str(number).partition(".")[0])] = path_length(inner)
-    return lengths
-
-
-def _rows(file: Path, columns: tuple[str, ...]) -> pd.DataFrame:
+def _rows(file: Path, *columns: str) -> list[tuple[int, list[Any]]]:
+    """The rows of each world of a table, by its number; what has no radius has BARN's."""
     try:
         rows = pd.read_csv(file)
-        numbers = rows[[*columns, *(c for c in ("radius",) if c in rows)]].astype(float)
+        values = rows.assign(radius=rows.get("radius", RADIUS))[["world", *columns]].astype(float)
     except (OSError, ValueError, KeyError, pd.errors.ParserError) as error:
-        raise UsageError(f"{file} is no table with the columns {', '.join(columns)}: {error}") from error
-    if not np.isfinite(numbers.to_numpy()).all():
+        raise UsageError(f"{file} is no table with the columns world, x, y: {error}") from error
+    if not np.isfinite(values.to_numpy()).all():
         raise UsageError(f"{file} holds a cell that is no finite number; mend it")
-    return numbers
+    groups = values.groupby("world")
+    return [
+        (int(str(n).partition(".")[0]), [*own[[*columns]].itertuples(index=False, name=None)])
+        for n, own in groups
+    ]

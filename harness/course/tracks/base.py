@@ -5,11 +5,18 @@ from pathlib import Path
 from typing import ClassVar
 
 from harness.base.errors import UsageError
-from harness.course.task import Case, Rule, Task
+from harness.course.task import Case, Point, Rule, Task
+from harness.spec.route import Route, WayPoint
 from harness.spec.run import Run
 
 SEEDS = 50  # public ones
+NEAR = 0.5  # [m] from a goal that is reached
 SLACK = 5.0  # [s] of a run after its time limit, for a clock that starts late
+
+
+def to(place: Point, radius: float = NEAR) -> Route:
+    """Returns the route to a place [m], which is reached within a radius [m]."""
+    return Route(points=(WayPoint(at=place, radius=radius),))
 
 
 class Track(ABC):
@@ -57,6 +64,10 @@ class Track(ABC):
         Raises:
             UsageError: Its world cannot be read, or has no way to the goal.
         """
+
+    def asked(self, run: Run, length: float, speed: float) -> Task:
+        """Returns the task of a run whose shortest way has a length [m], at best at a speed [m/s]."""
+        return Task(run=run, shortest=length, optimal=length / speed, rule=self.rule)
 
     def run(self, **values: object) -> Run:
         """Returns a run of this track's rover, which obeys commands, with these values of its fields."""

@@ -9,16 +9,18 @@ from collections import defaultdict
 from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
-from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
+
 from harness.base.streams import COURSE, generator
-from harness.course.task import Case, Rule, Task
-from harness.course.tracks.base import Track
+from harness.course.task import Case, Task
+from harness.course.tracks.barn import NEAR, REFERENCE_SPEED, RULE
+from harness.course.tracks.base import Track, to
 from harness.course.tracks.sdf import Circle, actors_text, world_text
 
 START, GOAL = (11.0, 0.0, 3.14), (-9.0, 0.0)
-LENGTH, REFERENCE_SPEED = 20.0, 2.0  # [m], [m/s]
+LENGTH = 20.0  # [m]
 MOVER = "radius=0.5,height=1.2"  # a capsule, whose straight part is where the lidar looks
 JUMP = 1e-3  # [s] in which a mover is back where it began, as its plug-in puts it
 
@@ -35,16 +37,7 @@ class DynaBarn(Track):
         "dynabarn",
         "DynaBARN's moving cylinders, its rules, its score over 20 m (0.5 at best)",
     )
-    rule = Rule(
-        limit=100.0,
-        radius=1.0,
-        fastest=2.0,
-        slowest=8.0,
-        begins_at=0.1,
-        touch_ends=True,
-        penalties=False,
-    )
-    robot = "jackal"
+    rule, robot = RULE, "jackal"
 
     def task(self, case: Case, folder: Path) -> Task:
         """Returns the task of a seed: the plane, and the movers from a time of their own on."""
@@ -62,11 +55,11 @@ class DynaBarn(Track):
             terrain=str(world),
             actors=(f"{actors}:{MOVER}",),
             start=START,
+            route=to(GOAL, NEAR),
             seed=case.seed,
             lidar_beams=960,
         )
-        optimal = LENGTH / REFERENCE_SPEED
-        return Task(run=run, goals=(GOAL,), shortest=LENGTH, optimal=optimal, rule=self.rule)
+        return self.asked(run, LENGTH, REFERENCE_SPEED)
 
 
 @cache
@@ -105,8 +98,5 @@ def entering(frames: KeyFrames, time: float) -> list[Circle]:
 
 
 def _at(frames: KeyFrames, time: float) -> tuple[float, float]:
-    for (x, y, t), (to_x, to_y, to_t) in pairwise(frames):
-        if t <= time <= to_t:
-            share = (time - t) / (to_t - t)
-            return x + share * (to_x - x), y + share * (to_y - y)
-    return frames[-1][:2]
+    x, y, times = zip(*frames, strict=True)
+    return float(np.interp(time, times, x)), float(np.interp(time, times, y))

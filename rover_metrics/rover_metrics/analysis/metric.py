@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.errors import RoverMetricsError, printable
-from rover_metrics.extended.metrics import EXTENDED_COLUMNS, EXTENDED_HEADER
+from rover_metrics.extended.metrics import ALL_COLUMNS, EXTENDED_HEADER
 
 ALL = "all"  # the word for every metric
 
@@ -95,7 +95,7 @@ METRICS: Mapping[str, Metric] = MappingProxyType({metric.code: metric for metric
 COUNTERS = tuple(metric.column for metric in _ALL if metric.kind is COUNTER)
 FLAGS = tuple(metric.column for metric in _ALL if metric.kind is FLAG)
 METRIC_COLUMNS = tuple(dict.fromkeys(metric.column for metric in _ALL))
-_CUMULATIVE = {column.header for column in EXTENDED_COLUMNS if column.cumulative}
+_CUMULATIVE = {column.header for column in ALL_COLUMNS if column.cumulative}
 
 
 def is_other(column: str) -> bool:

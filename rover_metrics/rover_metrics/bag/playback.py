@@ -20,7 +20,7 @@ from rover_metrics.bag.mcap_stream import BagError, Message
 from rover_metrics.core.columns import Row
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing import NANOSECONDS, ClockRows, FullSeconds, TimeSource, age
-from rover_metrics.topics import CLOCK, SENSORS, TRUTH, Source, is_time, nanoseconds, stamp_ns
+from rover_metrics.topics import CLOCK, SENSORS, Source, is_time, nanoseconds, sources_of, stamp_ns
 
 MOST_NOTES = 5
 
@@ -66,7 +66,9 @@ class Playback:
                 f"{bag.path} has no topic to replay ({'; '.join(self.missing)}); its topics: {recorded}"
             )
         if session.extended is not None:
-            self._sources |= self._there(TRUTH, remaps)[0]  # a real rover has none
+            self._sources |= self._there(sources_of(session)[len(SENSORS) :], remaps)[
+                0
+            ]  # a real rover has none
         clock, no_clock = self._there([CLOCK], remaps)
         self.time_source = _resolved(time_source, no_clock)
         if self.time_source is TimeSource.SIM:

@@ -10,6 +10,7 @@ from rover_metrics.core.columns import COLUMNS, Column, Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.rotation import Quaternion, Vector3
 from rover_metrics.errors import ParameterError, unknown
+from rover_metrics.extended.energy_columns import EnergyColumns
 from rover_metrics.extended.further import FURTHER, Columns
 from rover_metrics.extended.imu_columns import ImuColumns
 from rover_metrics.extended.scan_columns import ScanColumns
@@ -20,14 +21,17 @@ from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_col
 from rover_metrics.timing import NANOSECONDS
 
 
-def extended_columns(wheels: Sequence[str], *, soil: bool = False) -> tuple[Column, ...]:
-    """Returns the columns after the twelve of a rover with these wheels, on soil or on rigid ground."""
+def extended_columns(
+    wheels: Sequence[str], *, soil: bool = False, energy: bool = False
+) -> tuple[Column, ...]:
+    """Returns the columns after the twelve of a rover with these wheels, on soil, with a battery."""
     return (
         *TravelColumns.COLUMNS,
         *ScanColumns.COLUMNS,
         *ImuColumns.COLUMNS,
         *TrafficColumns.COLUMNS,
         *truth_columns(wheels, soil=soil),
+        *(EnergyColumns.COLUMNS if energy else ()),
     )
 
 
@@ -38,6 +42,7 @@ def _further(name: str) -> type[Columns]:
 
 
 EXTENDED_COLUMNS = extended_columns(WHEELS)
+ALL_COLUMNS = extended_columns(WHEELS, energy=True)
 EXTENDED_HEADER: tuple[str, ...] = (*COLUMNS, *(column.header for column in EXTENDED_COLUMNS))
 
 
@@ -49,14 +54,16 @@ class ExtendedMetrics:
 
     Attributes:
         truth: Takes what only a simulator knows.
+        energy: Takes the states of a battery; None where they are no columns.
         header: Names of a row's columns, the twelve included.
     """
 
     def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings) -> None:
         wheels, soil = settings.wheel_names, settings.soil
         self.truth = TruthColumns(wheels, soil=soil)
+        self.energy = EnergyColumns() if settings.energy else None
         self._further = [_further(name)(settings) for name in settings.column_names]
-        own = extended_columns(wheels, soil=soil)
+        own = extended_columns(wheels, soil=soil, energy=settings.energy)
         columns = (*own, *(column for each in self._further for column in each.COLUMNS))
         self._headers = tuple(column.header for column in columns)
         self.header = (*COLUMNS, *self._headers)
@@ -120,6 +127,7 @@ class ExtendedMetrics:
             *self._imu.cells(),
             *self._traffic.cells(now_ns, reported_lost),
             *self.truth.cells(),
+            *(() if self.energy is None else self.energy.cells(self._metrics.total_distance)),
             *(cell for each in self._further for cell in each.cells()),
         )
         twelve = self._metrics.row(now_ns // NANOSECONDS)

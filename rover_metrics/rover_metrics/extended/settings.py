@@ -71,6 +71,13 @@ class ExtendedSettings:
         read_only=True,
     )
 
+    energy: bool = parameter(
+        False,
+        "columns of what /battery/battery_state tells of energy, after all others; fixed once the node "
+        "runs, for the header of a log cannot change",
+        read_only=True,
+    )
+
     soil: bool = parameter(
         False,
         "columns of what soil does to the wheels, which /rover/truth/traversal tells of a run on soil",

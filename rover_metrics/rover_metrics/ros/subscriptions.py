@@ -16,7 +16,7 @@ from rclpy.qos import (
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros.decoding import READERS, decoded
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
-from rover_metrics.topics import SENSORS, TRUTH, Message, Source
+from rover_metrics.topics import ENERGY, SENSORS, TRUTH, Message, Source
 
 try:
     from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
@@ -27,7 +27,7 @@ except ImportError:  # Humble
 # With this module, so that a package that is not installed is reported as the rest of ROS is.
 _MESSAGES = {
     source.message_type: resolve_name(source.message_type.replace("/msg/", ".msg:"))
-    for source in (*SENSORS, *TRUTH)
+    for source in (*SENSORS, *TRUTH, *ENERGY)
 }
 
 

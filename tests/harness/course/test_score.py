@@ -20,7 +20,7 @@ from harness.truth.traversal import Truth
 from harness.world.grid import STEPS, distances, travel
 from tests.harness.course.conftest import driven
 
-TASK = Task(run=Run(), goals=((10.0, 0.0),), shortest=10.0, optimal=20.0, rule=Rule())
+TASK = Task(run=Run(), shortest=10.0, optimal=20.0, rule=Rule())
 DRIVE = Drive("reached", 1, 20.0, 0.0, 0.0, 0.0, Truth(path_length=10.0))
 
 

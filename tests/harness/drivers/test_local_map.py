@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from harness.drivers import DRIVERS
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.dwa_kernel import turned
-from harness.drivers.local_map import CELL, LocalMap
-from harness.drivers.mppi import STEPS
-from harness.drivers.mppi_kernel import blended
+from harness.drivers.local_map import CELL, LocalMap, MapOptions
+from harness.drivers.mppi import STEPS, blended
+from harness.drivers.rollout import AHEAD, CLOSE, END, FARTHEST, NEAREST, ROOM, rolled, turned
 from harness.robots import find_rover
 from harness.samples import LaserScan
 from harness.sensors.lidar_spec import LidarSpec
@@ -47,7 +46,7 @@ def seen(pose: tuple[float, float, float], discs: list[tuple[float, float]]) -> 
 
 
 def test_what_was_seen_stays_until_a_beam_crosses_it() -> None:
-    known, there = LocalMap(context()), (12.0, 7.5)
+    known, there = LocalMap(context(), MapOptions()), (12.0, 7.5)
     known.see(seen((10.0, 7.0, 0.3), [there]))
     known.plan((10.0, 7.0), (14.0, 8.0))
     towards = there[0] - DISC, there[1] - 0.03
@@ -62,7 +61,7 @@ def test_what_was_seen_stays_until_a_beam_crosses_it() -> None:
 
 def test_the_way_leads_around_a_wall() -> None:
     wall = [(2.0, y) for y in np.arange(-1.5, 1.6, 0.3)]
-    known = LocalMap(context())
+    known = LocalMap(context(), MapOptions())
     known.see(seen((0.0, 0.0, 0.0), wall))
     known.plan((0.0, 0.0), (4.0, 0.0))
     around = 2 * math.hypot(2.0, 1.5 + DISC)
@@ -114,3 +113,28 @@ def test_plans_are_blended_by_their_weights() -> None:
     weights = (1.0 + (costs - costs.min()) / 0.35) ** -4
     expected = (weights[:, None, None] * plans).sum(axis=0) / weights.sum()
     assert np.allclose(blended(plans, costs), expected)
+
+
+def arc(speed: float, rate: float, time: float) -> tuple[float, float]:
+    """Where a twist leads in a time, by its closed form."""
+    if rate == 0.0:
+        return speed * time, 0.0
+    return speed / rate * math.sin(rate * time), speed / rate * (1.0 - math.cos(rate * time))
+
+
+@pytest.mark.parametrize("twist", [(1.0, 0.0), (0.5, 0.8), (0.4, -0.9)])
+def test_plans_are_driven_as_arcs_and_looked_up_where_they_lead(twist: tuple[float, float]) -> None:
+    side = np.arange(200) * CELL
+    to_go, clearance = np.meshgrid(side, side)  # of each cell its x, its y
+    plans = np.full((1, 40, 2), twist)
+    pose, outline = np.array([3.0, 4.0, 1.0, 0.0]), np.array([(0.2, 0.1, 0.05)])
+    (told,) = rolled(clearance, to_go, pose, plans, 0.05, outline, 9.0, 0.3)
+    times = np.linspace(0.05, 2.0, 40)
+    ways, turns = [arc(*twist, time)[0] for time in times], twist[1] * times
+    aside = [arc(*twist, time)[1] for time in times] + 0.2 * np.sin(turns) + 0.1 * np.cos(turns)
+    assert told[END] == pytest.approx(3.0 + ways[-1], abs=2 * CELL)
+    assert told[NEAREST] == pytest.approx(3.0 + min(ways), abs=2 * CELL)
+    assert told[FARTHEST] == pytest.approx(3.0 + max(ways), abs=2 * CELL)
+    assert told[AHEAD] == pytest.approx(3.0 + ways[-1] + 0.3 * math.cos(turns[-1]), abs=2 * CELL)
+    assert told[ROOM] == pytest.approx(4.0 + aside.min() - 0.05, abs=2 * CELL)
+    assert told[CLOSE] == pytest.approx(np.sum((1.0 - (4.0 + aside - 0.05) / 9.0) ** 2), rel=0.03)

@@ -61,6 +61,16 @@ def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
     plain.close()
 
 
+def test_an_episode_that_ends_and_begins_in_one_step_counts_once_for_the_curriculum() -> None:
+    harder = {"difficulty": (0.0, 1.0), "curriculum": {"step": 0.5, "window": 2}}
+    options: dict[str, Any] = {"terrain": "flat", "lidar_beams": 8, "episodes_per_world": 1, **harder}
+    envs = vector(options, 1, autoreset_mode="SameStep", goal_radius=20.0)  # each step succeeds
+    envs.reset(seed=0)
+    drawn = [envs.step(np.zeros((1, 2), np.float32))[4]["difficulty"][0] for _ in range(2)]
+    envs.close()
+    assert drawn[0] == 0.0 < drawn[1]
+
+
 @pytest.mark.parametrize(("name", "kind"), ENVIRONMENTS.items())
 def test_every_environment_is_registered_with_its_vector(name: str, kind: type) -> None:
     envs: Any = gymnasium.make_vec(name, num_envs=2, vectorization_mode="vector_entry_point")

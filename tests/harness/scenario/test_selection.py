@@ -112,6 +112,14 @@ def test_what_no_run_can_be_is_told_with_the_file(make_cases: MakeCases, more: s
         make_cases(SPEED, more)
 
 
+def test_energy_can_only_be_expected_of_a_rover_with_a_battery(make_cases: MakeCases) -> None:
+    energy = '{"log.Energy [Wh]": {max: 1}}'
+    with pytest.raises(UsageError, match=r"Energy \[Wh\]' is of a rover with a battery; give sensors"):
+        make_cases(energy)
+    (case,) = make_cases(energy, "sensors: [battery]\nactuators: real")
+    assert case.run.rover.actuators == "real"
+
+
 def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
     make_cases: MakeCases, tmp_path: Path
 ) -> None:

@@ -103,6 +103,11 @@ def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> N
     assert len(found) == 2, found
 
 
+def test_windows_are_of_simulated_time_whatever_the_clock_tells(make_cases: MakeCases) -> None:
+    expect = "{topic./scan.count: {min: 9, max: 11, window: [0.5, 1]}}"
+    assert run(make_cases, expect, "events: [{at: 0.3, fault: 'clock:jump=50'}]", seconds=1.0) == ()
+
+
 def lines(path: Path) -> list[str]:
     return path.read_text().splitlines()
 

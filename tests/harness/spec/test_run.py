@@ -15,10 +15,12 @@ from harness.spec.fleet import parse_rovers
 from harness.spec.run import OWNERS
 from harness.spec.value import made
 
+NOWHERE = {"at": None, "lat": None, "lon": None, "target": "", "stop": False}
 FULL: dict[str, Any] = {  # another value than the default for each field
     "terrain": "a.sdf",
     "difficulty": 0.25,
     "soil": "clay",
+    "keep_ruts": True,
     "terrain_size": [20.0, 30.0],
     "terrain_height": 3.0,
     "terrain_cell": 0.5,
@@ -39,13 +41,15 @@ FULL: dict[str, Any] = {  # another value than the default for each field
     "cmd_vel_timeout": 0.5,
     "lidar_beams": 90,
     "imu_rate": 50,
+    "actuators": "real",
+    "surface": "ice",
     "noise": "hardware",
     "sensors": ["lidar3d=vlp16", "gnss"],
     "faults": ["imu:nan@1+2", "clock:jump=-3@4"],
     "route": {
         "points": [
-            {"at": [1.0, 2.0], "lat": None, "lon": None, "target": "", "radius": 0.5, "within": 9.0},
-            {"at": None, "lat": None, "lon": None, "target": "start", "radius": 1.0, "within": None},
+            NOWHERE | {"at": [1.0, 2.0], "radius": 0.5, "within": 9.0},
+            NOWHERE | {"target": "start", "radius": 1.0, "within": None, "stop": True},
         ],
         "order": "any",
         "limit": 60.0,
@@ -205,7 +209,10 @@ def test_rovers_share_what_is_not_their_own() -> None:
     ("text", "mend"),
     [
         ("leo:1a", "a letter first"),
-        ("leo:a,colour=red", "available: x, y, yaw, driver, noise, sensors, fault=VALUE"),
+        (
+            "leo:a,colour=red",
+            "available: x, y, yaw, driver, noise, actuators, surface, sensors, fault=VALUE",
+        ),
         ("leo:a,x=1", "give both, in metres"),
         ("leo:a,x=1,y=north", "give a number"),
         ("leo:a,fault=clock:freeze@1", "give its faults as --fault"),

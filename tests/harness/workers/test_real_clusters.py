@@ -20,6 +20,10 @@ from types import ModuleType
 import pytest
 
 from harness.base.errors import UsageError
+from harness.course.drive import cases_of as episodes_of
+from harness.course.drive import drive_all
+from harness.course.entry import find_entry
+from harness.course.tracks import find_track
 from harness.scenario.case import plan as cases_of
 from harness.scenario.suite import run_all
 from harness.tune.episodes.plan import plan
@@ -40,6 +44,11 @@ duration: 2
 matrix: {robot: [leo, rover_zero4wd]}
 seeds: 4
 expect: {truth.resets: {over: end, min: 1}, truth.speed: {max: 5}}
+"""
+ENTRY = """
+from harness.drivers.beeline import Beeline
+class Mine(Beeline):
+    pass
 """
 PACKAGES = {"ray": "ray", "dask": "distributed"}
 
@@ -90,7 +99,19 @@ def driven(workers: Workers, folder: Path, show: Callable[..., None]) -> object:
     return [(one.case, one.breaches, one.measured, one.error) for one in attempts]
 
 
-@pytest.mark.parametrize("work", [swept, driven])
+def judged(workers: Workers, folder: Path, show: Callable[..., None]) -> object:
+    """Episodes of the Course by an entry in files of its own, which travel."""
+    files = {"entry.yaml": "driver: mine.py:Mine\nlock: lock.txt\n", "lock.txt": "", "mine.py": ENTRY}
+    (own := folder / "mine").mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        (own / name).write_text(text)
+    entry = find_entry(str(own))
+    return drive_all(
+        episodes_of([find_track("barn"), find_track("rocky")], entry, 2), entry, workers, show
+    )
+
+
+@pytest.mark.parametrize("work", [swept, driven, judged])
 def test_work_with_a_killed_worker_comes_to_what_it_does_on_local_processes(
     work: Callable[..., object], workers: Workers, stand_ins: ModuleType, tmp_path: Path
 ) -> None:

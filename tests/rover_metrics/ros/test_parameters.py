@@ -14,7 +14,7 @@ from rover_metrics.extended.settings import PARAMETERS, Settings
 from tests.rover_metrics.conftest import TRIANGLE, VALUES, Rig
 
 RELIABILITY = "qos_overrides./scan.subscription.reliability"
-FIXED = ("log_dir", "pose_queue", "wheels", "soil", "columns", "extended_columns")
+FIXED = ("log_dir", "pose_queue", "wheels", "energy", "soil", "columns", "extended_columns")
 
 
 def told(node: Any) -> dict[str, Any]:  # noqa: ANN401 - rclpy has no types
@@ -34,7 +34,7 @@ def test_every_parameter_is_declared_as_the_table_says_and_all_can_be_read_at_on
         assert descriptor.description.startswith(info.description)
         assert descriptor.description.endswith(f"[{info.unit}]" if info.unit else "")
         assert descriptor.additional_constraints == info.constraint
-        assert descriptor.read_only is (name in ("log_dir", "pose_queue", "wheels", "soil", "columns"))
+        assert descriptor.read_only is (name in FIXED[:-1])
         valid = [*descriptor.floating_point_range, *descriptor.integer_range]
         bounds = [(each.from_value, each.to_value) for each in valid]
         is_number = type(info.default) in (int, float)

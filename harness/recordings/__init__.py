@@ -1,0 +1,1 @@
+"""Recordings of rovers: CSV files and bags -> series of commands, wheels, IMU and poses."""

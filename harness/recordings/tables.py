@@ -1,0 +1,202 @@
+"""CSV files -> recordings, whatever their columns are called and in whatever units they are."""
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from harness.base.errors import UsageError
+from harness.recordings.recording import Recording, Series, empty
+
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "t": ("t", "time", "timestamp", "stamp", "secs"),
+    "v": ("cmd_v", "cmd_linear", "cmd_vel_linear", "cmd_vel_x", "v_cmd", "cmd_speed", "linear_x"),
+    "w": ("cmd_w", "cmd_angular", "cmd_vel_angular", "w_cmd", "cmd_yaw_rate", "angular_z"),
+    "left": ("left_speed", "left_velocity", "v_left", "speed_left", "left"),
+    "right": ("right_speed", "right_velocity", "v_right", "speed_right", "right"),
+    "left_turn": ("left_wheel", "left_wheel_speed", "omega_left", "left_wheel_velocity"),
+    "right_turn": ("right_wheel", "right_wheel_speed", "omega_right", "right_wheel_velocity"),
+    "left_current": ("left_current", "current_left", "left_motor_current", "i_left"),
+    "right_current": ("right_current", "current_right", "right_motor_current", "i_right"),
+    "wx": ("wx", "gyro_x", "angular_velocity_x"),
+    "wy": ("wy", "gyro_y", "angular_velocity_y"),
+    "wz": ("wz", "gyro_z", "angular_velocity_z", "yaw_rate"),
+    "ax": ("ax", "acc_x", "accel_x", "linear_acceleration_x"),
+    "ay": ("ay", "acc_y", "accel_y", "linear_acceleration_y"),
+    "az": ("az", "acc_z", "accel_z", "linear_acceleration_z"),
+    "x": ("x", "pose_x", "position_x", "px"),
+    "y": ("y", "pose_y", "position_y", "py"),
+    "yaw": ("yaw", "heading", "theta"),
+    "qx": ("qx", "orientation_x"),
+    "qy": ("qy", "orientation_y"),
+    "qz": ("qz", "orientation_z"),
+    "qw": ("qw", "orientation_w"),
+    "step": ("step", "step_id"),
+    "state": ("state", "phase"),
+    "ground": ("ground", "terrain", "surface"),
+}
+UNITS = {
+    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1.0, "mm": 1e-3, "cm": 1e-2, "m/s": 1.0,
+    "mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "rad": 1.0, "rad/s": 1.0, "deg": math.pi / 180,
+    "deg/s": math.pi / 180, "rpm": math.tau / 60, "a": 1.0, "ma": 1e-3, "m/s2": 1.0, "m/s^2": 1.0,
+    "g": 9.80665,
+}  # fmt: skip
+UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
+LONGEST_PERIOD = 5.0  # [s]: times farther apart are in milli-, micro- or nanoseconds
+STILL_G = (0.5, 2.0)  # median magnitude of acceleration that is in g
+PART = re.compile(r"[_\-.]?(wheels?|imu|odom(etry)?|currents?|poses?)$", re.IGNORECASE)
+PAUSE = 0.5  # [s]
+RUNNING = ("calib", "step", "drive", "run", "running")
+
+
+def recordings_of(folder: Path, radius: float) -> list[Recording]:
+    """Returns the recordings of a folder: files whose names differ in `wheels` or `imu` are one.
+
+    Args:
+        folder: With CSV files, plain or compressed; `runs.csv` may tell the ground of each.
+        radius: Of the wheels, by which turning becomes speed [m].
+
+    Raises:
+        UsageError: It cannot be read, or none of its files holds a series.
+    """
+    if not folder.is_dir():
+        raise UsageError(f"{folder} is no folder of recordings; give one with CSV files")
+    parts: dict[str, list[Path]] = {}
+    for path in sorted([*folder.glob("*.csv"), *folder.glob("*.csv.gz")]):
+        if path.name != "runs.csv":
+            parts.setdefault(PART.sub("", path.name.split(".csv")[0]), []).append(path)
+    grounds = _grounds(folder / "runs.csv")
+    found = [_joined(key, paths, grounds, radius) for key, paths in parts.items()]
+    if not any(one.series for one in found):
+        raise UsageError(
+            f"{folder} holds no recording; give CSV files with a column t and some of left_speed, "
+            "right_speed, cmd_v, cmd_w, wz, az, x, y (docs/real_rovers.md)"
+        )
+    return [one for one in found if one.series]
+
+
+def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = "") -> Recording:
+    """Returns what some CSV files say together; UsageError if one cannot be read."""
+    series: dict[str, Series] = {}
+    for path in paths:
+        table = _read(path)
+        if "ground" in table and not ground:
+            ground = str(table["ground"].iloc[0])
+        series |= _series(table, radius)
+    return Recording(name, ground, **series)
+
+
+def _joined(key: str, paths: list[Path], grounds: Mapping[str, str], radius: float) -> Recording:
+    ground = grounds.get(key) or re.sub(r"[_\-]?\d+$", "", key)
+    return recording_of(paths, key, radius, ground)
+
+
+def _grounds(path: Path) -> dict[str, str]:
+    if not path.is_file():
+        return {}
+    table = _read(path)
+    if not {"run", "ground"} <= set(table.columns):
+        return {}
+    return dict(zip(table["run"].astype(str), table["ground"].astype(str), strict=True))
+
+
+def _read(path: Path) -> pd.DataFrame:
+    """A file's columns by our names, numbers in SI units; those that are not known stay as they are."""
+    try:
+        table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
+    except (OSError, ValueError, pd.errors.ParserError) as error:
+        raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
+    known = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
+    columns: dict[str, pd.Series] = {}
+    for column in table.columns:
+        match = UNIT.match(str(column).strip().casefold())
+        spelled, unit = (match["name"].strip(), match["unit"]) if match else (str(column), None)
+        name = known.get(spelled.replace(" ", "_"), spelled)
+        if name in columns or (unit and unit not in UNITS):
+            continue
+        columns[name] = table[column] * UNITS[unit] if unit else table[column]
+    read = pd.DataFrame(columns)
+    if "t" in read:
+        read["t"] = _seconds(pd.to_numeric(read["t"], errors="coerce"))
+    return read
+
+
+def _seconds(times: pd.Series) -> pd.Series:
+    period = float(np.nanmedian(np.abs(np.diff(times)))) if len(times) > 1 else 0.0
+    for factor in (1.0, 1e-3, 1e-6, 1e-9):
+        if period * factor <= LONGEST_PERIOD:
+            return times * factor
+    return times
+
+
+def _series(table: pd.DataFrame, radius: float) -> dict[str, Series]:
+    if "t" not in table:
+        return {}
+    found = {
+        "commands": _columns(table, "v", "w"),
+        "wheels": _columns(table, "left", "right"),
+        "currents": _columns(table, "left_current", "right_current"),
+        "imu": _imu(table),
+        "poses": _poses(table),
+        "steps": _steps(table),
+    }
+    if not len(found["wheels"]):
+        found["wheels"] = _columns(table, "left_turn", "right_turn") * [1.0, radius, radius]
+    return {name: values for name, values in found.items() if len(values)}
+
+
+def _columns(table: pd.DataFrame, *names: str) -> Series:
+    """Times and columns of whole rows in order; empty if one of them is missing."""
+    if not set(names) <= set(table.columns):
+        return empty(1 + len(names))
+    numbers = table[["t", *names]].apply(pd.to_numeric, errors="coerce").to_numpy(float)
+    rows = numbers[np.isfinite(numbers).all(axis=1)]
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    if not len(rows):
+        return empty(1 + len(names))
+    whole: Series = rows[np.concatenate([[True], np.diff(rows[:, 0]) > 0.0])]
+    return whole
+
+
+def _imu(table: pd.DataFrame) -> Series:
+    names = ("wx", "wy", "wz", "ax", "ay", "az")
+    if not {"wz", "az"} & set(table.columns):
+        return empty(7)
+    filled = table.assign(**{name: 0.0 for name in names if name not in table})
+    series = _columns(filled, *names)
+    level = float(np.median(np.linalg.norm(series[:, 4:], axis=1))) if len(series) else 0.0
+    scale = UNITS["g"] if STILL_G[0] < level < STILL_G[1] else 1.0
+    scaled: Series = series * np.array([1.0] * 4 + [scale] * 3)
+    return scaled
+
+
+def _poses(table: pd.DataFrame) -> Series:
+    """Places and headings; rows that repeat the last pose are left out."""
+    if {"qx", "qy", "qz", "qw"} <= set(table.columns):
+        x, y, z, w = (pd.to_numeric(table[name], errors="coerce") for name in ("qx", "qy", "qz", "qw"))
+        table = table.assign(yaw=np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+    series = _columns(table, "x", "y", "yaw")
+    if len(series):
+        changed = np.concatenate([[True], (np.diff(series[:, 1:], axis=0) != 0.0).any(axis=1)])
+        series = series[changed]
+        series[:, 3] = np.unwrap(series[:, 3])
+    return series
+
+
+def _steps(table: pd.DataFrame) -> Series:
+    """Begin and end of each step that runs."""
+    if not {"step", "state"} <= set(table.columns):
+        return empty(2)
+    runs = table[table["state"].astype(str).str.casefold().isin(RUNNING)]
+    whole = [_longest(times["t"].to_numpy(float)) for _, times in runs.groupby("step")]
+    return np.array(whole).reshape(-1, 2)
+
+
+def _longest(times: Series) -> tuple[float, float]:
+    """Begin and end of the longest part without a pause, of a step that was paused."""
+    parts = np.split(times, np.flatnonzero(np.diff(times) > PAUSE) + 1)
+    longest = max(parts, key=lambda part: float(part[-1] - part[0]))
+    return float(longest[0]), float(longest[-1])

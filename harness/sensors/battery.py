@@ -1,0 +1,129 @@
+"""A battery and what the motors draw from it: sensor_msgs/BatteryState, and the motors' currents.
+
+The motors' currents and power are those of harness.physics.motor_power. The voltage sinks linearly from
+full to empty, and by the battery's own resistance times its current.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.base.errors import RunFailed, UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.robots import RoverSpec
+from harness.samples import plain_value
+from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
+from harness.spec.value import Length, Share
+
+if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    from harness.physics.simulation import Simulation
+
+HOUR = 3600.0  # [s]
+TICK = TICK_NS / NANOSECONDS  # [s]
+
+
+@plain_value
+class Battery:
+    """State of charge; names are those of sensor_msgs/BatteryState.
+
+    Attributes:
+        current: Negative while it discharges [A].
+        charge: What is left [A h].
+        energy: Taken since the start [W h].
+        motor_currents: Of the left and the right side [A].
+    """
+
+    stamp_ns: int
+    sensor: str
+    voltage: float
+    current: float
+    charge: float
+    percentage: float
+    energy: float
+    motor_currents: tuple[float, float]
+
+
+class BatteryOptions(SensorOptions):
+    """Options of a battery; of what rover.yaml's section `battery` says of it.
+
+    Attributes:
+        charge: Share of the capacity at the start.
+        capacity: Other than that of rover.yaml [W h]; None for that.
+        ends_run: Whether the run fails when it is empty.
+    """
+
+    charge: Share = 1.0
+    capacity: Length | None = None
+    ends_run: bool = False
+
+    def check(self, rover: RoverSpec) -> None:
+        """Checks that the motors of a rover are real and that its battery is known."""
+        if rover.battery is None or rover.actuators is None or not rover.real:
+            raise UsageError(
+                f"sensor '{self.name}' needs --actuators real, and the sections 'actuators' and "
+                f"'battery' in {rover.folder / 'rover.yaml'}"
+            )
+
+
+class BatterySensor(OptionalSensor[BatteryOptions]):
+    """Adds up what the motors of a rover take, whose actuators are real."""
+
+    def __init__(
+        self, simulation: "Simulation", installation: Installation[BatteryOptions], period_ticks: int
+    ) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        rover, options = simulation.scene.rover, installation.options
+        options.check(rover)
+        assert rover.battery is not None  # noqa: S101 - checked
+        self._pack, self._ends_run = rover.battery, options.ends_run
+        self._capacity = options.capacity or rover.battery.capacity
+        self._taken = self._begun = (1.0 - options.charge) * self._capacity  # [W h]
+        # Here, for the table of sensors does without MuJoCo.
+        from harness.physics.motor_power import MotorPower  # noqa: PLC0415
+
+        self._motors = MotorPower(simulation)
+        self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
+
+    def observe(self, sums: NDArray[np.float64]) -> None:
+        """Takes what ticks have taken; RunFailed when the battery is empty and that ends runs."""
+        for values in sums:
+            self._take(values)
+
+    def _take(self, sums: NDArray[np.float64]) -> None:
+        currents, power = self._motors.draw(sums)
+        power += self._pack.standby
+        self._currents, self._power = self._currents + currents, self._power + power
+        self._ticks += 1
+        self._taken = min(self._taken + power * TICK / HOUR, self._capacity)
+        if self._ends_run and self._taken >= self._capacity:
+            now = self._simulation.time_ns / NANOSECONDS
+            raise RunFailed(f"{self._simulation.scene.label}'s battery is empty at t = {now:.2f} s")
+
+    def read(self) -> Battery:
+        """Returns the state now, and the means of the currents since the last reading."""
+        count, pack = max(self._ticks, 1), self._pack
+        left = 1.0 - self._taken / self._capacity
+        open_voltage = pack.empty + left * (pack.full - pack.empty)
+        current = self._power / count / open_voltage
+        one, other = (self._currents / count).tolist()
+        self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
+        told = (
+            open_voltage - pack.resistance * current,
+            -current,
+            left * self._capacity / pack.nominal,
+            left,
+        )
+        voltage, current, charge, percentage = (
+            float(np.float32(value)) for value in told
+        )  # its message's
+        return Battery(
+            self._simulation.time_ns,
+            self.name,
+            voltage=voltage,
+            current=current,
+            charge=charge,
+            percentage=percentage,
+            energy=self._taken - self._begun,
+            motor_currents=(one, other),
+        )

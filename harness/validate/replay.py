@@ -1,0 +1,80 @@
+"""A rover of ours driven by recorded commands on level ground, and what it then has recorded."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.base.sim_time import HIGHEST_RATE
+from harness.episode.episode import vibration_of
+from harness.physics.motor_power import MotorPower
+from harness.recordings.recording import Recording, Series
+from harness.robots import RoverSpec
+from harness.sensors.state import ImuSensor
+from harness.validate.grounds import Course, flat
+from harness.validate.rig import TICK, Rig
+
+
+@dataclass(frozen=True)
+class Rates:
+    """How often a real rover's log has something new [ticks of 10 ms]."""
+
+    wheels: int = 15
+    poses: int = 10
+    imu: int = 100 // HIGHEST_RATE
+
+
+def replay(
+    rover: RoverSpec,
+    commands: Series,
+    end: float,
+    *,
+    seed: int = 0,
+    rates: Rates = Rates(),
+    course: Course | None = None,
+) -> Recording:
+    """Drives a rover with real motors by commands and returns what it recorded.
+
+    Args:
+        rover: Equipped as it is to be; its poses are those of its model frame, from 0, 0, 0.
+        commands: Times from 0 [s], v [m/s], yaw rate [rad/s]; each holds until the next.
+        end: When it ends [s].
+        seed: Of what shakes the IMU.
+        rates: How often the series have a sample.
+        course: The ground; None for a level plane.
+    """
+    rig = Rig(rover, flat() if course is None else course)
+    simulation, radius = rig.simulation, rover.controller_radius
+    motors, imu = MotorPower(simulation), ImuSensor(simulation, rates.imu)
+    vibration = vibration_of(rover.vibration, seed)
+    left, right = (
+        [simulation.data.joint(name) for name in side] for side in (rover.drive.left, rover.drive.right)
+    )
+    logs: dict[str, list[tuple[float, ...]]] = {"wheels": [], "currents": [], "imu": [], "poses": []}
+    due, drawn = 0, np.zeros(2)
+    for tick in range(round(end / TICK)):
+        while due < len(commands) and commands[due, 0] <= tick * TICK + 1e-9:
+            rig.command(*commands[due, 1:].tolist())
+            due += 1
+        rig.tick()
+        imu.observe(simulation.tick_sum[None])
+        drawn = drawn + motors.draw(simulation.tick_sum)[0]
+        now = (tick + 1) * TICK
+        speeds = [radius * float(np.mean([joint.qvel[0] for joint in side])) for side in (left, right)]
+        if tick % rates.wheels == 0:
+            logs["wheels"].append((now, *speeds))
+            logs["currents"].append((now, *(drawn / (rates.wheels if tick else 1)).tolist()))
+            drawn = np.zeros(2)
+        if tick % rates.imu == 0:
+            read = imu.read()
+            force = read.linear_acceleration
+            if vibration is not None:
+                force = vibration.shake(force, sum(speeds) / 2, read.stamp_ns)
+            logs["imu"].append((now, *read.angular_velocity, *force))
+        if tick % rates.poses == 0:
+            stance = rig.stance
+            logs["poses"].append((now, stance.ahead, stance.aside, stance.yaw - rig.heading))
+    series = {name: np.array(rows) for name, rows in logs.items()}
+    if rover.actuators is not None:
+        constant = rover.actuators.motor_constant
+        series["torques"] = series["currents"] * np.array([1.0, constant, constant])
+    return Recording(rover.name, commands=commands, **series)  # type: ignore[arg-type]  # names of series alone

@@ -1,0 +1,187 @@
+"""Real motors against closed forms: torque over speed, dead time, lag, ties, play, weakness."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.episode.assembly import check
+from harness.physics.actuators import PLAY
+from harness.physics.base_controller import base_controller
+from harness.physics.simulation import Simulation
+from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
+from harness.samples import Twist
+from harness.spec.run import Run
+from tests.harness.conftest import MakeSimulation
+from tests.support.rovers import LEO
+
+HUSKY = ROVERS["husky"]
+TICK = TICK_NS / NANOSECONDS
+
+
+def real(rover: RoverSpec = HUSKY, **changes: Any) -> RoverSpec:  # noqa: ANN401 - of several types
+    assert rover.actuators is not None
+    return equipped(rover.but(actuators=rover.actuators.but(**changes)), REAL, "")
+
+
+def in_the_air(simulation: Simulation) -> Simulation:
+    simulation.model.opt.gravity[:] = 0.0
+    simulation.pose[2] += 1.0
+    return simulation
+
+
+@pytest.mark.parametrize("name", ROVERS)
+def test_a_motor_gives_what_current_and_voltage_allow_at_its_speed(
+    name: str, simulate: MakeSimulation
+) -> None:
+    """T = min(K i_max, K / R (V - K w)) against a command that is out of reach."""
+    rover = real(ROVERS[name], backlash=0.0)
+    simulation, motors = in_the_air(simulate(rover)), rover.actuators
+    assert motors is not None
+    simulation.model.dof_damping[6:] = simulation.model.dof_frictionloss[6:] = 0.0
+    simulation.model.actuator_ctrlrange[:] *= 100
+    simulation.data.ctrl[simulation.motors] = 100 * rover.wheel_speed_limit
+    share = len(rover.drive.left) if motors.one_motor_a_side else 1
+    for _ in range(60):
+        before = simulation.data.qvel[simulation.model.joint(rover.drive.driven[0]).dofadr[0]]
+        simulation.data.ctrl[simulation.motors] = 100 * rover.wheel_speed_limit
+        simulation.physics.tick()
+        now = simulation.data.joint(rover.drive.driven[0]).qvel[0]
+        constant, resistance = motors.motor_constant, motors.resistance * share
+        bounds = [
+            min(
+                constant * motors.current_limit / share,
+                constant / resistance * (motors.voltage - constant * speed),
+            )
+            for speed in (now, before)
+        ]
+        torque = float(simulation.data.actuator_force[simulation.motors[0]])
+        assert min(bounds) - 1e-6 <= torque <= max(bounds) + 1e-6
+    assert now == pytest.approx(motors.voltage / motors.motor_constant, rel=0.05)  # without load
+
+
+def responses(rover: RoverSpec, twist: Twist, ticks: int) -> np.ndarray:
+    controller = base_controller(rover, TICK)
+    controller.command(twist)
+    return np.array([controller.wheel_speeds() for _ in range(ticks)])
+
+
+def test_commands_come_late_and_speeds_follow_as_two_lags_do() -> None:
+    """1 - (1 + t / T) exp(-t / T) of two equal lags T after the dead time, for a step in the middle."""
+    rover = real(delay=0.2, lag=0.3, turn_limit=None).but(linear_acceleration=1e3)
+    speeds = responses(rover, Twist(0.5, 0.0), 200)[:, 0] * rover.controller_radius / 0.5
+    time = TICK * np.arange(1, 201) - 0.2
+    closed = np.where(time > 0, 1 - (1 + time / 0.15) * np.exp(-np.maximum(time, 0) / 0.15), 0.0)
+    assert speeds == pytest.approx(closed, abs=0.04)
+    assert not speeds[:20].any()
+
+
+def test_what_is_ideal_has_no_lag_and_the_bytes_of_before() -> None:
+    at_once = responses(HUSKY, Twist(0.3, 0.2), 5)
+    also = responses(equipped(HUSKY, IDEAL, ""), Twist(0.3, 0.2), 5)
+    assert (at_once == also).all()
+    assert at_once[0].all()
+
+
+def test_slow_commands_do_nothing_and_the_sides_differ_by_no_more_than_their_limit() -> None:
+    rover = real(delay=0.0, lag=0.0, dead_band=0.05, turn_limit=0.4)
+    radius = rover.controller_radius
+    assert not responses(rover, Twist(0.04, 0.0), 50).any()
+    left, _, right, _ = responses(rover, Twist(0.2, 3.0), 200)[-1] * radius
+    assert (right - left, right + left) == pytest.approx((0.4, 0.4))
+
+
+def test_wheels_of_one_motor_turn_alike_whatever_holds_one(simulate: MakeSimulation) -> None:
+    simulation = simulate(real())
+    simulation.limit_motors({"left": 1.0, "right": 1.0}, frozenset(["front_left_wheel"]))
+    simulation.command_wheels(np.full(4, 2.0))
+    for _ in range(100):
+        simulation.tick()
+    speeds = {name: abs(simulation.data.joint(name).qvel[0]) for name in HUSKY.wheel_joints}
+    assert speeds["front_left_wheel"] < 0.01
+    assert speeds["rear_left_wheel"] < 0.02
+    assert speeds["front_right_wheel"] > 0.5
+    simulation.limit_motors({"left": 1.0, "right": 1.0}, frozenset())
+    for _ in range(100):
+        simulation.tick()
+    assert simulation.data.joint("front_left_wheel").qvel[0] == pytest.approx(2.0, rel=0.05)
+
+
+@pytest.mark.parametrize("equip", [real, lambda: equipped(HUSKY, IDEAL, "")], ids=["real", "ideal"])
+def test_a_weak_side_gives_its_share_of_the_torque(
+    equip: Callable[[], RoverSpec], simulate: MakeSimulation
+) -> None:
+    simulation, torques = in_the_air(simulate(equip())), []
+    for share in (1.0, 0.25):
+        simulation.limit_motors({"left": share, "right": 1.0}, frozenset())
+        simulation.data.qvel[:] = 0.0
+        simulation.command_wheels(np.full(4, 100.0))
+        simulation.tick()
+        torques.append(simulation.data.actuator_force[simulation.motors].copy())
+    assert torques[1] == pytest.approx(torques[0] * [0.25, 0.25, 1.0, 1.0], rel=0.05)
+
+
+def test_drag_holds_back_alike_in_all_directions_and_is_none_without(simulate: MakeSimulation) -> None:
+    """In the air, without weight: m v' = -drag m g against the motion, whatever the heading.
+
+    It acts at the model's origin, which is not quite the centre of mass.
+    """
+    for drag, heading in ((0.0, 0.3), (0.2, 0.0), (0.2, 0.8), (0.2, 2.5)):
+        rover = HUSKY.but(tyres=HUSKY.tyres.but(drag=drag))
+        simulation = in_the_air(simulate(rover))
+        way = np.array([math.cos(heading), math.sin(heading)])
+        simulation.twist[:2] = 2.0 * way
+        for _ in range(50):
+            simulation.tick()
+        assert simulation.twist[:2] == pytest.approx((2.0 - drag * rover.gravity * 0.5) * way, abs=0.1)
+
+
+def test_a_wheel_with_play_turns_that_far_without_its_motor(simulate: MakeSimulation) -> None:
+    simulation = in_the_air(simulate(real(LEO, backlash=0.1)))
+    model, data, name = simulation.model, simulation.data, LEO.wheel_joints[0]
+    dof, low = int(model.joint(name + PLAY).dofadr[0]), []
+    for push in (1.0, -1.0):
+        data.qfrc_applied[dof] = 0.05 * push
+        for _ in range(100):
+            simulation.tick()
+        low.append(float(data.joint(name + PLAY).qpos[0]))
+    assert low == pytest.approx([0.05, -0.05], abs=0.01)
+
+
+def test_rolling_resistance_is_a_share_of_the_load(simulate: MakeSimulation) -> None:
+    """The motors' torque at a steady speed is M g c r more, over all wheels."""
+    torques = []
+    for rolling in (0.0, 0.1):
+        rover = HUSKY.but(tyres=HUSKY.tyres.but(rolling=rolling))
+        simulation = simulate(rover)
+        simulation.command_wheels(np.full(4, 1.0))
+        for _ in range(200):
+            simulation.tick()
+        torques.append(float(simulation.data.qfrc_actuator[6:].sum()))
+    mass = float(simulation.model.body_subtreemass[1])
+    assert torques[1] - torques[0] == pytest.approx(0.1 * mass * 9.8 * 0.1651, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"robot": "leo", "surface": "moon"}, "surface 'moon' is not one of .*; available: none"),
+        ({"robot": "leo", "sensors": ["battery"]}, "'battery' needs --actuators real"),
+        ({"faults": ["wheel.fifth:stuck"]}, "available: wheel.front_left"),
+        ({"faults": ["motor.left:weak=1"]}, "a share of the torque"),
+        ({"faults": ["cmd_vel:zero"]}, "available: latency, dropout, freeze"),
+    ],
+)
+def test_what_a_rover_has_not_is_one_line(fields: dict[str, Any], said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        check(Run.of(**fields))
+
+
+def test_a_folder_without_motors_cannot_be_real() -> None:
+    with pytest.raises(UsageError, match="section 'actuators'"):
+        equipped(LEO.but(actuators=None), REAL, "")
+    assert math.isclose(equipped(LEO, IDEAL, "").wheel_radius, 0.0625)

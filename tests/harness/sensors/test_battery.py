@@ -1,0 +1,75 @@
+"""A battery against the power of its motors, integrated from raw states; its end; its messages."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from harness.base.errors import RunFailed
+from harness.base.sim_time import NANOSECONDS
+from harness.episode.episode import Episode
+from harness.robots import ROVERS
+from harness.sensors.battery import Battery
+from harness.spec.run import Run
+from harness.spec.sensor import parse_choice
+
+HUSKY = ROVERS["husky"]
+
+
+def batteries(episode: Episode) -> Iterator[Battery]:
+    for batch in episode.batches():
+        for tick in batch.ticks:
+            yield from (sample for sample in tick.samples if isinstance(sample, Battery))
+
+
+def driven(**fields: object) -> Episode:
+    run = Run.of(robot="husky", terrain="flat", actuators="real", driver="spin", duration=6.0, **fields)
+    return Episode(run.but(rovers=(run.rover.but(sensors=(parse_choice("battery"),)),)))
+
+
+def test_energy_is_what_motors_and_standby_take_and_charge_what_is_left() -> None:
+    episode, pack, motors = driven(), HUSKY.battery, HUSKY.actuators
+    assert pack is not None
+    assert motors is not None
+    simulation, taken, readings = episode.simulation, 0.0, []
+    joints = HUSKY.drive.driven
+    observe = episode.observe
+
+    def look(index: int) -> None:
+        nonlocal taken
+        torque = np.array([simulation.data.joint(name).qfrc_actuator[0] for name in joints])
+        speed = np.array([simulation.data.joint(name).qvel[0] for name in joints])
+        torque, work = torque.reshape(2, 2).sum(axis=1), (torque * speed).reshape(2, 2).sum(axis=1)
+        currents = np.where(work > 0, np.abs(torque) / motors.motor_constant, 0.0)
+        power = np.maximum(work + motors.resistance * currents**2, 0.0).sum() + pack.standby
+        taken += power * 0.01 / 3600
+        observe(index)
+
+    episode.observe = look  # type: ignore[method-assign]
+    readings = list(batteries(episode))
+    last = readings[-1]
+    assert last.energy == pytest.approx(taken, rel=0.05)  # once a tick, not of each step
+    assert last.energy > 1.5 * pack.standby * 6 / 3600
+    assert last.percentage == pytest.approx(1 - last.energy / pack.capacity)
+    assert last.charge * pack.nominal == pytest.approx(pack.capacity - last.energy)
+    assert pack.empty < last.voltage < pack.full
+    assert last.current < 0.0 < min(last.motor_currents)
+    power = -last.voltage * last.current
+    assert power == pytest.approx(3600 * (last.energy - readings[-2].energy) / 0.1, rel=0.02)
+
+
+def test_a_run_ends_when_its_battery_is_empty_if_that_is_asked_for() -> None:
+    """Standing still: the standby power alone empties a battery of 10 mW h in 1.8 s.
+
+    A hair less is in it, so that no rounding decides at which tick.
+    """
+    entry = {"kind": "battery", "capacity": 0.00999, "ends_run": True}
+    rover = HUSKY.but(sensors=(entry,))
+    assert rover.battery is not None
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("harness.episode.assembly.find_rover", lambda _: rover)
+        run = Run.of(robot="husky", terrain="flat", actuators="real", driver="cmd_vel", duration=6.0)
+        episode = Episode(run)
+        with pytest.raises(RunFailed, match=r"battery is empty at t = 1\.8"):
+            list(batteries(episode))
+    assert episode.simulation.time_ns / NANOSECONDS == pytest.approx(1.8, abs=0.02)

@@ -1,0 +1,139 @@
+"""Ours beside recordings: measures against closed forms, files of strangers, and the shared halves."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from harness.base.errors import UsageError
+from harness.recordings.recording import Recording, check
+from harness.recordings.tables import recordings_of
+from harness.robots import REAL, ROVERS, equipped
+from harness.validate.__main__ import main
+from harness.validate.real.commanded import response_times, step_ends
+from harness.validate.real.table import compare
+from harness.validate.real.windows import SPOT, STRAIGHT, effective_track, windows
+from harness.validate.replay import replay
+from tests.support.complaint import complaint
+
+HUSKY = ROVERS["husky"]
+REAL_HUSKY = equipped(HUSKY, REAL, "flooring")
+SHARED = Path(__file__).parents[4] / "shared" / "data"
+
+
+def steady(left: float, right: float, hertz: float = 5.0, sd: float = 0.5) -> Recording:
+    """Twenty seconds of which all is known; az is a line at a frequency."""
+    t, fast = np.arange(0, 20, 0.15), np.arange(0, 20, 0.01)
+    wheels = np.column_stack([t, np.full_like(t, left), np.full_like(t, right)])
+    turning, az = (
+        np.full_like(fast, (right - left) / 1.1),
+        9.8 + sd * np.sqrt(2) * np.sin(2 * np.pi * hertz * fast),
+    )
+    nothing = np.zeros_like(fast)
+    imu = np.column_stack([fast, nothing, nothing, turning, nothing, nothing, az])
+    return Recording(
+        "made", "flooring", wheels=wheels, currents=wheels * [1, 0, 0] + [0, 2.0, 3.0], imu=imu
+    )
+
+
+@pytest.mark.parametrize(("hertz", "share"), [(5.0, 1.0), (20.0, 0.0)])
+def test_windows_tell_vibration_band_and_current(hertz: float, share: float) -> None:
+    some = list(windows(steady(0.5, 0.5, hertz)))
+    assert len(some) == 9
+    assert {one.kind for one in some} == {STRAIGHT}
+    for one in some:
+        assert (one.speed, one.sd, one.current) == pytest.approx((0.5, 0.5, 5.0), rel=0.02)
+        assert one.share == pytest.approx(share, abs=0.03)
+
+
+def test_the_track_is_that_of_the_turns_and_one_that_is_held_tells_none() -> None:
+    turning = list(windows(steady(-0.25, 0.25)))
+    assert {one.kind for one in turning} == {SPOT}
+    assert effective_track(turning, 1.03) == pytest.approx(1.1, rel=1e-6)
+    held = steady(-0.25, 0.25)
+    held.imu[:, 3] *= 0.2
+    assert np.isnan(effective_track(windows(held), 1.03))
+
+
+def test_a_replay_recovers_its_own_delay_and_ends_its_own_steps_where_they_ended() -> None:
+    commands = np.array(
+        [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [7.0, 0.0, 0.0], [9.0, 0.2, 0.4], [15.0, 0, 0]]
+    )
+    own = replay(REAL_HUSKY, commands, 17.0)
+    steps = np.array([[1.0, 7.0], [9.0, 15.0]])
+    recorded = Recording(
+        "own", "flooring", commands=commands, wheels=own.wheels, poses=own.poses, steps=steps
+    )  # fmt: skip
+    assert step_ends(REAL_HUSKY, recorded).max() < 1e-6
+    late = REAL_HUSKY.actuators.but(delay=0.33)  # type: ignore[union-attr]
+    slower = response_times(replay(REAL_HUSKY.but(actuators=late), commands, 17.0))
+    assert slower - response_times(own) == pytest.approx([0.25] * 3, abs=0.16)  # a sample of wheels
+
+
+def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:
+    recorded = steady(0.3, 0.5)
+    (tmp_path / "plain").mkdir()
+    (tmp_path / "odd").mkdir()
+    wheels, imu = recorded.wheels, recorded.imu
+    names = ["t", "left_speed", "right_speed"]
+    pd.DataFrame(wheels, columns=names).to_csv(
+        tmp_path / "plain" / "flooring_00_wheels.csv", index=False
+    )
+    columns = ["t", "wx", "wy", "wz", "ax", "ay", "az"]
+    pd.DataFrame(imu, columns=columns).to_csv(tmp_path / "plain" / "flooring_00_imu.csv", index=False)
+    odd = {"Time [ms]": 1e3 * wheels[:, 0], "v_left [km/h]": 3.6 * wheels[:, 1]}
+    odd |= {"v_right (km/h)": 3.6 * wheels[:, 2], "remark": np.ones(len(wheels))}
+    pd.DataFrame(odd).to_csv(tmp_path / "odd" / "run7-wheels.csv.gz", index=False)
+    felt = {
+        "timestamp": 1e9 * imu[:, 0],
+        "gyro_z [deg/s]": np.degrees(imu[:, 3]),
+        "acc_z [g]": imu[:, 6] / 9.80665,
+    }
+    pd.DataFrame(felt).to_csv(tmp_path / "odd" / "run7-imu.csv", index=False)
+    pd.DataFrame({"run": ["run7"], "ground": ["flooring"]}).to_csv(
+        tmp_path / "odd" / "runs.csv", index=False
+    )
+    (plain,), (strange,) = (recordings_of(tmp_path / name, 0.1651) for name in ("plain", "odd"))
+    assert (plain.ground, strange.ground) == ("flooring", "flooring")
+    assert strange.wheels == pytest.approx(plain.wheels, rel=1e-5)
+    assert strange.imu[:, [0, 3, 6]] == pytest.approx(plain.imu[:, [0, 3, 6]], rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda r: {"wheels": r.wheels[:0]}, "has no wheels; it has"),
+        (lambda r: {"imu": r.imu + np.eye(1, 7) * 900.0}, "clocks apart, its series do not overlap"),
+        (lambda r: {"wheels": r.wheels[(r.wheels[:, 0] < 3) | (r.wheels[:, 0] > 15)]}, "gaps of 12 s"),
+    ],
+)
+def test_a_bad_recording_is_one_line(
+    spoil: Callable[[Recording], dict[str, np.ndarray]], said: str
+) -> None:
+    good = steady(0.3, 0.5)
+    check(good, ("wheels", "imu"), 1.1)
+    series = {"wheels": good.wheels, "imu": good.imu} | spoil(good)
+    with pytest.raises(UsageError, match=said):
+        check(Recording("bad", **series), ("wheels", "imu"), 1.1)
+
+
+def test_arguments_and_folders_that_will_not_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "--real needs --robot" in complaint(main, ["--real", str(tmp_path)], capsys)
+    assert "holds no recording" in complaint(main, ["--robot", "husky", "--real", str(tmp_path)], capsys)
+    assert main(["--robot", "husky", "--real", str(tmp_path / "none")]) == 0
+    assert "nothing is compared" in capsys.readouterr().err
+    with pytest.raises(UsageError, match="ground 'moon' is no surface"):
+        compare(HUSKY, [Recording("a", "moon", wheels=steady(0.5, 0.5).wheels)])
+
+
+@pytest.mark.skipif(not (SHARED / "borealtc").is_dir(), reason="the shared recordings are not here")
+def test_the_shared_recordings_of_a_floor_are_met() -> None:
+    """docs/real_rovers.md; other grounds take minutes: `harness.validate --robot husky --real`."""
+    recordings = recordings_of(SHARED / "borealtc", HUSKY.controller_radius)
+    checks, _ = compare(HUSKY, [one for one in recordings if one.ground == "flooring"])
+    assert [one.quantity for one in checks if not one.passed] == []
+    assert len(checks) == 5
