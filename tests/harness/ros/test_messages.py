@@ -225,5 +225,8 @@ def test_a_run_has_a_painter_of_its_cameras_alone() -> None:
     subject = painter(run)
     assert [camera.width for camera in subject._cameras.values()] == [160]
     assert subject._seed == 4
-    other = RoverSetup(robot="rover_zero4wd", name="b", start=(2.0, 1.0, 0.5))
-    assert painter(run.but(rovers=(run.rover, other)), 1)._seed != 4
+    there, eye = (2.0, 1.0, 0.5), ["camera=fisheye"]
+    other = RoverSetup(robot="rover_zero4wd", name="b", start=there).but(sensors=eye)
+    second = painter(run.but(rovers=(run.rover, other)), 1)
+    assert [camera.width for camera in second._cameras.values()] == [1600]
+    assert second._seed != 4
