@@ -71,8 +71,8 @@ HARDWARE = NoisePreset(
         step=DEGREE / 65.5,
         limit=500 * DEGREE,
     ),
-    # What fuses these into an attitude leans on gravity: the accelerometer's bias over g; the heading,
-    # of a compass, taken as much (a BNO055's 2.5 deg are taken as three deviations less).
+    # What makes an attitude of these leans on gravity, so it is off by the accelerometer's bias over g;
+    # the heading, of a compass, is taken to be as good: an estimate.
     attitude=AxisErrors(bias=0.020),
     # An estimate: the tyres of DRIVE's Husky were 3.8 % smaller than published, both sides alike.
     wheel_radius=0.005,

@@ -144,6 +144,8 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         ({"kind": "camera", "noise": 0.6}, ["noise 0.6", "0.5"]),
         ({"kind": "magnetometer", "field": [1e-6]}, ["east, north and up in tesla"]),
         ({"kind": "magnetometer", "field": [1e-6, 2e-6, 3.0]}, ["in tesla", "0.001"]),
+        ({"kind": "magnetometer", "year": 2030.0}, ["year", "2030"]),
+        ({"kind": "magnetometer", "year": "2026-11-25"}, ["year", "2026-11-25"]),
         ({"kind": "height_scan", "resolution": 0.0}, ["resolution 0"]),
         ({"kind": "height_scan", "resolution": 0.125, "size": [62.5, 62.625]}, ["more than 250000"]),
     ],
