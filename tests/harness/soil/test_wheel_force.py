@@ -92,10 +92,14 @@ def test_pull_grows_with_slip_up_to_three_quarters(name: str) -> None:
     assert (np.diff(pulls) > -0.05).all()
 
 
-def test_hard_soil_pulls_as_friction_does() -> None:
-    sinkage, pull, _, _ = drawn(SOILS["firm"], 4.0 * SPEED, 21.0)
+@given(st.floats(10.0, 45.0), loads, st.floats(0.5, 0.9))
+def test_hard_soil_pulls_as_friction_does(angle_deg: float, load: float, slip: float) -> None:
+    hard = SOILS["firm"].model_copy(
+        update={"friction_angle_deg": angle_deg, "k_phi": 1e9, "shear_length": 1e-5}
+    )
+    sinkage, pull, _, _ = drawn(hard, SPEED / (1.0 - slip), load)
     assert sinkage < 1e-3
-    assert pull == pytest.approx(21.0, rel=0.05)
+    assert pull == pytest.approx(load * np.tan(np.radians(angle_deg)), rel=0.05)
 
 
 def test_a_wheel_that_spins_on_the_spot_digs_in_to_a_limit() -> None:
