@@ -52,6 +52,7 @@ soak: setup  ## hours of simulated driving with faults, a quarter of an hour; it
 docs: setup  ## the site, with strict links, into build/site: open build/site/index.html
 	tools/pinned.sh docs
 	$(BIN)/python -m tools.site build
+	$(BIN)/python tools/tour_pictures.py build/docs/files/docs/tour
 	NO_MKDOCS_2_WARNING=1 build/environments/docs/bin/mkdocs build --quiet --strict --config-file build/mkdocs.yml
 
 dist: setup  ## wheel and sdist into build/release, their descriptions checked, and the workflows by their schemas

@@ -18,7 +18,7 @@ ELSEWHERE = {  # beside docs/*.md
 GUIDES = "Guides"
 NOTEBOOKS = ("first_run", "compare_rovers", "learn")  # of examples/
 SECTIONS: dict[str, tuple[str, ...]] = {
-    "Start": ("index.md", "first_plot.md", "comparison.md"),
+    "Start": ("index.md", "tour.md", "first_plot.md", "comparison.md"),
     "Tutorials": (
         *("ci.md", "robots.md", "your_terrain.md", "train.md", "tuning.md", "compare.md", "bags.md"),
         "nav2.md",
