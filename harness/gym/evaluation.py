@@ -83,7 +83,7 @@ def table(
     policy: Policy,
     terrains: Sequence[str],
     episodes: int,
-    show: Callable[[int, int], None],
+    show: Callable[[int, int], None] = lambda _, __: None,
     **options: object,
 ) -> Sheet:
     """Returns how a policy does, beside one that drives straight to its goal.
