@@ -44,7 +44,9 @@ def _rows(run: Run, effort: Effort) -> list[tuple[str, ...]]:
         return result.wall_s
 
     def without_transforms() -> float:
-        with patch.object(session, "EpisodeProcess", lambda run, _: EpisodeProcess(run, None)):
+        with patch.object(
+            session, "EpisodeProcess", lambda run, _, **how: EpisodeProcess(run, None, **how)
+        ):
             return through_ros()
 
     ways = {

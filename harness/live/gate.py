@@ -54,22 +54,24 @@ class Gate(AbstractContextManager["Gate"]):
     def __exit__(self, *_: object) -> None:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
+        self._server.close()
         for task in asyncio.all_tasks(self._loop):
             task.cancel()
             with suppress(asyncio.CancelledError):
                 self._loop.run_until_complete(task)
-        self._server.close()
         self._loop.close()
 
     async def _admit(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        with suppress(OSError, TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
-            head = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), PATIENCE)
-            if self._knows(head):
-                await self._pass_on(head, reader, writer)
-            else:
-                writer.write(self._answer(head))
-                await writer.drain()
-        writer.close()
+        try:
+            with suppress(OSError, TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
+                head = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), PATIENCE)
+                if self._knows(head):
+                    await self._pass_on(head, reader, writer)
+                else:
+                    writer.write(self._answer(head))
+                    await writer.drain()
+        finally:
+            await _close(writer)
 
     async def _pass_on(
         self, head: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -79,7 +81,7 @@ class Gate(AbstractContextManager["Gate"]):
         try:
             await asyncio.gather(_pump(reader, own_writer), _pump(own_reader, writer))
         finally:
-            own_writer.close()
+            await _close(own_writer)
 
     def _knows(self, head: bytes) -> bool:
         """Whether a request has the cookie, if there must be one."""
@@ -97,6 +99,12 @@ class Gate(AbstractContextManager["Gate"]):
 
     def _is_right(self, told: str) -> bool:
         return hmac.compare_digest(told.encode(), self._token.encode())
+
+
+async def _close(writer: asyncio.StreamWriter) -> None:
+    writer.close()
+    with suppress(OSError):
+        await writer.wait_closed()
 
 
 async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

@@ -12,6 +12,7 @@ from harness.base.errors import RunFailed, UsageError, unknown
 from harness.ros.context import spin_until
 from rover_metrics.number import number
 
+ATTEMPTS = 2  # an answer is lost where the server has not found who asked yet
 BOOLS = {"true": True, "false": False}
 Kind = Parameter.Type
 SINGLE: dict[Any, tuple[Callable[[str], Any], str]] = {
@@ -53,18 +54,19 @@ def set_parameter(
         others = ", ".join(other for other in running if other != node.get_fully_qualified_name())
         raise UsageError(f"node {remote} was not found; running: {others or 'none'}")
 
-    def answered(future: Any) -> Any:  # noqa: ANN401 - rclpy's have no types
-        if not spin_until(executor, future.done, patience):
-            raise RunFailed(f"{remote} did not answer within {patience:g} s")
-        return future.result()
+    def answered(ask: Callable[[], Any]) -> Any:  # noqa: ANN401 - rclpy's have no types
+        for _ in range(ATTEMPTS):
+            if spin_until(executor, (future := ask()).done, patience / ATTEMPTS):
+                return future.result()
+        raise RunFailed(f"{remote} did not answer within {patience:g} s")
 
-    present = answered(client.get_parameters([name])).values
+    present = answered(lambda: client.get_parameters([name])).values
     kind = Kind(present[0].type) if present else Kind.NOT_SET
     if kind not in SINGLE and kind not in LISTS:
-        names = answered(client.list_parameters()).result.names
+        names = answered(client.list_parameters).result.names
         raise UsageError(unknown("parameter", name, names))
     value = _value(name, kind, text)
-    (result,) = answered(client.set_parameters([Parameter(name, kind, value)])).results
+    (result,) = answered(lambda: client.set_parameters([Parameter(name, kind, value)])).results
     if not result.successful:
         raise RunFailed(f"{remote} refuses {name} {text}: {result.reason or 'no reason given'}")
     return f"{remote} {name} is {value}"

@@ -115,8 +115,8 @@ def test_ground_keeps_its_volume_over_a_long_turn_of_the_heavier_rover() -> None
     assert abs(bed.surface.sum()) < 0.01 * displaced
 
 
-def test_an_underside_is_looked_for_only_near_the_ground_and_then_as_ever(forth: Episode) -> None:
-    simulation = forth.simulation
+def test_an_underside_is_looked_for_only_near_the_ground_and_then_as_ever() -> None:
+    simulation = driven(0.6).simulation
     body = simulation.model.geom("body_chassis").id
     affinity = simulation.model.geom_conaffinity
     assert not affinity[body] & SOIL_CONTACT
