@@ -223,6 +223,8 @@ def _serve(
 ) -> None:
     """A process: does what it is asked until nobody listens."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for who asks
+    if hasattr(signal, "pthread_sigmask"):  # who ends without closing sends this one, and waits
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
     *memory, part = place
     shared = Shared.of(*memory).rows(part)
     envs = RoverVectorEnv(make, num_envs=part.stop - part.start, **given)

@@ -16,7 +16,7 @@ import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
 
 from harness.base.errors import RunFailed, UsageError
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 ID = "RoverHarness/PointNav-v0"
 STILL = np.zeros((3, 2), np.float32)
@@ -66,6 +66,21 @@ if __name__ == "__main__":
     while True:
         envs.step(np.zeros((2, 2), np.float32))
 """
+
+
+def test_a_script_that_fails_between_two_steps_ends(tmp_path: Path) -> None:
+    script = tmp_path / "failing.py"
+    script.write_text(
+        STEPPING.replace("while True:", "raise SystemExit(7)").partition("        envs.step")[0]
+    )
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.wait(PATIENCE) == 7
+        finally:
+            process.kill()
+        assert process.stdout is not None
+        children = [int(pid) for pid in process.stdout.read().split()]
+    wait_until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in children))
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
