@@ -31,8 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _play(options: argparse.Namespace) -> int:
     recording, live = options.recording, from_flags(LiveOptions, options).served()
-    near = options.manifest or manifests_near(recording.parent, DEFAULT_LOG_DIR)
-    run = run_of(recording, near)
+    near = manifests_near(recording.parent, DEFAULT_LOG_DIR)
+    run = run_of(recording, options.manifest or (), near)
     tracks = read_tracks(recording, run)
     with StopRequest() as stop:
         play(run, tracks, live, stop)

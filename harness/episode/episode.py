@@ -152,10 +152,8 @@ class Episode:
         planned += [(t, self._abort) for t in run.plan.aborts]
         planned += [(t, self._resume) for t in run.plan.resumes]
         planned += [(t, partial(self.hand_over, driver)) for t, driver in run.plan.drivers]
-        # Only a time-out that is asked for ends the commands of a plan, not the rover's own.
-        held = self.setup.cmd_vel_timeout is None
         planned += [
-            (t, partial(self.command, Twist(*twist), held=held)) for t, *twist in run.plan.commands
+            (t, partial(self.command, Twist(*twist), held=True)) for t, *twist in run.plan.commands
         ]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in run.plan.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
@@ -193,10 +191,11 @@ class Episode:
 
         Args:
             twist: The command.
-            held: Whether it holds until the next one, whatever the time-out.
+            held: Whether it holds until the next one whatever the rover's own time-out is; one that is
+                asked for ends it all the same.
         """
         if isinstance(self._driver, CmdVel) and self._is_linked:
-            self._driver.obey(twist, held=held)
+            self._driver.obey(twist, held=held and self.setup.cmd_vel_timeout is None)
 
     def head_for(self, place: Place) -> None:
         """Gives a driver that takes goals its next one; other drivers choose their own."""

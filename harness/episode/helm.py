@@ -29,6 +29,7 @@ class Order(NamedTuple):
         reset: Whether it goes to its start, or to `place`.
         driver: Who drives from then on: a driver's name; "" for that of the run; None for no change.
         command: For a driver that obeys commands.
+        held: Whether the command holds until the next one, unless a time-out is asked for.
         goal: For a driver that takes goals.
     """
 
@@ -36,15 +37,16 @@ class Order(NamedTuple):
     place: Place | None = None
     driver: str | None = None
     command: Twist | None = None
+    held: bool = False
     goal: Place | None = None
 
     def then(self, later: "Order") -> "Order":
         """Returns both orders as one; a reset leaves nothing of what was ordered before."""
         if later.reset:
             return later
-        return self._replace(
-            **{name: v for name, v in later._asdict().items() if v not in (None, False)}
-        )
+        changes = {name: v for name, v in later._asdict().items() if v not in (None, False)}
+        held = self.held if later.command is None else later.held
+        return self._replace(**changes | {"held": held})
 
 
 class Steered(Protocol):
@@ -53,8 +55,8 @@ class Steered(Protocol):
     def hand_over(self, driver: str, /) -> None:
         """Lets another driver drive from now on; "" for that of the run."""
 
-    def command(self, twist: Twist, /) -> None:
-        """Takes a command."""
+    def command(self, twist: Twist, /, *, held: bool = False) -> None:
+        """Takes a command; one that is held knows no time-out but one that is asked for."""
 
     def head_for(self, goal: Place, /) -> None:
         """Takes a goal."""
@@ -70,7 +72,7 @@ def follow(rover: Steered, order: Order) -> None:
     if order.driver is not None:
         rover.hand_over(order.driver)
     if order.command is not None:
-        rover.command(order.command)
+        rover.command(order.command, held=order.held)
     if order.goal is not None:
         rover.head_for(order.goal)
 
@@ -112,6 +114,7 @@ class Helm(Pacer):
         held_s: Wall time for which it has stood still [s].
         metered: The metrics of each rover, once the run has begun.
         given: All orders that were followed.
+        is_shared: Whether the rovers have been ordered by others as well.
     """
 
     def __init__(self, rate: float | None, stop: StopRequest) -> None:
@@ -120,6 +123,7 @@ class Helm(Pacer):
         self.idle: Callable[[], object] = partial(stop.sleep, NAP)
         self.metered: Sequence[Metered] = ()
         self.given: list[Given] = []
+        self.is_shared: Callable[[], bool] = bool
         self._stop, self._steps, self._judged = stop, 0, False
         self._orders = deque[tuple[int, Order]]()
         self._thresholds: dict[int, Thresholds] = {}
@@ -141,6 +145,10 @@ class Helm(Pacer):
     def last_row(self, number: int) -> Row | None:
         """Returns the latest row of the log of the rover at a place of the run, if there is any."""
         return self.metered[number].last_row if self.metered else None
+
+    def thresholds(self, number: int) -> Thresholds:
+        """Returns those of the rover at a place of the run, once it has begun, with what was ordered."""
+        return self._thresholds.get(number) or self.metered[number].thresholds
 
     def judge(self, number: int, thresholds: Thresholds) -> None:
         """Has other thresholds for the metrics of the rover at a place of the run."""
@@ -205,15 +213,18 @@ class Helm(Pacer):
         """Returns what is to be told of a run that was steered; "" if it was not."""
         if not (self.given or self._judged):
             return ""
-        repeats = len(run.rovers) == 1 and not self._judged
+        repeats = len(run.rovers) == 1 and not self._judged and not self.is_shared()
         return f", steered by hand: its arguments {'repeat' if repeats else 'do not repeat'} it"
 
     def _hold(self) -> None:
+        if not self.paused:
+            self._steps = 0
+            return
         began = time.monotonic()
         while self.paused and not self._steps and self._stop.signal is None:
             self.idle()
         held = time.monotonic() - began
-        self._steps = max(0, self._steps - 1) if self.paused else 0
+        self._steps = max(0, self._steps - 1)
         self.held_s += held
         self.postpone(held)
 

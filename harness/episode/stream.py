@@ -50,45 +50,50 @@ class Begun(NamedTuple):
 
 
 class RoverOrders:
-    """What the consumer orders of one rover."""
+    """What the consumer orders of one rover.
+
+    Attributes:
+        obeys: Whether its driver takes commands.
+        is_shared: Whether anything was ordered otherwise than by `give`.
+    """
 
     def __init__(self, process: "EpisodeProcess", rover: RoverSetup) -> None:
         self._process = process
-        self.obeys = rover.driver == CMD_VEL
+        self.obeys, self.is_shared = rover.driver == CMD_VEL, False
         self._next = Order()
 
     def command(self, twist: Twist) -> None:
         """Sets the command from the next control period on (cmd_vel driver)."""
         if self.obeys:
-            self._next = self._next._replace(command=twist)
+            self.is_shared, self._next = True, self._next.then(Order(command=twist))
 
     def reset(self) -> int | None:
         """Puts the rover back to its start, as `Episode.reset`; returns when [ns], None for never."""
-        return self._note(Order(reset=True))
+        return self._by_others(Order(reset=True))
 
     def put(self, place: Place) -> int | None:
         """Puts the rover somewhere else; all else is as in `reset`."""
-        return self._note(Order(reset=True, place=place))
+        return self._by_others(Order(reset=True, place=place))
 
     def head_for(self, goal: Place) -> int | None:
         """Gives the driver `goal` its next goal; returns from when on [ns], None for never."""
-        return self.give(Order(goal=goal))
+        return self._by_others(Order(goal=goal))
 
     def give(self, order: Order) -> int | None:
         """Orders something whatever drives; returns from when on [ns], None for never."""
-        return self._note(self._next.then(order))
+        at_ns = self._process.next_ns
+        if at_ns is not None:
+            self._next = self._next.then(order)
+        return at_ns
 
     def take(self) -> Order | None:
         """Returns the next order, once; None for nothing but to go on."""
         order, self._next = self._next, Order()
         return None if order == Order() else order
 
-    def _note(self, order: Order) -> int | None:
-        """Makes that the next order; returns when it comes into effect."""
-        at_ns = self._process.next_ns
-        if at_ns is not None:
-            self._next = order
-        return at_ns
+    def _by_others(self, order: Order) -> int | None:
+        self.is_shared = True
+        return self.give(order)
 
 
 class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):

@@ -54,7 +54,7 @@ class LiveView:
     def close(self) -> None:
         """Takes the page away."""
         if self._page is not None:
-            self._page.__exit__()
+            self._page.close()
         self._page = None
 
     @staticmethod

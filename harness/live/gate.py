@@ -13,6 +13,7 @@ from urllib.parse import parse_qs, urlsplit
 from harness.base.errors import UsageError
 
 COOKIE = "rover_live"
+GOODBYE = 1.0  # [s] for a browser to take what was sent to it
 PATIENCE = 10.0  # [s] for a browser to say what it wants
 LONGEST_HEAD, PART = 65_536, 65_536  # [B] of a request; of what is passed on at once
 NOBODY = b"HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
@@ -55,10 +56,7 @@ class Gate(AbstractContextManager["Gate"]):
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._server.close()
-        for task in asyncio.all_tasks(self._loop):
-            task.cancel()
-            with suppress(asyncio.CancelledError):
-                self._loop.run_until_complete(task)
+        self._loop.run_until_complete(_cancel_others())
         self._loop.close()
 
     async def _admit(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -101,10 +99,20 @@ class Gate(AbstractContextManager["Gate"]):
         return hmac.compare_digest(told.encode(), self._token.encode())
 
 
+async def _cancel_others() -> None:
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
 async def _close(writer: asyncio.StreamWriter) -> None:
+    """Closes a connection; what its other end does not take in time is dropped."""
     writer.close()
-    with suppress(OSError):
-        await writer.wait_closed()
+    try:
+        await asyncio.wait_for(writer.wait_closed(), GOODBYE)
+    except (OSError, TimeoutError):
+        writer.transport.abort()
 
 
 async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

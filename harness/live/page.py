@@ -14,6 +14,7 @@ from harness.live.watch import Watch
 from harness.samples import Place
 from harness.spec.live import HERE, LiveOptions, address_of
 from harness.spec.run import Run
+from rover_metrics.errors import complain
 
 if TYPE_CHECKING:
     from harness.live.player import Player
@@ -58,27 +59,32 @@ class LivePage(AbstractContextManager["LivePage"]):
         host, port = address_of(options.live or "")
         self.observers = [Watch(partial(helm.last_row, number)) for number in range(len(run.rovers))]
         guarded = options.live_token or host != HERE
-        self._server = Server(HERE, 0 if guarded else port)
-        self._at_end = ExitStack()
-        if guarded:
-            behind = self._server.get_port()
-            self._at_end.enter_context(Gate(host, port, options.live_token, behind))
-        self._stage = Stage(self._server.scene, run)
-        self._stage.aim(self._server.initial_camera)
-        parts = self._server, run, helm, self._stage, self.observers
-        self._panel = Panel(*parts, steered=steered, player=player)
+        with ExitStack() as opened:
+            self._server = Server(HERE, 0 if guarded else port)
+            opened.callback(self._server.stop)
+            if guarded:
+                behind = self._server.get_port()
+                opened.enter_context(Gate(host, port, options.live_token, behind))
+            self._stage = Stage(self._server.scene, run)
+            self._stage.aim(self._server.initial_camera)
+            parts = self._server, run, helm, self._stage, self.observers
+            self._panel = Panel(*parts, steered=steered, player=player)
+            self._at_end = opened.pop_all()
         shown = f"[{host}]" if ":" in host else host
         self.address = f"http://{shown}:{port if guarded else self._server.get_port()}"
         self.address += f"/?token={options.live_token}" if options.live_token else ""
-        self._ended = Event()
+        self._ended, self._failed = Event(), False
         self._drawing = Thread(target=self._draw, name="live page", daemon=True)
         self._drawing.start()
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Serves it no longer."""
         self._ended.set()
         self._drawing.join(PATIENCE)
         self._at_end.close()
-        self._server.stop()
 
     def mark(self, goal: Place) -> None:
         """Shows a goal."""
@@ -92,12 +98,23 @@ class LivePage(AbstractContextManager["LivePage"]):
                 versions = None  # who opens the page sees everything, also of a run that is paused
                 continue
             latest = [watch.version for watch in self.observers]
-            now = time.monotonic()
-            with self._server.atomic():
-                if latest != versions:
-                    self._stage.draw(self.observers)
-                if now - slowly >= SLOWLY:
-                    slowly = now
-                    self._stage.draw_paths(self.observers)
-                    self._panel.show()
+            is_due = time.monotonic() - slowly >= SLOWLY
+            try:
+                self._draw_frame(moved=latest != versions, slow=is_due)
+            except Exception as error:  # noqa: BLE001 - keys must be let go of even so
+                self._complain(error)
+            slowly = time.monotonic() if is_due else slowly
             versions = latest
+
+    def _draw_frame(self, *, moved: bool, slow: bool) -> None:
+        with self._server.atomic():
+            if moved:
+                self._stage.draw(self.observers)
+            if slow:
+                self._stage.draw_paths(self.observers)
+                self._panel.show()
+
+    def _complain(self, error: Exception) -> None:
+        if not self._failed:
+            complain("harness.live", f"the page shows no more than this: {error!r}")
+        self._failed = True

@@ -14,7 +14,7 @@ from harness.live.stage import Stage
 from harness.live.watch import Watch
 from harness.live.wheel import Wheel
 from harness.spec.run import Run
-from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 
 if TYPE_CHECKING:
     from harness.live.player import Player
@@ -61,6 +61,8 @@ class Panel:
         self._slider = None if player is None else self._add_time(player)
         self._length = run.duration if player is None else player.end_s
         self._charts: Charts | None = None
+        self._sliders: dict[str, viser.GuiSliderHandle[float]] = {}
+        self._judged: Thresholds | None = None  # what the sliders show
         if not steered:
             self._add_pace(steered=False)
             self._add_view()
@@ -87,6 +89,10 @@ class Panel:
         )
         if self._charts is not None:
             self._charts.show(watch)
+        if self._helm.metered and (now := self._helm.thresholds(self._rover)) != self._judged:
+            self._judged = now
+            for name, slider in self._sliders.items():
+                slider.value = getattr(now, name)  # type: ignore[misc] # it has a setter
         if self._slider is not None:
             self._slider.value = watch.time_s  # type: ignore[misc] # it has a setter
 
@@ -113,11 +119,13 @@ class Panel:
             reset = gui.add_button(
                 "Reset", icon=viser.Icon.REFRESH, hint="the rover, to its start", visible=steered
             )
-            speed = gui.add_dropdown("Speed", tuple(RATES), initial_value=_name_of(helm.rate))
+            rates = _rates_with(helm.rate)
+            now = next(name for name, rate in rates.items() if rate == helm.rate)
+            speed = gui.add_dropdown("Speed", tuple(rates), initial_value=now)
         self._pause.on_click(lambda _: self._set_paused(not helm.paused))
         step.on_click(lambda _: self._step())
         reset.on_click(lambda _: self._wheel.reset())
-        speed.on_update(lambda _: setattr(helm, "rate", RATES[speed.value]))
+        speed.on_update(lambda _: setattr(helm, "rate", rates[speed.value]))
         gui.add_command("Pause or go on", hotkey="space").on_trigger(
             lambda _: self._set_paused(not helm.paused)
         )
@@ -159,6 +167,7 @@ class Panel:
                 hint=parameter.description,
             )
             slider.on_update(partial(self._judge, name, slider))
+            self._sliders[name] = slider
 
     @property
     def _wheel(self) -> Wheel:
@@ -180,9 +189,14 @@ class Panel:
     def _press(self, forward: float, left: float, _: viser.CommandEvent) -> None:
         self._wheel.press(forward, left)
 
-    def _judge(self, name: str, slider: viser.GuiSliderHandle[float], _: object) -> None:
-        if self._helm.metered:
-            before = self._helm.metered[self._rover].thresholds
+    def _judge(
+        self,
+        name: str,
+        slider: viser.GuiSliderHandle[float],
+        event: viser.GuiEvent[viser.GuiSliderHandle[float]],
+    ) -> None:
+        if self._helm.metered and event.client is not None:  # else it follows what holds
+            before = self._helm.thresholds(self._rover)
             self._helm.judge(self._rover, replace(before, **{name: slider.value}))
 
     def _click(self, event: viser.SceneClickEvent) -> None:
@@ -195,8 +209,6 @@ class Panel:
             self._stage.mark(self._wheel.head_for(x, y, sight.position))
 
 
-def _name_of(rate: float | None) -> str:
-    """The name of a rate among those there are, which it joins if it is another one."""
-    name = next((name for name, value in RATES.items() if value == rate), f"{rate:g}x")
-    RATES[name] = rate
-    return name
+def _rates_with(rate: float | None) -> dict[str, float | None]:
+    """The rates to choose from by their names; one that is not among them joins them."""
+    return RATES if rate in RATES.values() else RATES | {f"{rate:g}x": rate}

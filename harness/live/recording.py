@@ -11,8 +11,9 @@ import numpy as np
 
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
+from harness.base.files import modified_ns
 from harness.episode.assembly import actor_names
-from harness.live.watch import PATH_STEP, Sight, Watch
+from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Quaternion, Vector3
 from harness.sensors.message_types import read_message
@@ -54,42 +55,55 @@ class Track:
         pose, joints, people = (s.at(time_ns) for s in (self.poses, self.joints, self.people))
         watch.people = watch.people if people is None else people
         driven = self.poses.values[: bisect_right(self.poses.times, time_ns)]
-        stride = max(1, len(driven) // round(100 / PATH_STEP))
+        stride = 1 + len(driven) // MOST_POINTS
         watch.path = [position for position, _ in driven[::stride]]
         sight = None if pose is None or joints is None else Sight(pose[0], pose[1], joints)
         watch.see(sight, Truth(time_ns), self.scans.at(time_ns))
 
 
 def manifests_near(*folders: Path) -> list[Path]:
-    """Returns what may be a manifest in some folders, and in those in them, as fleets have them."""
-    return [file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form)]
+    """Returns what may be a manifest in folders and in those in them, the latest last."""
+    found = (file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form))
+    return sorted(found, key=modified_ns)
 
 
-def run_of(recording: Path, manifests: Sequence[Path]) -> Run:
+def run_of(recording: Path, given: Sequence[Path], near: Sequence[Path]) -> Run:
     """Returns the run that a recording is of.
 
     Args:
         recording: The file.
-        manifests: Of the run, one a rover, among other files.
+        given: Manifests of the run, one a rover; empty to look for them.
+        near: Where to look: files among which they are, the latest last.
 
     Raises:
-        UsageError: None of them is of that recording, or is valid.
+        UsageError: One that is given is not of that recording, or none is found.
     """
-    runs = dict(_runs(recording, manifests))
+    runs = dict(_run_in(file, recording) for file in given) or dict(_runs_in(near, recording))
     if not runs:
         raise UsageError(f"{recording}: no manifest of its run is near; give it: --manifest FILE.json")
     return runs[min(runs)].but(rovers=tuple(runs[number].rover for number in sorted(runs)))
 
 
-def _runs(recording: Path, manifests: Sequence[Path]) -> Iterator[tuple[int, Run]]:
-    """The runs of manifests of a recording, by the number of their rover."""
-    for file in manifests:
-        with suppress(UsageError, OSError):
-            said = parse_json(file.read_bytes(), str(file))
-            if isinstance(said, dict) and Path(said.get("recording") or "").name == recording.name:
-                arguments = dict(said["arguments"])
-                number = arguments.pop("number", 0)
-                yield number, Run.of(**{k: v for k, v in arguments.items() if k != "world_robot"})
+def _runs_in(files: Sequence[Path], recording: Path) -> Iterator[tuple[int, Run]]:
+    """The runs of what are manifests of a recording among files, by the number of their rover."""
+    for file in files:
+        with suppress(UsageError):
+            yield _run_in(file, recording)
+
+
+def _run_in(file: Path, recording: Path) -> tuple[int, Run]:
+    """The number of the rover and the run of a manifest; UsageError if it is not of that recording."""
+    try:
+        said = parse_json(file.read_bytes(), str(file))
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read: {error.strerror}") from error
+    arguments, name = (
+        (said.get("arguments"), said.get("recording")) if isinstance(said, dict) else (0, 0)
+    )
+    if not isinstance(arguments, dict) or Path(str(name)).name != recording.name:
+        raise UsageError(f"{file} is no manifest of a run with the recording {recording.name}")
+    values = {key: value for key, value in arguments.items() if key not in ("number", "world_robot")}
+    return int(arguments.get("number", 0)), Run.of(**values)
 
 
 def read_tracks(recording: Path, run: Run) -> list[Track]:

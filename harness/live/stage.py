@@ -155,6 +155,8 @@ class Stage:
         if ranges is None or not self._hits[number].visible:
             return
         site = self._posing.data.site(self._scenes[number].own("lidar"))
+        count = min(len(ranges), len(angles))  # a fault in a recording may have cut or stretched it
+        ranges, angles = ranges[:count], angles[:count]
         near = np.isfinite(ranges)
         level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])[near]
         points = site.xpos + ranges[near, None] * (level @ site.xmat.reshape(3, 3).T)

@@ -164,6 +164,7 @@ class _Session:
         if helm is None:
             return source.batches()
         helm.metered = [rover.hosted for rover in self.rovers if rover.hosted is not None]
+        helm.is_shared = lambda: any(rover.is_shared for rover in source.rovers)
         helm.idle = partial(self._executor.spin_once, timeout_sec=SPIN_TIMEOUT)
         return helm.steered(source.batches(), [r.give for r in source.rovers], lambda: source.next_ns)
 

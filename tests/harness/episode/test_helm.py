@@ -3,8 +3,11 @@
 import signal
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+
+import pytest
 
 from harness.base.interrupt import StopRequest
 from harness.episode.batch import Batch
@@ -17,7 +20,7 @@ from harness.spec.run import Run
 from rover_metrics.core.thresholds import Thresholds
 
 RUN = Run.of(terrain="rocky", driver="wander", duration=6.0, lidar_beams=36)
-BY_HAND = Order(driver="cmd_vel", command=Twist(0.3, 0.2))
+BY_HAND = Order(driver="cmd_vel", command=Twist(0.3, 0.2), held=True)
 
 
 class At:
@@ -53,10 +56,10 @@ def orders(helm: Helm) -> At:
 
     return At(
         t1=giving(BY_HAND),
-        t1_5=giving(Order(command=Twist(-0.2, 0.0))),
+        t1_5=giving(Order(command=Twist(-0.2, 0.0), held=True)),
         t2=giving(Order(driver="goal", goal=Place(2.0, 1.0, 0.0))),
         t3_5=giving(BY_HAND, Order(reset=True)),
-        t4=giving(BY_HAND, Order(command=Twist(0.1, 0.0))),
+        t4=giving(BY_HAND, Order(command=Twist(0.1, 0.0), held=True)),
         t5=giving(Order(driver="")),
     )
 
@@ -67,16 +70,21 @@ def test_a_run_that_nobody_steers_is_the_same_to_the_byte(tmp_path: Path) -> Non
     alone, _ = driven(tmp_path / "b", RUN, None)
     assert watched == alone
     assert (helm.driven(RUN), helm.note(RUN)) == (RUN, "")
-    assert result.paused_s < 0.1
+    assert result.paused_s == 0.0
 
 
-def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(tmp_path: Path) -> None:
-    helm = Helm(None, StopRequest())
-    steered, _ = driven(tmp_path / "a", RUN, helm, orders(helm))
-    again, _ = driven(tmp_path / "b", helm.driven(RUN), None)
-    alone, _ = driven(tmp_path / "c", RUN, None)
+@pytest.mark.parametrize(
+    "rover", [{}, {"actuators": "real"}, {"driver": "cmd_vel", "cmd_vel_timeout": 0.5}]
+)
+def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(
+    rover: dict[str, object], tmp_path: Path
+) -> None:
+    helm, run = Helm(None, StopRequest()), RUN.but(rovers=(RUN.rover.but(**rover),))
+    steered, _ = driven(tmp_path / "a", run, helm, orders(helm))
+    again, _ = driven(tmp_path / "b", helm.driven(run), None)
+    alone, _ = driven(tmp_path / "c", run, None)
     assert steered == again != alone
-    assert "repeat it" in helm.note(RUN)
+    assert "repeat it" in helm.note(run)
 
 
 def test_paused_it_stands_still_and_goes_on_step_by_step(tmp_path: Path) -> None:
@@ -120,8 +128,15 @@ def test_a_stop_ends_a_run_that_is_paused_and_a_rate_holds_from_then_on(tmp_path
 
 
 def test_thresholds_hold_from_the_next_sample_on_and_the_result_says_so(tmp_path: Path) -> None:
-    helm, eager = Helm(None, StopRequest()), Thresholds(collision_threshold=9.0)
-    log, result = driven(tmp_path / "a", RUN, helm, At(t3=lambda: helm.judge(0, eager)))
+    helm = Helm(None, StopRequest())
+    eager = Thresholds(collision_threshold=9.0, smoothness_threshold=3.0)
+
+    def judge() -> None:
+        """Moves two thresholds, one after the other, before either holds."""
+        helm.judge(0, replace(helm.thresholds(0), collision_threshold=9.0))
+        helm.judge(0, replace(helm.thresholds(0), smoothness_threshold=3.0))
+
+    log, result = driven(tmp_path / "a", RUN, helm, At(t3=judge))
     alone, _ = driven(tmp_path / "b", RUN, None)
     assert log.splitlines()[:3] == alone.splitlines()[:3]
     assert int(log.splitlines()[-1].split(b",")[1]) > 20

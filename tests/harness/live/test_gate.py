@@ -1,6 +1,8 @@
 """The gate of a page that others can reach: nothing of it is seen without the token."""
 
+import contextlib
 import http.client
+import socket
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -9,6 +11,7 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.live.gate import Gate
+from tests.support.waiting import PATIENCE
 
 TOKEN = "a-secret-of-ours"  # noqa: S105 - of this test
 
@@ -19,6 +22,10 @@ class Page(BaseHTTPRequestHandler):
         self.send_header("Content-Length", "4")
         self.end_headers()
         self.wfile.write(b"page")
+        if self.path == "/more":
+            with contextlib.suppress(OSError):
+                while True:
+                    self.wfile.write(b"page" * 4096)
 
     def log_message(self, *_: object) -> None: ...
 
@@ -61,3 +68,14 @@ def test_who_knows_the_token_gets_a_cookie_and_with_it_the_page(behind: int) -> 
 def test_without_a_token_everybody_of_the_host_gets_the_page(behind: int) -> None:
     with Gate("127.0.0.1", 0, "", behind) as gate:
         assert asked(gate.port) == (200, "", b"page")
+
+
+def test_who_does_not_read_what_is_sent_keeps_no_run_from_its_end(behind: int) -> None:
+    gate = Gate("127.0.0.1", 0, "", behind)
+    with socket.create_connection(("127.0.0.1", gate.port)) as browser:
+        browser.sendall(b"GET /more HTTP/1.1\r\nHost: here\r\n\r\n")
+        assert browser.recv(4)  # the page is on its way
+        leaving = threading.Thread(target=gate.__exit__, daemon=True)
+        leaving.start()
+        leaving.join(PATIENCE)
+        assert not leaving.is_alive()

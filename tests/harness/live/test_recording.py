@@ -50,7 +50,7 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(
     for result in session.run_through_ros(run, outputs, options, StopRequest()):
         assert result.log_path is not None
         write_manifest(result, result.log_path.with_suffix(".json"))
-    again = run_of(file, manifests_near(tmp_path))
+    again = run_of(file, (), manifests_near(tmp_path))
     assert again == run
     for track, one in zip(read_tracks(file, again), kept, strict=True):
         for at, (sight, ranges, people) in one.at.items():
@@ -63,11 +63,19 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(
 
 
 @pytest.mark.parametrize(
-    ("words", "said"), [((), "no manifest of its run is near"), (("--live", "x y"), "give HOST, PORT")]
+    ("words", "said"),
+    [
+        ((), "no manifest of its run is near"),
+        (("--live", "x y"), "give HOST, PORT"),
+        (("--manifest", "none.json"), "none.json cannot be read"),
+        (("--manifest", "other.json"), "other.json is no manifest"),
+    ],
 )
 def test_a_mistake_is_one_line(
     words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    (tmp_path / "other.json").write_text('{"recording": 5}')
+    words = tuple(str(tmp_path / word) if word.endswith(".json") else word for word in words)
     assert main([str(tmp_path / "run.mcap"), *words]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert said in line
