@@ -5,13 +5,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.errors import UsageError
-
 Series = NDArray[np.float64]
 APART = 1.0  # [s] of wheels and IMU against each other: their clocks differ
 ALIGNED_RATE = 20.0  # [Hz] at which they are compared
-LONG = 1.0  # [s]: a longer pause between two samples is a gap
-MOST_GAPS = 0.2  # of the time, that gaps may take
 TURNING = 0.05  # [rad/s] sd, from which on series of turning can be compared
 
 
@@ -30,8 +26,7 @@ class Recording:
         commands: v [m/s], yaw rate [rad/s].
         wheels: Speeds of the rims of the left and the right side, by the believed radius [m/s].
         currents: Of the left and the right side's motors [A].
-        torques: Of the left and the right side's motors [N m].
-        imu: Angular velocity [rad/s], acceleration with gravity [m/s^2].
+        imu: Angular velocity [rad/s], acceleration with gravity [m/s^2]; NaN of axes without a record.
         poses: x, y [m], yaw that goes on past pi [rad].
         steps: Begin and end of each commanded step [s].
     """
@@ -41,7 +36,6 @@ class Recording:
     commands: Series = field(default_factory=lambda: empty(3))
     wheels: Series = field(default_factory=lambda: empty(3))
     currents: Series = field(default_factory=lambda: empty(3))
-    torques: Series = field(default_factory=lambda: empty(3))
     imu: Series = field(default_factory=lambda: empty(7))
     poses: Series = field(default_factory=lambda: empty(4))
     steps: Series = field(default_factory=lambda: empty(2))
@@ -51,7 +45,7 @@ class Recording:
         """The series that are there, by name."""
         named = {
             "commands": self.commands, "wheels": self.wheels, "currents": self.currents,
-            "torques": self.torques, "imu": self.imu, "poses": self.poses,
+            "imu": self.imu, "poses": self.poses,
         }  # fmt: skip
         return {name: values for name, values in named.items() if len(values) > 1}
 
@@ -84,45 +78,7 @@ def lag(recording: Recording, track: float) -> float | None:
     times = np.arange(begin, end, 1 / ALIGNED_RATE)
     sides, felt = at(wheels, times), at(imu, times)[:, 2]
     told = (sides[:, 1] - sides[:, 0]) / track
-    if min(told.std(), felt.std()) < TURNING:
+    if not min(told.std(), felt.std()) >= TURNING or np.isnan(felt).any():
         return None
     likeness = np.correlate(felt - felt.mean(), told - told.mean(), "full")
     return float((int(np.argmax(likeness)) - len(times) + 1) / ALIGNED_RATE)
-
-
-def check(recording: Recording, wanted: tuple[str, ...], track: float) -> None:
-    """Checks that series are there, on one clock and without long gaps.
-
-    Args:
-        recording: What is checked.
-        wanted: Names of series.
-        track: As of `lag`.
-
-    Raises:
-        UsageError: Something is missing; the message says what.
-    """
-    there = recording.series
-    if missing := [name for name in wanted if name not in there]:
-        found = ", ".join(there) or "nothing"
-        raise UsageError(f"{recording.name} has no {' and no '.join(missing)}; it has {found}")
-    begins = {name: (values[0, 0], values[-1, 0]) for name, values in there.items()}
-    begin, end = max(b for b, _ in begins.values()), min(e for _, e in begins.values())
-    longest = max(e - b for b, e in begins.values())
-    if end - begin < longest / 2:
-        spans = ", ".join(f"{name} {b:.1f} to {e:.1f} s" for name, (b, e) in begins.items())
-        raise UsageError(f"{recording.name}: clocks apart, its series do not overlap: {spans}")
-    for name in wanted:
-        pauses = np.diff(there[name][:, 0])
-        lost = float(pauses[pauses > LONG].sum())
-        if lost > MOST_GAPS * longest and name != "commands":
-            raise UsageError(
-                f"{recording.name}: gaps of {lost:.0f} s in the {name} of {longest:.0f} s; "
-                "record them without loss, or cut the part that is whole"
-            )
-    if "imu" in there and "wheels" in there:
-        shift = lag(recording, track)
-        if shift is not None and abs(shift) > APART:
-            raise UsageError(
-                f"{recording.name}: clocks apart, the IMU turns {shift:+.2f} s after the wheels; "
-                "bring both to one clock"
-            )

@@ -2,13 +2,15 @@
 
 import math
 import re
+import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, unknown
 from harness.recordings.recording import Recording, Series, empty
 
 NAMES: Mapping[str, tuple[str, ...]] = {
@@ -45,8 +47,11 @@ UNITS = {
     "g": 9.80665,
 }  # fmt: skip
 UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
-LONGEST_PERIOD = 5.0  # [s]: times farther apart are in milli-, micro- or nanoseconds
-STILL_G = (0.5, 2.0)  # median magnitude of acceleration that is in g
+OF_TURNING = ("rad/s", "deg/s", "rpm")  # a speed in these is that of a wheel's turning
+# [s]: times without a unit that are farther apart are in milli-, micro- or nanoseconds.
+LONGEST_PERIOD = 0.5
+STILL_G = (0.9, 1.1)  # median magnitude of acceleration without a unit that is in g
+BACK = 1.0  # [s] by which times may be out of order
 PART = re.compile(r"[_\-.]?(wheels?|imu|odom(etry)?|currents?|poses?)$", re.IGNORECASE)
 PAUSE = 0.5  # [s]
 RUNNING = ("calib", "step", "drive", "run", "running")
@@ -79,62 +84,97 @@ def recordings_of(folder: Path, radius: float) -> list[Recording]:
 
 
 def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = "") -> Recording:
-    """Returns what some CSV files say together; UsageError if one cannot be read."""
+    """Returns what some CSV files say together.
+
+    Args:
+        paths: Of the files.
+        name: Of the recording.
+        radius: Of the wheels, by which turning becomes speed [m].
+        ground: What it drove on; "" for what a column or else the name says.
+
+    Raises:
+        UsageError: One cannot be read, has an unknown unit, goes back in time, or repeats another.
+    """
     series: dict[str, Series] = {}
     for path in paths:
         table = _read(path)
-        if "ground" in table and not ground:
+        if "ground" in table and len(table) and not ground:
             ground = str(table["ground"].iloc[0])
-        series |= _series(table, radius)
-    return Recording(name, ground, **series)
+        found = _series(table, radius, path)
+        if twice := sorted(found.keys() & series.keys()):
+            raise UsageError(f"{path}: the {twice[0]} of {name} stand in another file too; give one")
+        series |= found
+    return Recording(name, ground or re.sub(r"[_\-]?\d+$", "", name), **series)
 
 
 def _joined(key: str, paths: list[Path], grounds: Mapping[str, str], radius: float) -> Recording:
-    ground = grounds.get(key) or re.sub(r"[_\-]?\d+$", "", key)
-    return recording_of(paths, key, radius, ground)
+    return recording_of(paths, key, radius, grounds.get(key, ""))
 
 
 def _grounds(path: Path) -> dict[str, str]:
     if not path.is_file():
         return {}
-    table = _read(path)
+    table = _read(path, dtype=str)
     if not {"run", "ground"} <= set(table.columns):
         return {}
-    return dict(zip(table["run"].astype(str), table["ground"].astype(str), strict=True))
+    return dict(zip(table["run"], table["ground"], strict=True))
 
 
-def _read(path: Path) -> pd.DataFrame:
-    """A file's columns by our names, numbers in SI units; those that are not known stay as they are."""
+def _read(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as of pandas
+    """A file's columns by our names, in SI units; those that are not known stay as they are.
+
+    Its `attrs` tell by "stated" which columns had a unit.
+    """
     try:
-        table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
-    except (OSError, ValueError, pd.errors.ParserError) as error:
+        table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True, **how)
+    except (OSError, EOFError, ValueError, zlib.error) as error:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     known = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
-    columns: dict[str, pd.Series] = {}
+    columns, stated = dict[str, pd.Series](), set[str]()
     for column in table.columns:
         match = UNIT.match(str(column).strip().casefold())
         spelled, unit = (match["name"].strip(), match["unit"]) if match else (str(column), None)
         name = known.get(spelled.replace(" ", "_"), spelled)
-        if name in columns or (unit and unit not in UNITS):
+        if unit and unit not in UNITS:
+            if name in NAMES:
+                raise UsageError(f"{path}: {column}: {unknown('unit', unit, UNITS)}")
+            unit = None
+        if name in ("left", "right") and unit in OF_TURNING:
+            name += "_turn"
+        if name in columns:
             continue
-        columns[name] = table[column] * UNITS[unit] if unit else table[column]
+        columns[name] = (
+            pd.to_numeric(table[column], errors="coerce") * UNITS[unit] if unit else table[column]
+        )
+        stated |= {name} if unit else set()
     read = pd.DataFrame(columns)
+    read.attrs["stated"] = stated
     if "t" in read:
-        read["t"] = _seconds(pd.to_numeric(read["t"], errors="coerce"))
+        times = pd.to_numeric(read["t"], errors="coerce")
+        read["t"] = times if "t" in stated else _seconds(times)
     return read
 
 
 def _seconds(times: pd.Series) -> pd.Series:
-    period = float(np.nanmedian(np.abs(np.diff(times)))) if len(times) > 1 else 0.0
-    for factor in (1.0, 1e-3, 1e-6, 1e-9):
-        if period * factor <= LONGEST_PERIOD:
-            return times * factor
-    return times
+    """Times without a unit in seconds."""
+    apart = np.abs(_steps_of(times))
+    period = float(np.median(apart)) if len(apart) else 0.0
+    factors = (1.0, 1e-3, 1e-6, 1e-9)
+    return times * next((f for f in factors if period * f <= LONGEST_PERIOD), 1.0)
 
 
-def _series(table: pd.DataFrame, radius: float) -> dict[str, Series]:
+def _steps_of(times: pd.Series) -> Series:
+    """From each time to the next, where there are both."""
+    steps: Series = np.diff(times[np.isfinite(times)])
+    return steps
+
+
+def _series(table: pd.DataFrame, radius: float, path: Path) -> dict[str, Series]:
     if "t" not in table:
         return {}
+    back = -float(_steps_of(table["t"]).min(initial=0.0))
+    if back > BACK:
+        raise UsageError(f"{path}: time goes back by {back:.1f} s; give each drive a file of its own")
     found = {
         "commands": _columns(table, "v", "w"),
         "wheels": _columns(table, "left", "right"),
@@ -162,15 +202,18 @@ def _columns(table: pd.DataFrame, *names: str) -> Series:
 
 
 def _imu(table: pd.DataFrame) -> Series:
+    """Angular velocity and acceleration; NaN where an axis was not recorded."""
     names = ("wx", "wy", "wz", "ax", "ay", "az")
     if not {"wz", "az"} & set(table.columns):
         return empty(7)
-    filled = table.assign(**{name: 0.0 for name in names if name not in table})
-    series = _columns(filled, *names)
-    level = float(np.median(np.linalg.norm(series[:, 4:], axis=1))) if len(series) else 0.0
-    scale = UNITS["g"] if STILL_G[0] < level < STILL_G[1] else 1.0
-    scaled: Series = series * np.array([1.0] * 4 + [scale] * 3)
-    return scaled
+    there = [name in table for name in names]
+    felt = _columns(table, *(name for name in names if name in table))
+    series = np.full((len(felt), 7), np.nan)
+    series[:, [True, *there]] = felt
+    if len(series) and not table.attrs["stated"] & set(names[3:]):
+        level = float(np.median(np.sqrt(np.nansum(series[:, 4:] ** 2, axis=1))))
+        series[:, 4:] *= UNITS["g"] if STILL_G[0] < level < STILL_G[1] else 1.0
+    return series
 
 
 def _poses(table: pd.DataFrame) -> Series:

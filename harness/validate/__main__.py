@@ -100,7 +100,7 @@ def _real(options: argparse.Namespace, console: Console) -> Outcome:
         from harness.validate.suite import print_table, sheet_of
 
     rover = find_rover(options.robot)
-    if not options.real.is_dir():
+    if not options.real.exists():
         print(f"harness.validate: {options.real} is not there: nothing is compared", file=sys.stderr)
         return (), ()
     recordings = recordings_of(options.real, rover.controller_radius)
@@ -108,7 +108,8 @@ def _real(options: argparse.Namespace, console: Console) -> Outcome:
         checks, notes = compare_real(rover, recordings, options.seed)
     title = f"{rover.name} beside {options.real}"
     print_table(console, title, checks)
-    print(*notes, sep="\n")
+    for note in notes:
+        print(note)
     return [sheet_of(title, checks)], [check.quantity for check in checks if not check.passed]
 
 

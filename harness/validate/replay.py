@@ -1,7 +1,5 @@
 """A rover of ours driven by recorded commands on level ground, and what it then has recorded."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from harness.base.sim_time import HIGHEST_RATE
@@ -10,28 +8,14 @@ from harness.physics.motor_power import MotorPower
 from harness.recordings.recording import Recording, Series
 from harness.robots import RoverSpec
 from harness.sensors.state import ImuSensor
-from harness.validate.grounds import Course, flat
+from harness.validate.grounds import flat
 from harness.validate.rig import TICK, Rig
 
-
-@dataclass(frozen=True)
-class Rates:
-    """How often a real rover's log has something new [ticks of 10 ms]."""
-
-    wheels: int = 15
-    poses: int = 10
-    imu: int = 100 // HIGHEST_RATE
+# How often a real rover's log has something new [ticks of 10 ms].
+WHEELS, POSES, IMU = 15, 10, 100 // HIGHEST_RATE
 
 
-def replay(
-    rover: RoverSpec,
-    commands: Series,
-    end: float,
-    *,
-    seed: int = 0,
-    rates: Rates = Rates(),
-    course: Course | None = None,
-) -> Recording:
+def replay(rover: RoverSpec, commands: Series, end: float, *, seed: int = 0) -> Recording:
     """Drives a rover with real motors by commands and returns what it recorded.
 
     Args:
@@ -39,12 +23,10 @@ def replay(
         commands: Times from 0 [s], v [m/s], yaw rate [rad/s]; each holds until the next.
         end: When it ends [s].
         seed: Of what shakes the IMU.
-        rates: How often the series have a sample.
-        course: The ground; None for a level plane.
     """
-    rig = Rig(rover, flat() if course is None else course)
+    rig = Rig(rover, flat())
     simulation, radius = rig.simulation, rover.controller_radius
-    motors, imu = MotorPower(simulation), ImuSensor(simulation, rates.imu)
+    motors, imu = MotorPower(simulation), ImuSensor(simulation, IMU)
     vibration = vibration_of(rover.vibration, seed)
     left, right = (
         [simulation.data.joint(name) for name in side] for side in (rover.drive.left, rover.drive.right)
@@ -60,21 +42,18 @@ def replay(
         drawn = drawn + motors.draw(simulation.tick_sum)[0]
         now = (tick + 1) * TICK
         speeds = [radius * float(np.mean([joint.qvel[0] for joint in side])) for side in (left, right)]
-        if tick % rates.wheels == 0:
+        if tick % WHEELS == 0:
             logs["wheels"].append((now, *speeds))
-            logs["currents"].append((now, *(drawn / (rates.wheels if tick else 1)).tolist()))
+            logs["currents"].append((now, *(drawn / (WHEELS if tick else 1)).tolist()))
             drawn = np.zeros(2)
-        if tick % rates.imu == 0:
+        if tick % IMU == 0:
             read = imu.read()
             force = read.linear_acceleration
             if vibration is not None:
                 force = vibration.shake(force, sum(speeds) / 2, read.stamp_ns)
             logs["imu"].append((now, *read.angular_velocity, *force))
-        if tick % rates.poses == 0:
+        if tick % POSES == 0:
             stance = rig.stance
             logs["poses"].append((now, stance.ahead, stance.aside, stance.yaw - rig.heading))
     series = {name: np.array(rows) for name, rows in logs.items()}
-    if rover.actuators is not None:
-        constant = rover.actuators.motor_constant
-        series["torques"] = series["currents"] * np.array([1.0, constant, constant])
     return Recording(rover.name, commands=commands, **series)  # type: ignore[arg-type]  # names of series alone

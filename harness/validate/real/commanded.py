@@ -14,7 +14,7 @@ from harness.validate.replay import replay
 
 LEVELS = (0.10, 0.63, 0.90)  # of the way from one steady speed to the next
 LARGE = 0.15  # [m/s]: smaller changes of a wheel's speed drown in its resolution
-LEAD, TAIL = 0.0, 2.0  # [s] around a change of the command, in which the wheels settle
+TAIL = 2.0  # [s] after a change of the command, in which the wheels settle
 LATE = 0.06  # [s]: limit of response times, half the period of a log
 END = 0.15  # of the step's length
 SHORTEST = 1.0  # [m]: of a shorter step, an end's error counts as a share of this
@@ -29,7 +29,7 @@ def response_times(recording: Recording) -> Series:
     times = commands[changes, 0]
     found = [
         row
-        for begin, after in zip(times, [*times[1:], recording.wheels[-1, 0]], strict=True)
+        for begin, after in zip(times, np.append(times[1:], recording.wheels[-1, 0]), strict=False)
         if after - begin >= TAIL
         for side in (1, 2)
         if (row := _times(recording.wheels, begin, side)) is not None
@@ -39,7 +39,7 @@ def response_times(recording: Recording) -> Series:
 
 
 def _times(wheels: Series, begin: float, side: int) -> list[float] | None:
-    part = wheels[(wheels[:, 0] >= begin - LEAD) & (wheels[:, 0] < begin + TAIL)]
+    part = wheels[(wheels[:, 0] >= begin) & (wheels[:, 0] < begin + TAIL)]
     if len(part) < 5:
         return None
     before = at(wheels, np.array([begin]))[0, side - 1]
@@ -146,6 +146,8 @@ def step_checks(rover: RoverSpec, recording: Recording) -> Iterator[Check]:
     if not len(recording.steps):
         return
     errors = step_ends(as_driven(rover, recording), recording)
+    if not len(errors):
+        return
     source = f"{recording.name}, {len(errors)} steps"
     yield Check(
         f"{recording.name}: median error of a step's end / its length", "", at_most(END, source),

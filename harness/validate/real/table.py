@@ -76,7 +76,7 @@ def _steady(
             theirs[key], ours[key] = measured, _driven(on_it, measured, seed)
     constant = _constant(theirs, ours)
     if math.isfinite(constant):
-        notes.append(f"currents of ours are times {constant:.2f}, the one constant that is fitted")
+        notes.append(f"currents of ours are times {constant:.2f}, which is fitted to theirs")
     for key, measured in theirs.items():
         yield from _compared(key, measured, ours[key], track, constant)
 
@@ -94,7 +94,7 @@ def _commanded(rover: RoverSpec, recordings: Sequence[Recording]) -> Iterator[Ch
 def _surface(rover: RoverSpec, ground: str) -> str:
     """The surface that a recording's ground names, the longest that does; "" for none."""
     spelled = ground.casefold().replace("-", "_").replace(" ", "_")
-    return max((name for name in rover.surfaces if name in spelled), key=len, default="")
+    return max((name for name in rover.surfaces if f"_{name}_" in f"_{spelled}_"), key=len, default="")
 
 
 def _groups(real: Windows) -> dict[str, Windows]:

@@ -1,5 +1,6 @@
 """What two seconds of steady driving tell: vibration, effective track, current."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -11,7 +12,7 @@ WINDOW = 2.0  # [s]
 LOW_BAND = (1.0, 10.0)  # [Hz]
 STEADY = 0.06  # [m/s]: largest difference of the sides while straight on, and 1.2 of the speed's sd
 SLOWEST = 0.25  # [m/s]
-BINS = (0.25, 0.5, 0.75, 1.01)  # [m/s]
+BINS = (0.25, 0.5, 0.75, math.inf)  # [m/s]
 ON_THE_SPOT, TURNING = 0.05, 0.2  # [m/s]: mean of the sides at most, and their difference at least
 STRAIGHT_YAW = 0.1  # [rad/s]
 FEWEST_IMU, FEWEST_WHEELS = 150, 8  # samples of a window

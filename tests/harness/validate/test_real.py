@@ -1,6 +1,6 @@
 """Ours beside recordings: measures against closed forms, files of strangers, and the shared halves."""
 
-from collections.abc import Callable
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, check
+from harness.recordings.recording import Recording
 from harness.recordings.tables import recordings_of
 from harness.robots import REAL, ROVERS, equipped
 from harness.validate.__main__ import main
@@ -102,21 +102,46 @@ def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("spoil", "said"),
+    ("head", "rows", "said"),
     [
-        (lambda r: {"wheels": r.wheels[:0]}, "has no wheels; it has"),
-        (lambda r: {"imu": r.imu + np.eye(1, 7) * 900.0}, "clocks apart, its series do not overlap"),
-        (lambda r: {"wheels": r.wheels[(r.wheels[:, 0] < 3) | (r.wheels[:, 0] > 15)]}, "gaps of 12 s"),
+        ("t,left_speed [mph],right_speed", "0,1,1\n1,1,1", "unit 'mph'"),
+        ("t [s],left_speed,right_speed", "5,1,1\n6,1,1\n0,1,1", "time goes back by 6.0 s"),
+        ("remark", "none", "holds no recording"),
     ],
 )
-def test_a_bad_recording_is_one_line(
-    spoil: Callable[[Recording], dict[str, np.ndarray]], said: str
-) -> None:
-    good = steady(0.3, 0.5)
-    check(good, ("wheels", "imu"), 1.1)
-    series = {"wheels": good.wheels, "imu": good.imu} | spoil(good)
+def test_a_file_that_would_mislead_is_one_line(head: str, rows: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "ice_01.csv").write_text(f"{head}\n{rows}\n")
     with pytest.raises(UsageError, match=said):
-        check(Recording("bad", **series), ("wheels", "imu"), 1.1)
+        recordings_of(tmp_path, 0.1)
+    (tmp_path / "ice_01.csv.gz").write_bytes(gzip.compress(b"t,x,y,yaw\n" * 99)[:40])
+    with pytest.raises(UsageError):
+        recordings_of(tmp_path, 0.1)
+
+
+@pytest.mark.parametrize("hertz", [20.0, 200.0, 1000.0])
+@pytest.mark.parametrize("unit", [1.0, 1e3, 1e6, 1e9])
+def test_times_without_a_unit_are_told_by_how_far_they_are_apart(
+    hertz: float, unit: float, tmp_path: Path
+) -> None:
+    t = np.arange(0.0, 2.0, 1 / hertz)
+    pd.DataFrame({"t": unit * t, "wz": np.ones_like(t)}).to_csv(tmp_path / "office_1.csv", index=False)
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.imu[:, 0] == pytest.approx(t)
+    assert np.isnan(one.imu[:, [1, 2, 4, 5, 6]]).all()  # what is missing is no zero
+    with pytest.raises(UsageError, match="nothing in these"):  # an office is no ice
+        compare(HUSKY, [Recording("a", one.ground, wheels=steady(0.5, 0.5).wheels)])
+
+
+def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path) -> None:
+    head = "t [s],left_speed [rpm],right_speed [rpm],az [m/s^2],terrain"
+    rows = "".join(f"{t},60,30,{1 + t % 2},asphalt\n" for t in range(9))
+    (tmp_path / "07.csv").write_text(f"{head}\n{rows}")
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.ground == "asphalt"
+    assert one.wheels[0, 1:] == pytest.approx([0.1 * np.pi * 2, 0.1 * np.pi])
+    assert set(one.imu[:, 6]) == {1.0, 2.0}  # a unit that is told is not guessed
+    (tmp_path / "runs.csv").write_text("run,ground\n07,ice\n")
+    assert recordings_of(tmp_path, 0.1)[0].ground == "ice"
 
 
 def test_arguments_and_folders_that_will_not_do(
