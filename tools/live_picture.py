@@ -28,21 +28,32 @@ def main(picture: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-m", "harness.run", *RUN, "--log-dir", folder]
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as run:
-            address = next(m[1] for line in run.stdout or () if (m := re.match(r"live: (\S+)", line)))
-            with sync_playwright() as driver:
-                browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-                page = browser.new_page(viewport={"width": 1280, "height": 720})
-                page.goto(address)
-                page.set_default_timeout(1000 * PATIENCE)
-                page.wait_for_timeout(1000 * SECONDS)
-                page.get_by_role("button", name="Pause").click()
-                page.get_by_role("button", name="Go on").wait_for()
-                for notice in page.locator(".mantine-Notification-closeButton").all():
-                    notice.click()  # that the processor draws
-                page.wait_for_timeout(1000 * SETTLED)
-                Image.open(io.BytesIO(page.screenshot())).save(picture, quality=85)
-                browser.close()
-            run.terminate()
+            try:
+                address = next(
+                    m[1] for line in run.stdout or () if (m := re.match(r"live: (\S+)", line))
+                )
+                image = _seen(address)
+            finally:
+                run.terminate()
+    image.save(picture, quality=85)
+
+
+def _seen(address: str) -> Image.Image:
+    """The page, some time after it was opened, with the run paused."""
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page.goto(address)
+        page.set_default_timeout(1000 * PATIENCE)
+        page.wait_for_timeout(1000 * SECONDS)
+        page.get_by_role("button", name="Pause").click()
+        page.get_by_role("button", name="Go on").wait_for()
+        for notice in page.locator(".mantine-Notification-closeButton").all():
+            notice.click()  # that the processor draws
+        page.wait_for_timeout(1000 * SETTLED)
+        shot = page.screenshot()
+        browser.close()
+    return Image.open(io.BytesIO(shot))
 
 
 if __name__ == "__main__":

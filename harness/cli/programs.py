@@ -26,7 +26,7 @@ PROGRAMS = {
     "run": Program("harness.run", "drive rovers over a terrain, log traversal metrics"),
     "scenario": Program("harness.scenario.__main__", "drives with expectations: which of them pass"),
     "robot": Program("harness.robot", "make a rover of a URDF or a template, check it"),
-    "course": Program("harness.course.__main__", "scores on tracks that every machine reproduces"),
+    "course": Program("harness.course.__main__", "scores on tracks, and receipts to drive again"),
     "tune": Program(
         "harness.tune.__main__", "thresholds of the metrics from drives whose truth is known"
     ),

@@ -48,7 +48,7 @@ def _command(options: argparse.Namespace) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.course",
-        description="Tracks, scores and receipts that every machine reproduces (docs/course.md).",
+        description="Tracks, scores, and receipts by which they are driven again (docs/course.md).",
     )
     commands = parser.add_subparsers(
         required=True, metavar="COMMAND", parser_class=OneLineParser, help="COMMAND --help tells more"

@@ -1,4 +1,4 @@
-"""The score of an episode, 0 to 1, and what stands beside it. Only + - * /, so every machine agrees."""
+"""The score of an episode, 0 to 1, and what stands beside it; only + - * /, the same bits everywhere."""
 
 from harness.course.referee import REACHED, Drive
 from harness.course.task import Task

@@ -264,7 +264,9 @@ def _check_rover(rover: RoverSetup) -> None:
     for row in rows:
         if row.given is not None:
             row.given.check(equipped_rover)
-    wheels = equipped_rover.wheel_names
+    drive, names = equipped_rover.drive, equipped_rover.wheel_names
+    joints = zip(names, equipped_rover.wheel_joints, strict=True)
+    wheels = [name for name, joint in joints if joint in drive.driven]
     for fault in find_faults(rover.faults, rows):
         if fault.sensor.startswith(WHEEL) and fault.sensor.removeprefix(WHEEL) not in wheels:
             named = ", ".join(WHEEL + wheel for wheel in wheels)

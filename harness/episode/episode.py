@@ -157,13 +157,13 @@ class Episode:
         ]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in run.plan.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
-        self._faults = actuator_faults(run, number)
         self._begin()
 
     def _begin(self) -> None:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
         self._drive = base_controller(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
+        self._faults = actuator_faults(self.run, self.number)
         scene, (rng, *_) = self.simulation.scene, generators(self.run.own_seed(self.number), 3)
         middle, half_size = scene.world.roaming
         seconds = self.setup.cmd_vel_timeout

@@ -48,8 +48,8 @@ class ActuatorFaults:
         """Weakens motors and blocks wheels as they are at the simulation's present time."""
         if not self._motors:
             return
-        drive, strength = simulation.scene.rover, dict.fromkeys(("left", "right"), 1.0)
-        names = dict(zip(drive.wheel_names, drive.wheel_joints, strict=True))
+        rover, strength = simulation.scene.rover, dict.fromkeys(("left", "right"), 1.0)
+        names = dict(zip(rover.wheel_names, rover.wheel_joints, strict=True))
         stuck = set()
         for fault in (one for one in self._motors if one.active(simulation.time_ns)):
             where = fault.sensor.partition(".")[2]

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.errors import UsageError
 from harness.robots.model import ROOT_ID
 from harness.robots.sections import Actuators
 from harness.robots.spec import RoverSpec
@@ -100,7 +101,15 @@ def resist_rolling(
     """Adds what tyres and gears lose to the friction of a compiled rover's wheels.
 
     Where it falls with speed, that part of it is a damping that is negative.
+
+    Raises:
+        UsageError: It would push the rover at its top speed.
     """
+    if rover.tyres.falling * rover.top_speed >= 1.0:
+        raise UsageError(
+            f"rolling resistance that is falling by {rover.tyres.falling:g} s/m would push {rover.name} "
+            f"at {rover.top_speed:g} m/s; give less than {1.0 / rover.top_speed:.2g}"
+        )
     if rover.tyres.rolling:
         load = float(model.body_subtreemass[root]) * rover.gravity / len(rover.wheel_joints)
         dofs = np.array([int(model.joint(prefix + name).dofadr[0]) for name in rover.wheel_joints])

@@ -26,9 +26,10 @@ class MotorPower:
         drive, self._motor, self._simulation = rover.drive, rover.actuators, simulation
         self._torques = np.concatenate([simulation.felt(MOTOR_TORQUE + name) for name in drive.driven])
         self._speeds = np.concatenate([simulation.felt(MOTOR_SPEED + name) for name in drive.driven])
-        sides = [[name in side for name in drive.driven] for side in (drive.left, drive.right)]
-        self._sides = np.array(sides, float)
-        self._count = np.ones(2) if self._motor.one_motor_a_side else self._sides.sum(axis=1)
+        is_on = [[name in side for name in drive.driven] for side in (drive.left, drive.right)]
+        sides, tied = np.array(is_on, float), self._motor.one_motor_a_side
+        self._of_motor = sides if tied else np.eye(len(drive.driven))  # from wheels
+        self._of_side = np.eye(2) if tied else sides  # from motors
 
     def draw(self, sums: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
         """Returns the current of the left and the right side's motors [A], and their power [W].
@@ -38,7 +39,8 @@ class MotorPower:
         """
         steps = self._simulation.steps_per_tick
         torque = sums[self._torques] / steps
-        work = self._sides @ (torque * sums[self._speeds] / steps)
-        currents = np.where(work >= 0.0, np.abs(self._sides @ torque) / self._motor.motor_constant, 0.0)
-        losses = self._motor.resistance * currents**2 / self._count
-        return currents, float(np.maximum(work + losses, 0.0).sum())
+        work = self._of_motor @ (torque * sums[self._speeds] / steps)
+        drawn = np.abs(self._of_motor @ torque) / self._motor.motor_constant
+        currents = np.where(work >= 0.0, drawn, 0.0)
+        power = np.maximum(work + self._motor.resistance * currents**2, 0.0)
+        return self._of_side @ currents, float(power.sum())

@@ -95,9 +95,14 @@ def equipped(rover: RoverSpec, actuators: str, surface: str) -> RoverSpec:
         there = ", ".join(rover.surfaces) or "none"
         raise UsageError(f"surface '{surface}' is not one of {where}; available: {there}")
     met = rover.surfaces[surface]
-    tyres = Tyres(**{name: getattr(met, name) for name in Tyres.model_fields})
+    usual = Tyres()
+    stated = {name: getattr(met, name) for name in Tyres.model_fields}
+    tyres = rover.tyres.but(**{k: v for k, v in stated.items() if v != getattr(usual, k)})
     return rover.but(
-        tyres=tyres, vibration=met.vibration, wheel_friction=tyres.friction or rover.wheel_friction
+        tyres=tyres,
+        vibration=met.vibration,
+        wheel_friction=tyres.friction or rover.wheel_friction,
+        wheel_radius=tyres.radius or rover.wheel_radius,
     )
 
 

@@ -146,7 +146,7 @@ class Tyres(Value):
 
 
 class Surface(Tyres):
-    """What --surface NAME stands for: tyres on it, and what shakes the IMU there."""
+    """What --surface NAME stands for: how tyres differ on it, and what shakes the IMU there."""
 
     vibration: tuple[Shake, ...] = Field(default=(), description="of the IMU while driving")
     source: str = Field(default="", description="where the numbers come from")

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.direct import run_direct, run_unlogged
-from harness.episode.result import Outputs, steered
+from harness.episode.result import Outputs
 from harness.live import watched
 from harness.scenario.case import Case
 from harness.scenario.quantities import quantity_of
@@ -66,7 +66,8 @@ def _direct(
     with watched(case.run, live, live.rate, stop) as (helm, seen):
         outputs = Outputs(log_dir=own, observers=(watch, *seen), settings=watch.settings)
         (result,) = run_direct(case.run, (outputs,), options, stop, None, helm)
-    result = steered(result, helm)
+    if helm is not None and (note := helm.note(case.run)):  # of whoever steered, not of the scenario
+        return Attempt(case, error=note.removeprefix(", "))
     found = watch.judged(result, {})
     if found.passed and not keep:
         return found

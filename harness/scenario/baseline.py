@@ -13,6 +13,7 @@ from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.version import __version__
+from harness.drivers.base import OF_POLICY
 from harness.episode.result import RunResult
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, scenario_name
@@ -50,8 +51,9 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     """Returns a run as a baseline keeps it."""
     # Only what is not the default: an argument that a later version adds changes nothing.
     defaults, fields = Run().fields(), case.run.fields()
-    for name in ("terrain", "soil"):
-        fields[name] = Path(fields[name]).name  # the file's place may change
+    for name, before in (("terrain", ""), ("soil", ""), ("driver", OF_POLICY)):
+        if fields[name].startswith(before):  # the file's place may change
+            fields[name] = before + Path(fields[name].removeprefix(before)).name
     arguments = {k: value for k, value in fields.items() if value != defaults[k]}
     if case.params:
         arguments["params"] = case.params

@@ -18,7 +18,7 @@ from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.spec.live import LiveOptions
-from harness.workers import workers_of
+from harness.workers import LOCAL, workers_of
 from rover_metrics.sheet.console import PlainConsole
 
 
@@ -46,8 +46,8 @@ def run_scenarios(options: argparse.Namespace, files: Iterable[str]) -> int:
 
 def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
     live = from_flags(LiveOptions, options)
-    if live.live is not None and (options.jobs or 1) != 1:
-        raise UsageError("--live shows one run after the other: leave out --jobs")
+    if live.live is not None and ((options.jobs or 1) != 1 or options.backend != LOCAL):
+        raise UsageError("--live shows one run after the other: leave out --jobs and --backend")
     jobs = options.jobs if live.live is None else 1
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (

@@ -11,12 +11,14 @@ from pydantic import TypeAdapter
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.version import __version__
-from harness.drivers.base import OF_POLICY
+from harness.drivers.base import IN_FILE, OF_POLICY
 from harness.robots import ROVERS
+from harness.robots.reading import content_of
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.verdict import Attempt
 from harness.spec.run import Run
+from harness.world.soil_map import OWN, find_soils
 
 _ATTEMPT = TypeAdapter(Attempt)
 _OWN = [field.name for field in fields(Attempt) if field.name != "case"]
@@ -101,6 +103,9 @@ def _files_of(run: Run) -> Iterator[Path]:
     """What a run may read: world, soil, people, targets, policy and the rover's folder."""
     world, driver = run.world, run.rover.driver
     yield from (Path(world.terrain), Path(world.soil), Path(driver.removeprefix(OF_POLICY)))
+    yield Path(driver.removeprefix(IN_FILE).rpartition(":")[0])
+    if world.soil not in ("", OWN):
+        yield Path(find_soils(world.soil)[1])
     yield from (Path(actor.file) for actor in world.actors)
     yield from (Path(file) for target in world.targets for file in target.files)
-    yield from Path(run.rover.robot).glob("*") if run.rover.robot not in ROVERS else ()
+    yield from content_of(Path(run.rover.robot)) if run.rover.robot not in ROVERS else ()

@@ -4,6 +4,7 @@ The motors' currents and power are those of harness.physics.motor_power. The vol
 full to empty, and by the battery's own resistance times its current.
 """
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -105,7 +106,7 @@ class BatterySensor(OptionalSensor[BatteryOptions]):
         count, pack = max(self._ticks, 1), self._pack
         left = 1.0 - self._taken / self._capacity
         open_voltage = pack.empty + left * (pack.full - pack.empty)
-        current = self._power / count / open_voltage
+        current = _current(self._power / count, open_voltage, pack.resistance)
         one, other = (self._currents / count).tolist()
         self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
         told = (
@@ -127,3 +128,11 @@ class BatterySensor(OptionalSensor[BatteryOptions]):
             energy=self._taken - self._begun,
             motor_currents=(one, other),
         )
+
+
+def _current(power: float, open_voltage: float, resistance: float) -> float:
+    """What a pack gives for a power at its terminals [A]: P = (U - R i) i; no more than its most."""
+    if resistance == 0.0:
+        return power / open_voltage
+    within = max(open_voltage**2 - 4.0 * resistance * power, 0.0)
+    return (open_voltage - math.sqrt(within)) / (2.0 * resistance)

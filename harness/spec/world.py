@@ -56,8 +56,10 @@ class WorldSpec(Value):
         description="ground that gives way (docs/soil.md): see --list, a YAML file of a soil or of a "
         "map of soils, or `terrain` for what the terrain has (dunes); default: rigid ground",
     )
-    keep_ruts: bool = Field(
-        default=False, description="leave ruts as they are when all rovers are put back to their starts"
+    keep_ruts: Annotated[bool, Option("")] = Field(
+        default=False,
+        description="of --soil: leave ruts as they are when all rovers are put back to their starts; "
+        "default: they go",
     )
     terrain_size: Annotated[
         tuple[MapLength, MapLength] | None, BeforeValidator(_both_lengths), Option("M", many=True)

@@ -25,6 +25,7 @@ DRIVER = {
 TERRAIN = {
     "dem": ["--terrain", "{dem}", "--terrain-size", "14", "12"],
     "sdf": ["--terrain", "{sdf}", "--rock", "plank*"],
+    "rough": ["--terrain", "{dem}", "--terrain-size", "14", "12", "--terrain-roughness", "D"],
     "mesh": ["--terrain", "{mesh}", "--mesh-unit", "cm", "--terrain-cell", "0.2"],
 }
 PEOPLE = {
@@ -51,6 +52,7 @@ MISSION = {
         "gate",
     ],
     "route": ["--target", "gate:x=1,y=0.2", "--route", "0.5,0/gate/-1,0:radius=0.3,within=2"],
+    "stop": ["--target", "gate:x=1,y=0.2", "--route", "1.8,0/gate:stop=true"],
 }
 PLAN: dict[str, dict[str, Any]] = {  # what no command line says
     "cmd_vel": {"commands": ((0.0, 0.4, 0.3), (1.0, -0.2, -0.5), (2.0, 0.5, 0.0))},
@@ -83,11 +85,15 @@ class GoldenRun:
     @property
     def plan(self) -> dict[str, Any]:
         """What happens when, by the names of the fields of a plan."""
-        is_led = self.mission == "route" and self.driver == "goal"
+        is_led = self.mission in ("route", "stop") and self.driver == "goal"
         plan = {} if is_led else dict(PLAN.get(self.driver, {}))
         plan |= {} if self.reset == NONE else {"resets": (float(self.reset),)}
-        link = {"link_losses": ((0.8, 1.0),), "aborts": (2.2,), "resumes": (2.6,)}
-        return plan | (link if self.mission == "link" else {})
+        link: dict[str, Any] = {"link_losses": ((0.8, 1.0),), "aborts": (2.2,), "resumes": (2.6,)}
+        steered: dict[str, Any] = {
+            "drivers": ((0.6, "goal"), (1.6, "")),
+            "goals": ((0.6, 2.0, 1.0, 0.0),),
+        }
+        return plan | {"link": link, "helm": steered}.get(self.mission, {})
 
     @property
     def is_fleet(self) -> bool:
@@ -113,7 +119,9 @@ class GoldenRun:
         words += PEOPLE.get(self.people, []) + METRICS.get(self.metrics, []) + TF.get(self.tf, [])
         words += [] if self.numbers == NONE else OTHER_NUMBERS
         words += MISSION.get(self.mission, [])
-        words += [] if self.soil == NONE else ["--soil", self.soil]
+        soil, _, keep = self.soil.partition(":")
+        words += [] if self.soil == NONE else ["--soil", soil]
+        words += ["--keep-ruts"] if keep else []
         actuators, _, surface = self.motors.partition(":")
         words += [] if self.motors == NONE else ["--actuators", actuators]
         words += ["--surface", surface] if surface else []
@@ -145,13 +153,13 @@ def kind(column: str, value: str) -> str:
     """Returns what a value is a case of; pairs of these are covered."""
     sensor, _, name = value.partition(":")
     groups = {
-        "terrain": {"posts": "hazards", "maze": "hazards"}
+        "terrain": {"posts": "hazards", "maze": "hazards", "rough": "dem"}
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
         "robot": {"sojourner": "husky", "a200": "husky", "jackal": "husky"},
         "fleet": {"close": "twin"},
-        "mission": dict.fromkeys((*MISSION, "link"), NONE),  # each in a run of its own
-        "soil": dict.fromkeys(("dry_sand", "firm", "terrain"), NONE),
-        "sensors": {"battery": NONE},  # whose runs have motors
+        "mission": dict.fromkeys((*MISSION, "link", "helm"), NONE),  # each in a run of its own
+        "soil": dict.fromkeys(("dry_sand", "dry_sand:keep", "firm", "terrain"), NONE),
+        "sensors": {"battery": NONE, "lidar2d+camera+battery": "lidar2d+camera"},
         "motors": dict.fromkeys(("real", "real:sandy_loam", "real:snow"), NONE),
         "reset": {"2.6": "1.3", "1.35": "1.3"},
         "driver": dict.fromkeys(STAGED, "staged") | {"policy": "area"},

@@ -54,7 +54,7 @@ def entry(folder: Path, said: str) -> str:
     return str(folder)
 
 
-def test_a_program_is_driven_to_its_goal_and_verified(
+def test_a_program_drives_and_its_receipt_is_verified(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     words = f"[{sys.executable}, node.py, --ros-args, -p, use_sim_time:=true]"

@@ -10,8 +10,9 @@ import pytest
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.episode.assembly import check
-from harness.physics.actuators import PLAY
+from harness.physics.actuators import MOTOR_SPEED, MOTOR_TORQUE, PLAY
 from harness.physics.base_controller import base_controller
+from harness.physics.motor_power import MotorPower
 from harness.physics.simulation import Simulation
 from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
@@ -80,11 +81,8 @@ def test_commands_come_late_and_speeds_follow_as_two_lags_do() -> None:
     assert not speeds[:20].any()
 
 
-def test_what_is_ideal_has_no_lag_and_the_bytes_of_before() -> None:
-    at_once = responses(HUSKY, Twist(0.3, 0.2), 5)
-    also = responses(equipped(HUSKY, IDEAL, ""), Twist(0.3, 0.2), 5)
-    assert (at_once == also).all()
-    assert at_once[0].all()
+def test_what_is_ideal_has_no_lag() -> None:
+    assert responses(HUSKY, Twist(0.3, 0.2), 5)[0].all()
 
 
 def test_slow_commands_do_nothing_and_the_sides_differ_by_no_more_than_their_limit() -> None:
@@ -184,4 +182,29 @@ def test_what_a_rover_has_not_is_one_line(fields: dict[str, Any], said: str) -> 
 def test_a_folder_without_motors_cannot_be_real() -> None:
     with pytest.raises(UsageError, match="section 'actuators'"):
         equipped(LEO.but(actuators=None), REAL, "")
-    assert math.isclose(equipped(LEO, IDEAL, "").wheel_radius, 0.0625)
+
+
+def test_a_surface_changes_what_it_states_and_pushes_nobody(simulate: MakeSimulation) -> None:
+    met = HUSKY.surfaces["asphalt"].but(radius=0.16)
+    worn = HUSKY.but(tyres=HUSKY.tyres.but(drag=0.1), surfaces={"worn": met})
+    rover = equipped(worn, IDEAL, "worn")
+    assert (rover.tyres.drag, rover.tyres.rolling, rover.wheel_radius) == (0.1, met.rolling, 0.16)
+    pushing = worn.but(surfaces={"worn": met.but(falling=2.0)})
+    with pytest.raises(UsageError, match="would push husky"):
+        simulate(equipped(pushing, IDEAL, "worn"))
+
+
+def test_motors_of_a_side_that_work_against_each_other_draw_all_the_same(
+    simulate: MakeSimulation,
+) -> None:
+    simulation = simulate(real(LEO))
+    motors, sums = MotorPower(simulation), simulation.tick_sum.copy()
+    torque = dict(zip(LEO.drive.driven, (1.0, -1.0, 0.0, 0.0), strict=True))
+    for name, value in torque.items():
+        sums[simulation.felt(MOTOR_TORQUE + name)] = value * simulation.steps_per_tick
+        sums[simulation.felt(MOTOR_SPEED + name)] = 0.0
+    (left, right), power = motors.draw(sums)
+    assert LEO.actuators is not None
+    current = 1.0 / LEO.actuators.motor_constant
+    assert (left, right) == pytest.approx((2 * current, 0.0))
+    assert power == pytest.approx(2 * LEO.actuators.resistance * current**2)

@@ -55,7 +55,7 @@ def test_energy_is_what_motors_and_standby_take_and_charge_what_is_left() -> Non
     assert pack.empty < last.voltage < pack.full
     assert last.current < 0.0 < min(last.motor_currents)
     power = -last.voltage * last.current
-    assert power == pytest.approx(3600 * (last.energy - readings[-2].energy) / 0.1, rel=0.02)
+    assert power == pytest.approx(3600 * (last.energy - readings[-2].energy) / 0.1, rel=1e-5)
 
 
 def test_a_run_ends_when_its_battery_is_empty_if_that_is_asked_for() -> None:
