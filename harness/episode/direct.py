@@ -75,7 +75,7 @@ def run_direct(
             logged.append(at_end.enter_context(log))
             faults = injector(run, episode.number)
             routes.append(Route(faults, log.advance, (*output.observers, log)))
-        batches = together(episodes)
+        batches = together(episodes, ahead=helm is None)
         if helm is not None:
             helm.metered = logged
             followers = [partial(follow, episode) for episode in episodes]
