@@ -127,12 +127,13 @@ class Ahead:
             self.is_away = False
 
     def close(self) -> None:
-        """Ends the thread, which must have landed; it can be launched again."""
+        """Ends the thread, which must have landed; nothing is launched any more."""
         if self._thread is not None:
             self._steps[0] = OVER
             _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
             self._thread.join()
-            self._thread = None
+        for lock in self._locks:
+            _api.PyThread_free_lock(lock)
 
     def _begin(self) -> bool:
         """Starts the thread, as soon as a contact tells where MuJoCo keeps them."""

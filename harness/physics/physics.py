@@ -191,6 +191,7 @@ class Physics:
                 self._is_launched = False
             self._ahead.come_back()
             self._ahead.close()
+            self._ahead = None
 
     def _turn_drag(self) -> None:
         if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # whoever looks on
