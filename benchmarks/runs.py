@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table, against
-from harness.episode.episode import Episode
+from harness.episode.episode import Episode, episodes_of, together
 from harness.episode.stream import EpisodeProcess
 from harness.robots import ROVERS
 from harness.ros import session
@@ -94,8 +94,8 @@ def physics(run: Run, commands: Commands) -> float:
 
 
 def _episode(run: Run) -> float:
-    episode = Episode(run)
+    episodes = episodes_of(run)
     start = time.perf_counter()
-    for _ in episode.batches():
+    for _ in together(episodes, ahead=True):
         pass
     return time.perf_counter() - start

@@ -1,6 +1,6 @@
 """One episode of an entry: the project's own loop, a client that commands, a referee that watches."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,6 +18,7 @@ from harness.course.task import Case, Task
 from harness.course.tracks import find_track
 from harness.drivers import find_driver
 from harness.drivers.base import Driver, DriverContext
+from harness.drivers.policy import PolicyDriver, read_policy
 from harness.episode.assembly import injector
 from harness.episode.episode import Episode, together
 from harness.episode.loop import Route, drive
@@ -97,13 +98,21 @@ def attempt(case: Case, *, entry: Entry) -> EpisodeResult:
             from harness.course.node_entry import drive_node  # noqa: PLC0415 - only this needs ROS 2
 
             return drive_node(case, task, entry.about, folder)
-        return _driven(case, task, find_driver(entry.driver(case.track, folder)))[0]
+        kind = find_driver(entry.driver(case.track, folder))
+        return _driven(case, _seen_by(kind, task), kind)[0]
 
 
 def drive_with(case: Case, kind: type[D]) -> tuple[EpisodeResult, D]:
     """Returns how an episode goes with a driver of Python, and that driver: to look at, and to learn."""
     with TemporaryDirectory(prefix="rover-course-") as scratch:
         return _driven(case, find_track(case.track).task(case, Path(scratch)), kind)
+
+
+def _seen_by(kind: type[Driver], task: Task) -> Task:
+    """The task with the lidar that a policy was made for; any other driver takes the track's."""
+    if not issubclass(kind, PolicyDriver):
+        return task
+    return replace(task, run=task.run.alone(lidar_beams=read_policy(kind.file).beams))
 
 
 def _driven(case: Case, task: Task, kind: type[D]) -> tuple[EpisodeResult, D]:

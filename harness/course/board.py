@@ -30,7 +30,7 @@ ROOM = (-0.03, 1.03)  # what a plot of scores shows
 
 
 def read_folder(folder: Path) -> list[Receipt]:
-    """Returns the receipts of a folder, the best score first.
+    """Returns the receipts of a folder: those of most tracks first, and of these the best score.
 
     Raises:
         UsageError: There are none, or one cannot be read.
@@ -38,7 +38,7 @@ def read_folder(folder: Path) -> list[Receipt]:
     files = sorted(folder.glob("*.json")) if folder.is_dir() else []
     if not files:
         raise UsageError(f"{folder} holds no receipt (*.json); `run ENTRY --out {folder}` writes one")
-    return sorted(map(read_receipt, files), key=lambda receipt: (-receipt.score, receipt.entry))
+    return sorted(map(read_receipt, files), key=lambda one: (-len(one.tracks), -one.score, one.entry))
 
 
 def page_of(receipts: Sequence[Receipt]) -> str:
@@ -68,7 +68,8 @@ def board_of(receipts: Sequence[Receipt]) -> Sheet:
         }
         for receipt in receipts
     )
-    return Sheet.of(rows, "Leader board")
+    spare = frozenset((*_tracks(receipts), "version", "entry's hash"))
+    return Sheet.of(rows, "Leader board", spare=spare)
 
 
 def paired_of(receipts: Sequence[Receipt]) -> Sheet:
@@ -90,9 +91,10 @@ def _tracks(receipts: Sequence[Receipt]) -> list[str]:
 
 
 def _seeds(receipt: Receipt) -> str:
+    count = max(len(track.episodes) for track in receipt.tracks.values())
     if receipt.own_worlds:
-        return "own worlds"
-    return f"nonce {receipt.nonce}" if receipt.nonce else "public"
+        return f"{count} own worlds"
+    return f"{count} of nonce {receipt.nonce}" if receipt.nonce else f"{count} public"
 
 
 def _score(receipt: Receipt, track: str) -> str:

@@ -3,8 +3,7 @@
 That is ROS' base_local_planner with the settings of Daffan/the-barn-challenge at bf5a226 (jackal_helper,
 base_local_planner_params.yaml, costmap_common_params.yaml), on a map of what the lidar has seen: every
 twist is driven ahead for 2 s with the padded footprint; the cheapest end wins; where none is free, the
-rover turns on the spot, else it backs up. The way to go of the map stands for its two grids of path and
-goal.
+rover turns on the spot, else it backs up.
 """
 
 import math
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.beeline import Beeline
+from harness.drivers.turns import Turns
 from harness.samples import LaserScan, Sample, Twist
 
 SPEED, RATE = (0.1, 0.5), 1.57  # [m/s], [rad/s]
@@ -24,15 +24,15 @@ FASTER = 1.0  # [rad/s]: 20 rad/s^2 over a period; 10 m/s^2 reach every speed
 LEAST_TURN = 0.314  # [rad/s] on the spot
 STEP, STEPS = 0.1, 20  # [s]: 2 s in all
 PADDING = 0.08, 0.055  # [m] ahead and aside; with it the Jackal's footprint is BARN's 0.62 x 0.53 m
-SPACING = 0.15  # [m] between points of the footprint's outline
-# Cost within the half width of what is occupied, how far beyond it ends [m], and what it is worth [m].
-INSCRIBED, FADING, OF_COST = 253.0, 0.035, 0.005
+SPACING = 0.05  # [m] between points of the footprint's outline
+# Cost within the half width of what is occupied [m]; it fades by a rate [1/m] and ends beyond [m].
+INSCRIBED, FADING, FADED = 253.0 * 0.005, 10.0, 0.035
 LOOKED_AHEAD = 0.325  # [m], for turns on the spot
-MOVED, ESCAPED = 0.05, (0.1, 0.1)  # [m] until it may turn the other way; [m], [rad] of backing up
+ESCAPED = 0.1, 0.1  # [m], [rad] of backing up
 BACK = -0.5  # [m/s]
 PLANNED_EVERY = 4  # periods
 # The map of costs: its ranges and its inflation.
-KEPT = {"marked": 2.5, "cleared": 3.0, "margin": PADDING[1], "ring": FADING, "shyness": 4.0}
+MAP = {"marked": 2.5, "cleared": 3.0, "margin": PADDING[1], "ring": FADED, "shyness": 4.0}
 
 
 class Dwa(Beeline):
@@ -40,18 +40,18 @@ class Dwa(Beeline):
 
     summary: ClassVar[str] = "drives to each /goal_pose by the dynamic window approach on a local map"
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
-    kept: ClassVar[Mapping[str, float]] = KEPT  # MapOptions
+    map_options: ClassVar[Mapping[str, float]] = MAP
     decides_every: ClassVar[int] = 2  # periods: 10 Hz, at which its goal comes and stops it for a cycle
 
     def __init__(self, context: DriverContext) -> None:
         from harness.drivers.local_map import LocalMap, MapOptions  # noqa: PLC0415 - who only names drivers does
 
         super().__init__(context)
-        self._map = LocalMap(context, MapOptions(**self.kept))
+        self._map = LocalMap(context, MapOptions(**self.map_options))
         self._inscribed = 0.5 * context.rover.width + PADDING[1]
         self._outline = self._outlined()
         self._last, self._count = Twist(), 0
-        self._turned: tuple[float, float, float] | None = None  # where, and which way
+        self._turns = Turns()
         self._backed: tuple[float, float, float] | None = None  # from where, and its heading
 
     def head_for(self, x: float, y: float, yaw: float) -> None:
@@ -70,26 +70,28 @@ class Dwa(Beeline):
         if self._count % PLANNED_EVERY == 0:
             self._map.plan((observation.x, observation.y), goal)
             self._corner = self._map.corner
+            self._ends = self._place_costs(self._map.cell((observation.x, observation.y)))
         self._count += 1
         due = self._count % self.decides_every == 1 % self.decides_every
         return self._best(goal, observation) if due else self._last
 
-    def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:
-        from harness.drivers.rollout import AHEAD, END, FARTHEST, ROOM  # noqa: PLC0415 - kernels
+    def _place_costs(self, here: tuple[int, int]) -> NDArray[np.float64]:
+        """What it costs to end in each cell [m]."""
+        from harness.drivers.map_grid import place_costs  # noqa: PLC0415 - kernels
 
+        return place_costs(self._map, here, self._inscribed)
+
+    def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:
         here = observation.x, observation.y
         twists = self._twists(math.dist(goal, here))
-        plans = np.repeat(twists[:, None], STEPS, axis=1)
-        found = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
-        near = 1.0 - (found[:, ROOM] - self._inscribed) / FADING
-        cost = found[:, END] + OF_COST * INSCRIBED * np.minimum(np.maximum(near, 0.0), 1.0)
-        cost[(found[:, ROOM] <= 0.0) | np.isinf(found[:, FARTHEST])] = np.inf
-        on_the_spot, way = twists[:, 0] == 0.0, self._way(here)
+        cost, ahead = self._costs(twists, observation)
+        on_the_spot = twists[:, 0] == 0.0
         forward = np.where(on_the_spot | self._is_escaping(observation), np.inf, cost)
-        allowed = on_the_spot & np.isfinite(cost) & (cost <= forward.min()) & (way * twists[:, 1] >= 0.0)
-        if allowed.any():
-            best = int(np.argmin(np.where(allowed, found[:, AHEAD], np.inf)))
-            self._turned = self._turned or (*here, float(twists[best, 1]))
+        turns = on_the_spot & np.isfinite(cost) & (cost <= forward.min())
+        turns &= self._turns.allowed(here, twists[:, 1])
+        if turns.any():
+            best = int(np.argmin(np.where(turns, ahead, np.inf)))
+            self._turns.take(here, float(twists[best, 1]))
         elif math.isfinite(forward.min()):
             best = int(np.argmin(forward))
         else:
@@ -97,11 +99,21 @@ class Dwa(Beeline):
             return Twist(BACK)
         return Twist(float(twists[best, 0]), float(twists[best, 1]))
 
-    def _way(self, here: tuple[float, float]) -> float:
-        """Which way it turned on this spot; 0 if it may turn either way."""
-        if self._turned is not None and math.dist(self._turned[:2], here) > MOVED:
-            self._turned = None
-        return 0.0 if self._turned is None else self._turned[2]
+    def _costs(
+        self, twists: NDArray[np.float64], observation: Observation
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The cost of each twist, inf for those that touch, and that of a place ahead of its end [m]."""
+        from harness.drivers.rollout import AHEAD, END, FARTHEST, ROOM  # noqa: PLC0415 - kernels
+
+        plans = np.repeat(twists[:, None], STEPS, axis=1)
+        found = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
+        beyond = np.maximum(found[:, ROOM] - self._inscribed, 0.0)
+        fading = 1.0 + FADING * beyond * (
+            1.0 + 0.5 * FADING * beyond
+        )  # about exp, the same bits everywhere
+        cost = found[:, END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
+        cost[(found[:, ROOM] <= 0.0) | np.isinf(found[:, FARTHEST])] = np.inf
+        return cost, found[:, AHEAD]
 
     def _is_escaping(self, observation: Observation) -> bool:
         """Whether it has not backed up far enough to go ahead again."""
@@ -129,9 +141,9 @@ class Dwa(Beeline):
         """What `rolled` finds of plans from where the rover is."""
         from harness.drivers.rollout import rolled  # noqa: PLC0415 - without compiled kernels
 
-        (x, y), known = self._corner, self._map
+        x, y = self._corner
         pose = np.array([seen.x - x, seen.y - y, math.cos(seen.yaw), math.sin(seen.yaw)])
-        return rolled(known.clearance, known.to_go, pose, plans, step, self._outline, close, ahead)
+        return rolled(self._map.clearance, self._ends, pose, plans, step, self._outline, close, ahead)
 
     def _outlined(self) -> NDArray[np.float64]:
         """Points around the padded footprint."""

@@ -17,7 +17,10 @@ from harness.samples import LaserScan, Sample, Twist
 MARGIN = 0.08  # [m] beside the rover
 FAR = 3.0  # [m]: a direction that is free so far is open
 SECTORS = 180  # directions that are looked at, all around
-STOP, SLOW = 0.08, 1.0  # [m] of room ahead at which it stops, from which it slows down
+STOP = 0.08  # [m] of room ahead at which it stops
+SHARE = 0.8  # of the rover's top speed that it drives at most
+HEADWAY = 1.2  # [s]: time for which it has room at its speed
+QUICKER = 1.5  # it turns so much faster than a rover that cruises
 
 
 class Gap(Beeline):
@@ -37,9 +40,9 @@ class Gap(Beeline):
         """Returns the twist into the gap that leads to a goal best."""
         room = self._room(observation.ranges, math.dist(goal, (observation.x, observation.y)))
         heading = self._heading(room, off_course(goal, observation))
-        ahead = float(room[SECTORS // 2]) - self._nose
-        slow = min(1.0, max(0.0, ahead - STOP) / SLOW) * max(0.0, math.cos(heading)) ** 2
-        return Twist(self.rover.cruise_speed * slow, self.turning(heading))
+        ahead = max(0.0, float(room[SECTORS // 2]) - self._nose - STOP)
+        speed = min(SHARE * self.rover.top_speed, ahead / HEADWAY)
+        return Twist(speed * max(0.0, math.cos(heading)) ** 2, QUICKER * self.turning(heading))
 
     def _heading(self, room: NDArray[np.float64], error: float) -> float:
         """The direction whose detour is least among those that are open, or the one with most room."""

@@ -31,7 +31,9 @@ class Mppi(Dwa):
     """Drives to each goal as a mean of noisy plans says, up to 0.9 of the rover's top speed."""
 
     summary: ClassVar[str] = "drives to each /goal_pose by path integrals (MPPI) on a local map"
-    kept: ClassVar[Mapping[str, float]] = {}
+    map_options: ClassVar[Mapping[str, float]] = {
+        "marked": 3.0
+    }  # on rough ground it looks down farther off
     decides_every: ClassVar[int] = 1
 
     def __init__(self, context: DriverContext) -> None:
@@ -45,11 +47,15 @@ class Mppi(Dwa):
 
         plans = self._noisy()
         found = self._rolled(observation, plans, STEP, NEAR, LOOKED_AHEAD)
-        cost = NEARNESS * found[:, CLOSE] + 0.02 * STEP * np.add.reduce(np.abs(plans[:, :, 1]).T)
+        turned = np.add.reduce(np.abs(plans[:, :, 1]), axis=1)
+        cost = NEARNESS * found[:, CLOSE] + 0.02 * STEP * turned
         cost += np.minimum(found[:, AHEAD], TOUCH) + 0.2 * np.minimum(found[:, NEAREST], TOUCH)
         self._plan = blended(plans, cost + TOUCH * (found[:, ROOM] <= 0.0))
         speed, rate = self._plan[0].tolist()
         return Twist(speed, rate)
+
+    def _place_costs(self, here: tuple[int, int]) -> NDArray[np.float64]:  # noqa: ARG002
+        return self._map.to_go
 
     def _noisy(self) -> NDArray[np.float64]:
         """Plans around the last one; the last one itself and standing still are among them."""

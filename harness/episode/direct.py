@@ -84,7 +84,7 @@ def run_direct(
         if sinks:
             described = [each.description for each in episodes if each.description is not None]
             routes = _told(routes, logged, RunTopics(run, described, sinks, at_end))
-        batches = together(episodes)
+        batches = together(episodes, ahead=helm is None)
         if helm is not None:
             helm.metered = logged
             followers = [partial(follow, episode) for episode in episodes]

@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     from harness.sensors.vibration import Vibration
 
 Given = TypeVar("Given", bound=SensorOptions)
+Ordered = Callable[[], Callable[[], None] | None]
 
 
 class Episode:
@@ -137,8 +138,9 @@ class Episode:
         crowd, told = self.simulation.crowd, samples is None or ActorPoses in samples
         self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
         self._ticks: list[Tick] = []  # since the last batch
-        self._goals: list[Place] = []  # given since then
-        self._told: list[GoalPose] = []  # to who drives over topics, with the next tick
+        self._goals: list[Place] = []  # that come with the next batch
+        self._told: list[GoalPose] = []  # to who drives over topics, with the first tick of the period
+        self._given: tuple[list[Place], list[GoalPose]] = [], []  # for the next control period
         self._bearings = lidar_spec.bearings(rover.lidar_yaw)
         self._takes_goals = takes_goals(self.setup.driver)
         self._course = course_of(run, number, world)
@@ -200,7 +202,7 @@ class Episode:
     def head_for(self, place: Place) -> None:
         """Gives a driver that takes goals its next one; other drivers choose their own."""
         if isinstance(self._driver, TakesGoals):
-            self._goals.append(place)
+            self._given[0].append(place)
             self._driver.head_for(place.x, place.y, place.yaw)
 
     def reset(self, place: Place | None = None) -> None:
@@ -234,6 +236,15 @@ class Episode:
         for (batch,) in together((self,)):
             yield batch
 
+    def can_go_ahead(self, tick: int) -> bool:
+        """Returns whether what is due at a tick, and the driver, leave the period before it as it is."""
+        is_planned = bool(self._planned) and _is_due(self._planned[0][0], tick)
+        return not is_planned and self._sensors.can_read_early(self._driver.senses)
+
+    def look_ahead(self, tick: int) -> None:
+        """Reads what the driver looks at, at the end of a control period that is yet to be observed."""
+        self._sensors.read_early(tick, self._driver.senses)
+
     def begin_period(self, tick: int) -> None:
         """Does what is planned up to a tick, and takes the driver's command."""
         self._act(tick)
@@ -244,6 +255,10 @@ class Episode:
     def looks_at_each_tick(self) -> bool:
         """Whether a sensor must see the ruts at the end of a tick within a control period."""
         return self.simulation.physics.bed is not None and self._sensors.sees_ground_between
+
+    def begin_observing(self) -> None:
+        """Takes over what was given for the control period that is observed next."""
+        (self._goals, self._told), self._given = self._given, ([], [])
 
     def drive_wheels(self, ticks: int) -> None:
         """Commands the wheels for the next ticks."""
@@ -269,10 +284,10 @@ class Episode:
         events = self._recorder.events
         if is_last:
             events.close()
-        ticks, goals = tuple(self._ticks), tuple(self._goals)
+        ticks = tuple(self._ticks)
         self._ticks.clear()
-        self._goals.clear()
-        return Batch(ticks, self._recorder.truth(), events.take_closed(), events.open, goals)
+        closed = events.take_closed()
+        return Batch(ticks, self._recorder.truth(), closed, events.open, tuple(self._goals))
 
     def _beside_others(self, place: Place | None) -> Place | None:
         """Where there is room for the rover, which is there unless another one is in the way."""
@@ -296,7 +311,7 @@ class Episode:
 
     def _act(self, tick: int) -> None:
         """Does what is planned up to a tick."""
-        while self._planned and round(self._planned[0][0] * NANOSECONDS) <= tick * TICK_NS:
+        while self._planned and _is_due(self._planned[0][0], tick):
             _, act = self._planned.popleft()
             act()
         if self._course is not None:
@@ -313,7 +328,7 @@ class Episode:
             return
         height, half = self.simulation.scene.world.ground.height_at(goal.x, goal.y), 0.5 * goal.yaw
         turned = (0.0, 0.0, math.sin(half), math.cos(half))
-        self._told = [GoalPose(0, (goal.x, goal.y, height), turned)]
+        self._given[1][:] = [GoalPose(0, (goal.x, goal.y, height), turned)]
 
     def _link(self, *, up: bool) -> None:
         self._is_linked = up
@@ -332,10 +347,16 @@ class Episode:
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position
-        scan = self._sensors.latest.get(LaserScan)
+        latest = self._sensors.latest
+        scan = latest.get(LaserScan)
         ranges = scan.ranges if isinstance(scan, LaserScan) else None
         touches, time_ns = bool(self._hazard_contact[0]), simulation.time_ns - self._began_ns
-        return Observation(time_ns, x, y, simulation.yaw, ranges, touches, self._sensors.latest)
+        readings = {kind: latest[kind] for kind in self._driver.senses if kind in latest}
+        return Observation(time_ns, x, y, simulation.yaw, ranges, touches, readings)
+
+
+def _is_due(time_s: float, tick: int) -> bool:
+    return round(time_s * NANOSECONDS) <= tick * TICK_NS
 
 
 def episodes_of(
@@ -358,8 +379,16 @@ def episodes_of(
     )
 
 
-def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
+def together(
+    episodes: Sequence[Episode], ordered: Ordered = lambda: None, *, ahead: bool = False
+) -> Iterator[tuple[Batch, ...]]:
     """Drives episodes that share a world, one control period at a time: a batch of each.
+
+    Args:
+        episodes: Of all rovers of the world.
+        ordered: Is asked once before each control period what is to be done at its beginning.
+        ahead: Whether a second core may simulate a period while the one before is observed: then
+            nobody but `ordered` may act on the episodes.
 
     Raises:
         RunFailed: A rover left the map or the simulation diverged; the ticks up to then have been
@@ -367,29 +396,75 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
     """
     physics, total = episodes[0].simulation.physics, episodes[0].run.total_ticks
     span = 1 if any(episode.looks_at_each_tick for episode in episodes) else physics.span
-    for start in range(0, total, TICKS_PER_CONTROL):
-        stop = min(start + TICKS_PER_CONTROL, total)
-        for episode in episodes:
-            episode.begin_period(start)
-        failure: RunFailed | None = None
-        try:
-            for first in range(start, stop, span):
-                ticks = min(span, stop - first)
+    ahead, is_begun = ahead and physics.can_launch, False
+    asked = _Asked(ordered)
+    try:
+        for start in range(0, total, TICKS_PER_CONTROL):
+            stop, failure = min(start + TICKS_PER_CONTROL, total), None
+            if not is_begun:
+                asked.act()
                 for episode in episodes:
-                    episode.drive_wheels(ticks)
-                physics.run()
-                needs = [
-                    any(episode.needs(first + tick + 1) for episode in episodes) for tick in range(ticks)
-                ]
-                for tick in physics.shown(needs.__getitem__):
-                    for episode in episodes:
-                        episode.observe(first + tick + 1)
-        except RunFailed as error:
-            failure = error
-        is_last = failure is not None or stop == total
-        yield tuple(episode.end_period(is_last=is_last) for episode in episodes)
-        if failure is not None:
-            raise failure
+                    episode.begin_period(start)
+            for episode in episodes:
+                episode.begin_observing()
+            try:
+                for first in range(start, stop, span):
+                    ticks = min(span, stop - first)
+                    for episode in () if is_begun else episodes:
+                        episode.drive_wheels(ticks)
+                    physics.run()
+                    is_begun = ahead and stop < total and _goes_ahead(episodes, stop, asked)
+                    _observe(episodes, first, ticks)
+            except RunFailed as error:
+                failure = error
+            is_last = failure is not None or stop == total
+            yield tuple(episode.end_period(is_last=is_last) for episode in episodes)
+            if failure is not None:
+                raise failure
+    finally:
+        physics.stay()
+
+
+class _Asked:
+    """What is to be done at the beginning of the next control period, asked once for each."""
+
+    def __init__(self, ordered: Ordered) -> None:
+        self._ordered, self._answer = ordered, list[Callable[[], None] | None]()
+
+    def is_nothing(self) -> bool:
+        if not self._answer:
+            self._answer.append(self._ordered())
+        return self._answer[0] is None
+
+    def act(self) -> None:
+        self.is_nothing()
+        act = self._answer.pop()
+        if act is not None:
+            act()
+
+
+def _goes_ahead(episodes: Sequence[Episode], tick: int, asked: _Asked) -> bool:
+    """Begins the control period after the one that has been simulated, if nothing speaks against it."""
+    physics, rest = episodes[0].simulation.physics, episodes[0].run.total_ticks - tick
+    can = all(episode.can_go_ahead(tick) for episode in episodes) and physics.show_end()
+    if not can or not asked.is_nothing():
+        return False
+    asked.act()
+    for episode in episodes:
+        episode.look_ahead(tick)
+    for episode in episodes:
+        episode.begin_period(tick)
+        episode.drive_wheels(min(TICKS_PER_CONTROL, rest))
+    physics.launch()
+    return True
+
+
+def _observe(episodes: Sequence[Episode], first: int, ticks: int) -> None:
+    """Has episodes look at ticks that have just been simulated, of which one is the first."""
+    needs = [any(episode.needs(first + tick + 1) for episode in episodes) for tick in range(ticks)]
+    for tick in episodes[0].simulation.physics.shown(needs.__getitem__):
+        for episode in episodes:
+            episode.observe(first + tick + 1)
 
 
 def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:

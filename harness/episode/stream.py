@@ -14,7 +14,8 @@ import contextlib
 import multiprocessing
 import sys
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from multiprocessing.connection import Connection
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -211,14 +212,14 @@ def _stream(
 ) -> None:
     with loading():
         # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
-        from harness.episode.episode import episodes_of  # noqa: PLC0415
+        from harness.episode.episode import episodes_of, together  # noqa: PLC0415
 
         episodes = episodes_of(run, frame_options, world)
     connection.send(tuple(Begun(episode.info, episode.description) for episode in episodes))
     size = 1 if prompt else TOGETHER
     unsent: list[tuple[Batch, ...]] = []
     try:
-        for batches in _ordered(connection, episodes, run.total_periods):
+        for batches in together(episodes, partial(_ordered, connection, episodes), ahead=not prompt):
             unsent.append(batches)
             if len(unsent) == size:
                 connection.send(unsent)
@@ -229,17 +230,15 @@ def _stream(
     connection.send([])
 
 
-def _ordered(
-    connection: Connection, episodes: Sequence["Episode"], periods: int
-) -> Iterator[tuple[Batch, ...]]:
-    """Yields the batches of each period, once the orders for it have come and are followed."""
-    from harness.episode.episode import together  # noqa: PLC0415 - see `_stream`
+def _ordered(connection: Connection, episodes: Sequence["Episode"]) -> Callable[[], None] | None:
+    """Returns what has been ordered for the next control period; None for nothing but to go on."""
+    orders: tuple[Order | None, ...] = connection.recv()
+    given = [
+        (episode, order) for episode, order in zip(episodes, orders, strict=True) if order is not None
+    ]
 
-    batches = together(episodes)
-    for _ in range(periods):
-        orders: tuple[Order | None, ...] = connection.recv()
-        for episode, order in zip(episodes, orders, strict=True):
-            if order is not None:
-                follow(episode, order)
-        yield next(batches)
-    next(batches, None)  # raises what the last of them failed of
+    def act() -> None:
+        for episode, order in given:
+            follow(episode, order)
+
+    return act if given else None

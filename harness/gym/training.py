@@ -1,5 +1,6 @@
 """Learns RoverHarness/PointNav by PPO of stable-baselines3, and writes a policy."""
 
+import math
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -74,8 +75,8 @@ class HeldVecEnv(VecEnv):
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> Any:
-        observation, told = self.envs.reset(seed=self._first_seed)
-        self._terrains = told["terrain"]
+        observation, info = self.envs.reset(seed=self._first_seed)
+        self._terrains = info["terrain"]
         return observation
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
@@ -85,17 +86,17 @@ class HeldVecEnv(VecEnv):
         rewards, dones = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for _ in range(self._hold):
-            observation, reward, terminated, truncated, told = self.envs.step(self._actions)
+            observation, reward, terminated, truncated, info = self.envs.step(self._actions)
             self.steps += self.num_envs
             rewards += np.where(dones, 0.0, reward)
             for index in np.flatnonzero((terminated | truncated) & ~dones):
                 infos[index] = {
-                    "terminal_observation": told["final_obs"][index],
+                    "terminal_observation": info["final_obs"][index],
                     "TimeLimit.truncated": bool(truncated[index]),
                 }
-                success = bool(told["final_info"]["is_success"][index])
+                success = bool(info["final_info"]["is_success"][index])
                 self.episodes.append((self.steps, self._terrains[index], success))
-                self._terrains[index] = told["terrain"][index]
+                self._terrains[index] = info["terrain"][index]
             dones |= terminated | truncated
         return observation, rewards, dones, infos
 
@@ -152,7 +153,7 @@ def learner(envs: VecEnv, config: Training) -> PPO:
         envs,
         learning_rate=lambda left: config.learning_rate * left,
         n_steps=64,
-        batch_size=256,
+        batch_size=64 * math.gcd(config.environments, 4),
         n_epochs=10,
         gamma=GAMMA,
         seed=config.seed,
@@ -183,15 +184,15 @@ class Progress(BaseCallback):
 
     def __init__(self, held: HeldVecEnv) -> None:
         super().__init__()
-        self._held, self._told, self._begun = held, 0, time.perf_counter()
+        self._held, self._shown, self._begun = held, 0, time.perf_counter()
 
     def _on_step(self) -> bool:
-        if len(self._held.episodes) >= self._told + SHOWN:
-            self._told = len(self._held.episodes)
+        if len(self._held.episodes) >= self._shown + SHOWN:
+            self._shown = len(self._held.episodes)
             share = np.mean([success for *_, success in self._held.episodes[-SHOWN:]])
             wall, cpu = time.perf_counter() - self._begun, time.process_time()
-            told = f"{self._held.steps:,} steps, {wall:.0f} s, {cpu:.0f} s of processor time"
-            print(f"{told}: {share:.0%} of the last {SHOWN} episodes reached the goal", flush=True)
+            so_far = f"{self._held.steps:,} steps, {wall:.0f} s, {cpu:.0f} s of processor time"
+            print(f"{so_far}: {share:.0%} of the last {SHOWN} episodes reached the goal", flush=True)
         return True
 
 
@@ -202,8 +203,8 @@ def curve(episodes: list[tuple[int, str, bool]], terrains: tuple[str, ...]) -> F
     for terrain in terrains:
         own = [(steps, success) for steps, where, success in episodes if where == terrain]
         steps, successes = np.array(own, float).reshape(-1, 2).T
-        share = np.convolve(successes, np.ones(SHOWN) / SHOWN, mode="valid")
-        axes.plot(steps[SHOWN - 1 :] / 1e3, 100.0 * share, label=terrain)
+        shares = [100.0 * successes[max(0, end - SHOWN) : end].mean() for end in range(1, len(own) + 1)]
+        axes.plot(steps / 1e3, shares, label=terrain)
     axes.set(xlabel="thousand environment steps (50 ms each)", ylim=(0.0, 101.0), xlim=(0.0, None))
     axes.set_ylabel(f"goal reached, last {SHOWN} episodes [%]")
     axes.grid(alpha=0.3)
@@ -238,6 +239,7 @@ def train(values: Mapping[str, object], where: str) -> None:
     if config.curve:
         curve(held.episodes, config.terrains).savefig(config.curve, dpi=110)
     held.close()
+    print(f"{held.steps:,} steps, {len(held.episodes)} episodes; policy: {config.policy}")
 
 
 def _environments(config: Training) -> Any:

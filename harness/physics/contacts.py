@@ -90,10 +90,15 @@ class ContactWatch:
         """Whether anything was touched since `begin`."""
         return bool(self._all[-1][..., 0].any())
 
-    def look(self, tick: int = 0) -> None:
-        """Takes a step of a tick in which something was touched into account."""
+    def are_known(self) -> bool:
+        """Returns whether it is known where MuJoCo keeps contacts, which the first one tells."""
         if not self.contacts[1].size and self._data.ncon:  # once
             self.contacts = _contacts(self._data)
+        return self.contacts[1].size > 0
+
+    def look(self, tick: int = 0) -> None:
+        """Takes a step of a tick in which something was touched into account."""
+        self.are_known()
         told = addresses()[1], self._model._address, self._data._address  # noqa: SLF001 - no other name
         state = self._data.qpos, self._data.sensordata
         look(told, state, self.contacts, self.watched, tick)

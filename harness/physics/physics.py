@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.physics.ahead import Ahead, has_second_core
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
@@ -78,7 +79,7 @@ class Physics:
         self.data = mujoco.MjData(self.model)
         self.timestep_ns = timestep_ns
         self.steps_per_tick = TICK_NS // timestep_ns
-        self.step_count = self._tick = self._simulated = 0
+        self.step_count = self._began = self._tick = self._simulated = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts, parked = ContactWatch(scenes, self.data), set[str]()
         self.bed, self.ground = soil_bed(scenes, self.data), scenes[0].world.ground
@@ -100,6 +101,8 @@ class Physics:
             rover.ahead, begin = self._span.commands[:, begin:end], end
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
         self.span = SPAN if self.crowd is None else 1
+        self._scenes, self._is_launched = scenes, False
+        self._ahead: Ahead | None = None
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
             rover.restore(state)
             rover.parking.hold(True)
@@ -131,22 +134,72 @@ class Physics:
         Args:
             watched: Whether anybody asks which contacts there were, not only how many.
         """
+        self._began, per_tick = self.step_count, self.steps_per_tick
+        if self._is_launched and self._ahead is not None:
+            self._is_launched, self._simulated = False, self._ahead.land() // per_tick
+            return
         self.contacts.begin(watches=watched)
         if self.crowd is not None:
             self.crowd.move(self.time_ns + TICK_NS)
-        if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # whoever looks on
-            for rover in self.rovers:
-                rover.drag.turn(rover.twist[:2])
-        self._simulated, per_tick = 0, self.steps_per_tick
+        self._turn_drag()
+        self._simulated = 0
         parked = zip(*(rover.parked for rover in self.rovers), strict=True)
         for holds, alike in groupby(parked):
-            for rover, held in zip(self.rovers, holds, strict=True):
-                rover.parking.hold(held)
+            self._hold(holds)
             begin, end = self._simulated * per_tick, (self._simulated + len(list(alike))) * per_tick
             step = self._span.advance((begin, end, per_tick), self.contacts)
             self._simulated = step // per_tick
             if step < end:
                 break
+
+    @property
+    def can_launch(self) -> bool:
+        """Whether there is another core, and nobody has to see what is simulated tick by tick."""
+        return self.crowd is None and self.bed is None and has_second_core()
+
+    def show_end(self) -> bool:
+        """Shows the last of the ticks that have just been simulated, before `shown` shows them all.
+
+        Returns:
+            Whether all is well, and the next ones may be simulated while these are shown.
+        """
+        if not self._simulated or self._span.is_wrong():
+            return False
+        self._tick = self._simulated - 1
+        self._span.show(self._tick, self.tick_sum)
+        self.step_count = self._began + self._simulated * self.steps_per_tick
+        return True
+
+    def launch(self) -> None:
+        """Lets another core simulate what all rovers have been commanded, while `shown` shows the end.
+
+        The next `run` waits for it, or does it itself where rovers park or set off within these ticks.
+        """
+        if self._ahead is None:
+            self._ahead = Ahead(self._scenes, self.data, self._span, self.contacts)
+        ticks = list(zip(*(rover.parked for rover in self.rovers), strict=True))
+        if len(set(ticks)) == 1:
+            self._turn_drag()
+            self._hold(ticks[0])
+            self._is_launched = self._ahead.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
+
+    def stay(self) -> None:
+        """Ends what `launch` has begun, and its thread."""
+        if self._ahead is not None:
+            if self._is_launched:
+                self._ahead.land()
+                self._is_launched = False
+            self._ahead.come_back()
+            self._ahead.close()
+
+    def _turn_drag(self) -> None:
+        if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # whoever looks on
+            for rover in self.rovers:
+                rover.drag.turn(rover.twist[:2])
+
+    def _hold(self, holds: Sequence[bool]) -> None:
+        for rover, held in zip(self.rovers, holds, strict=True):
+            rover.parking.hold(held)
 
     def shown(self, needed: Callable[[int], bool] = lambda _: True) -> Iterator[int]:
         """Shows one tick after the other of those that have just been simulated.
@@ -164,13 +217,15 @@ class Physics:
         Raises:
             RunFailed: The state diverged in a tick, or a rover reached the edge of the map.
         """
+        if self._ahead is not None and not self._is_launched:
+            self._ahead.come_back()
         last, touched = self._simulated - 1, self.contacts.any
         paths = [self._span.path(rover.scene.qpos_at) for rover in self.rovers]
         for tick in range(self._simulated):
             self._tick = tick
             if tick == last or needed(tick):
                 self._span.show(tick, self.tick_sum)
-            self.step_count += self.steps_per_tick
+            self.step_count = self._began + (tick + 1) * self.steps_per_tick
             for rover, path in zip(self.rovers, paths, strict=True):
                 rover.now = path[tick]
                 if touched:

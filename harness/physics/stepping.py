@@ -1,15 +1,18 @@
 """The clock ticks that are simulated in one go: what is commanded before, what each was like after."""
 
+from typing import Any
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.contacts import ContactWatch
-from harness.physics.steps_kernel import SPAN, Integers, addresses, advance
+from harness.physics.steps_kernel import SPAN, Integers, addresses, advance, is_wrong
 
 RECORDED = ("qpos", "qvel", "qfrc_actuator")  # of MuJoCo's state at the end of a tick
 
 Doubles = NDArray[np.float64]
+Stepping = tuple[Any, ...]  # what `steps_kernel.advance` takes beside steps: arrays of one MjData
 
 
 class Span:
@@ -21,7 +24,8 @@ class Span:
         motors: Controls that are commanded.
 
     Attributes:
-        commands: To the motors in each tick, shape (SPAN, motors).
+        motors: Controls that are commanded.
+        commands: To them in each tick, shape (SPAN, motors).
         warnings: MuJoCo's counters of them.
         sums: MuJoCo's sensor values summed over the steps of each tick, shape (SPAN, sensors).
         fence: Where each rover's pose stands in qpos, and x from, x to, y from, y to between which it
@@ -31,7 +35,7 @@ class Span:
     fence: Doubles
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, motors: Integers) -> None:
-        self.commands = np.zeros((SPAN, motors.size))
+        self.motors, self.commands = motors, np.zeros((SPAN, motors.size))
         self.warnings = data.warning.number  # a view: MuJoCo counts up in it
         self._told = *addresses(), model._address, data._address  # noqa: SLF001 - no other name
         self._control = data.ctrl, motors, self.commands
@@ -51,14 +55,28 @@ class Span:
             Where it ended, counted as in `steps`.
         """
         step, end, per_tick = steps
-        told, control, recorded = self._told, self._control, (self._state, self._record)
         while True:
-            rest = (self.warnings, self.fence), self._felt, recorded, watch.contacts, watch.watched
-            step = advance(told, (step, end, per_tick), control, *rest)
+            told, *rest = self.arguments(watch)
+            step = advance(told, (step, end, per_tick), *rest)
             if step >= 0:
                 return step
             step = -step
             watch.look((step - 1) // per_tick)
+
+    def arguments(self, watch: ContactWatch) -> Stepping:
+        """Returns what `steps_kernel.advance` takes, but for its steps."""
+        health, recorded = (self.warnings, self.fence), (self._state, self._record)
+        return self._told, self._control, health, self._felt, recorded, watch.contacts, watch.watched
+
+    def is_wrong(self) -> bool:
+        """Returns whether there are warnings, or a rover left its fence."""
+        return is_wrong((self.warnings, self.fence), self._state[0])
+
+    def take(self, other: "Span") -> None:
+        """Takes over what the ticks of another span were like, one of the same model."""
+        self.sums[:] = other.sums
+        for part, values in zip(self._record, other._record, strict=True):  # noqa: SLF001 - its class
+            part[:] = values
 
     def path(self, at: int) -> list[list[float]]:
         """Returns what a rover's pose, which stands there in qpos, was at the end of each tick."""

@@ -136,8 +136,14 @@ def look(
     return _look_at_all(told, state, contacts, watched, tick)
 
 
-@inlined
-def _is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
+@kernel("boolean(Tuple((int32[:], float64[:,::1])), float64[::1])")
+def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
+    """Returns whether there are warnings, or a rover left its fence.
+
+    Args:
+        health: The data's counters of warnings; the rovers' `Span.fence`.
+        qpos: Where they are.
+    """
     warnings, fence = health
     for rover in range(fence.shape[0]):
         at = int(fence[rover, 0])
@@ -193,7 +199,7 @@ def advance(
         if is_last:
             for part in range(len(state)):
                 record[part][tick] = state[part]
-        if is_last and _is_wrong(health, state[0]):
+        if is_last and is_wrong(health, state[0]):
             return step + 1
         if touches and not contacts[1].size:
             return -(step + 1)

@@ -41,8 +41,10 @@ def box_plots(several: Sequence[Comparisons], file: Path) -> None:
 
 
 def _draw(axes: mpl.axes.Axes, quantity: Compared) -> None:
-    known = [np.array(row.values)[np.isfinite(row.values)] for row in quantity.rows]
-    names = [f"{row.cell.name} (n = {len(v)})" for row, v in zip(quantity.rows, known, strict=True)]
+    cells = [row.cell for row in quantity.rows]  # those that are compared, below each other
+    rows = sorted(quantity.rows, key=lambda row: cells.index(row.reference))
+    known = [np.array(row.values)[np.isfinite(row.values)] for row in rows]
+    names = [f"{row.cell.name} (n = {len(v)})" for row, v in zip(rows, known, strict=True)]
     axes.boxplot(known, orientation="horizontal", tick_labels=names, widths=0.6, showfliers=False)
     for place, values in enumerate(known, 1):
         at = place + SPREAD * (2.0 * (np.arange(len(values)) + 0.5) / max(1, len(values)) - 1.0)

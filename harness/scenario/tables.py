@@ -17,13 +17,13 @@ from rover_metrics.sheet.render import csv_text, latex
 from rover_metrics.sheet.sheet import Sheet, interval_text, number, probability
 
 HOW = (
-    "A run is one observation. Interval: Student's. The difference is that from the first cell, with "
-    "`compare` from the first one that is alike but for it; "
+    "A run is one observation. Interval: Student's. The difference is that from the first cell, or from "
+    "the first that is alike but for what is compared; "
     "g: Hedges' standardised difference; delta: Cliff's, -1 to 1; p: exact permutation or Mann-Whitney "
     "U, where both cells drove in the same worlds exact sign flips or Wilcoxon, run by run; "
     "Holm: adjusted for all comparisons of the scenario."
 )
-SPARE, WIDE = frozenset({"difference", "delta"}), 100  # what terminals with fewer columns leave out
+SPARE, WIDE = frozenset({"difference", "delta", "n"}), 100  # what terminals with fewer columns leave out
 PASSED = "passed"
 
 
@@ -31,7 +31,8 @@ def sheets(compared: Comparisons) -> list[Sheet]:
     """Returns the tables of a scenario: how many runs pass in each cell, then each quantity."""
     name = compared.verdict.attempts[0].case.scenario.compare
     of_quantity = partial(_two_way, name=name) if name else _quantity
-    tables = [_passed(compared), *map(of_quantity, compared.quantities)]
+    passed = [_passed(compared)] if compared.verdict.attempts[0].case.scenario.expect else []
+    tables = [*passed, *map(of_quantity, compared.quantities)]
     tables[-1] = replace(tables[-1], caption=compared.power)  # said once
     return tables
 
@@ -103,7 +104,8 @@ def latex_of(several: Sequence[Comparisons]) -> str:
     for place, compared in enumerate(several):
         for index, sheet in enumerate(sheets(compared)):
             caption = f"{_design(compared)} {HOW} {sheet.caption}".strip()
-            texts.append(latex(replace(sheet, caption=caption, file=f"scenario_{place}_{index}")))
+            file = f"scenario_{place}_{index}"
+            texts.append(latex(replace(sheet, caption=caption, file=file, spare=frozenset())))
     return "\n".join(texts)
 
 

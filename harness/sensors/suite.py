@@ -39,6 +39,7 @@ class SensorSuite:
         rows: Iterable[SensorRow] | None = None,
     ) -> None:
         made: dict[Source, Sensor] = {}
+        self._kinds: dict[Sensor, type[Sample]] = {}
         scale = (1.0, 1.0) if noise is None else noise.wheel_scale
         parts = replace(parts, sensors=made, wheel_scale=scale)
         for row in chosen(rover, ()) if rows is None else rows:
@@ -46,14 +47,16 @@ class SensorSuite:
                 sensor = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
                 if sensor is not None:
                     made[row.source] = sensor
+                    self._kinds[sensor] = row.sample
         self._sensors = tuple(made.values())
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
-        self._observe = [s.observe for s in self._sensors if type(s).observe is not Sensor.observe]
+        self._observe = [sensor.observe for sensor in self._sensors if is_told(sensor)]
         seeing = (s.period_ticks for s in self._sensors if s.sees_ground)
         self.sees_ground_between = any(period % TICKS_PER_CONTROL for period in seeing)
         self._noise, self._physics = noise, parts.simulation.physics
         self._untold = 0  # ticks of which nobody who observes has been told
+        self._early: dict[Sensor, Sample] = {}  # read before the tick was told of
         self.latest: dict[type[Sample], Sample] = {}
 
     def needs(self, index: int) -> bool:
@@ -70,6 +73,18 @@ class SensorSuite:
                 observe(sums)
         return tuple([self._read(sensor) for sensor in due])
 
+    def can_read_early(self, kinds: Collection[type[Sample]]) -> bool:
+        """Returns whether samples of some kinds depend on nothing but the end of a control period."""
+        own = [sensor for sensor, kind in self._kinds.items() if kind in kinds]
+        alone = len({self._kinds[sensor] for sensor in own}) == len(own)
+        return alone and not any(s.period_ticks % TICKS_PER_CONTROL or is_told(s) for s in own)
+
+    def read_early(self, index: int, kinds: Collection[type[Sample]]) -> None:
+        """Reads at the end of a control period, before `tick` comes to it, what can be read early."""
+        for sensor in self._due[index % HIGHEST_RATE]:
+            if self._kinds[sensor] in kinds:
+                self._early[sensor] = self._read(sensor)
+
     def before_reset(self) -> None:
         """Called when the rover is about to be put elsewhere."""
         for sensor in self._sensors:
@@ -82,6 +97,13 @@ class SensorSuite:
         self.latest.clear()
 
     def _read(self, sensor: Sensor) -> Sample:
+        if sensor in self._early:
+            return self._early.pop(sensor)
         sample = sensor.read() if self._noise is None else self._noise.corrupt(sensor.read())
         self.latest[type(sample)] = sample
         return sample
+
+
+def is_told(sensor: Sensor) -> bool:
+    """Returns whether a sensor takes every tick into account."""
+    return type(sensor).observe is not Sensor.observe

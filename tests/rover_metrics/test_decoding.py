@@ -27,7 +27,7 @@ KINDS = {
 }
 LARGEST = float(np.float32(3e38))  # rclpy refuses the very largest float32
 NUMBERS = st.floats(-LARGEST, LARGEST, width=32) | st.sampled_from((math.nan, math.inf, -math.inf))
-TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
+TEXTS = st.text("aZ/_ ä中😀", max_size=9)  # one to four bytes long
 VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
 
 

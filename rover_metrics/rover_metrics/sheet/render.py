@@ -45,19 +45,17 @@ def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator[
         yield Text(harmless_text(f"\n{sheet.title}"), style="bold")
         for finding in sheet.findings:
             yield Text(harmless_text(f"  odd: {finding}"), style="yellow")
-        below = sheet.titles[:1] == ("Pair",)  # that table is narrower than its caption
-        yield _table(sheet if width >= wide else sheet.narrow(), caption="" if below else sheet.caption)
-        if below:
+        yield _table(sheet if width >= wide else sheet.narrow())
+        if sheet.caption:  # not the table's own: that is cut where a table is wider than the terminal
             yield Text(harmless_text(sheet.caption), style="dim")
 
 
-def _table(sheet: Sheet, caption: str) -> "Table":
+def _table(sheet: Sheet) -> "Table":
     from rich import box  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
-    table = Table(box=box.SIMPLE_HEAD, caption_justify="left", caption_style="dim", pad_edge=False)
-    table.caption = caption
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for place, title in enumerate(sheet.titles):
         if place:
             table.add_column(title, justify="right", no_wrap=True)

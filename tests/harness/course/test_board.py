@@ -37,6 +37,14 @@ def test_the_best_stands_first_and_differences_are_paired(folder: Path) -> None:
     assert [row[3] for row in paired_of(receipts).rows] == ["0.100", "0.100"]
 
 
+def test_who_left_out_tracks_stands_below_whatever_its_score(folder: Path, tmp_path: Path) -> None:
+    best, worst = read_folder(folder)
+    some = {"barn": best.tracks["barn"].episodes}
+    write_receipt(receipt_of(find_entry("gap"), some).but(entry="one track"), tmp_path / "one.json")
+    write_receipt(worst, tmp_path / "all.json")
+    assert [one.entry for one in read_folder(tmp_path)] == ["straight", "one track"]
+
+
 def test_names_are_text_and_the_page_is_the_same_bytes(folder: Path) -> None:
     page = page_of(read_folder(folder))
     assert "<b>better</b>" not in page

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
@@ -11,6 +12,7 @@ from harness.course.__main__ import main
 from harness.course.drive import unseen_seed
 from harness.course.entry import find_entry
 from harness.course.receipt import read_receipt
+from harness.drivers.policy import Policy, write_policy
 
 DRIVER = """
 from harness.drivers.beeline import Beeline
@@ -73,6 +75,16 @@ def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Pat
     assert receipt.entry_hash != baseline.entry_hash
     (entry / "mine.py").write_text(DRIVER + "# changed")
     assert main(["verify", str(tmp_path / "own.json"), "--entry", str(entry)]) == 2
+
+
+def test_a_policy_drives_every_track_with_the_lidar_that_it_was_made_for(tmp_path: Path) -> None:
+    entry = own_entry(tmp_path / "own", "policy: p.npz\nlock: requirements.txt\n")
+    layer = np.zeros((13 + 24, 2), np.float32), np.array([0.1, 0.0], np.float32)  # 24 beams; slowly on
+    write_policy(entry / "p.npz", Policy((layer,)))
+    words = ["--track", "barn", "--track", "rocky", "--seeds", "1", "--jobs", "1"]
+    assert main(["run", str(entry), *words, "--out", str(tmp_path)]) == 0
+    tracks = read_receipt(tmp_path / "own.json").tracks
+    assert [track.episodes[0].path > 1.0 for track in tracks.values()] == [True, True]
 
 
 @pytest.mark.parametrize(

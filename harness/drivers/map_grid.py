@@ -1,0 +1,42 @@
+"""What ROS' base_local_planner knows of a place: how far it is from its path, and from where that ends.
+
+Both are ways along rows and columns of cells (its MapGrid), so a diagonal is as long as its two legs.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.drivers.local_map import CELL, LocalMap
+from harness.world.grid import STEPS, Lengths, travel
+
+MOVES = np.array([(0, 1), (1, 0), (0, -1), (-1, 0)], np.int64)
+OF_PATH = 0.75  # of a metre beside the path, against a metre of way to its end
+
+
+def place_costs(known: LocalMap, here: tuple[int, int], inscribed: float) -> Lengths:
+    """Returns what ending a twist in each cell costs [m]; inf where no way leads.
+
+    Args:
+        known: A map that has planned.
+        here: Cell of the rover, from which its path begins.
+        inscribed: Distance from what is occupied that the rover's middle keeps [m].
+    """
+    cost = np.where(known.clearance > inscribed, 1.0, np.inf)
+    reach = int(inscribed / CELL)
+    own = tuple(slice(max(at - reach, 0), at + reach + 1) for at in here)
+    cost[own] = 1.0  # it stands there
+    path = path_from(known.to_go, here)
+    beside, left = (travel(cost, ends, np.zeros(len(ends)), MOVES) for ends in (path, path[-1:]))
+    return np.asarray(CELL * (OF_PATH * beside + left))
+
+
+def path_from(to_go: Lengths, cell: tuple[int, int]) -> NDArray[np.int64]:
+    """Returns the cells of the way down from a cell, as far as the map goes, shape (n, 2)."""
+    cells = [np.array(cell, np.int64)]
+    while True:
+        around = np.clip(cells[-1] + STEPS, 0, len(to_go) - 1)
+        left = to_go[around[:, 0], around[:, 1]]
+        best = int(np.argmin(left))
+        if not left[best] < to_go[tuple(cells[-1])]:
+            return np.array(cells)
+        cells.append(around[best])

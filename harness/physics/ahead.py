@@ -1,0 +1,144 @@
+"""A second core: the ticks of the next control period are simulated while those of this one are read.
+
+MuJoCo steps a copy of the state in a thread that never needs the interpreter; it is woken by a lock of
+Python's own that any thread may release, because a thread that had to take the interpreter's lock first
+would wait for whoever reads.
+"""
+
+import ctypes
+import os
+import threading
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.base.compiled import kernel, native
+from harness.physics.contacts import ContactWatch
+from harness.physics.scene import Scene
+from harness.physics.stepping import Span, Stepping
+from harness.physics.steps_kernel import advance
+
+OVER = -1  # instead of a first step: the thread is to end
+
+_api = ctypes.pythonapi
+_api.PyThread_allocate_lock.restype = ctypes.c_void_p
+_api.PyThread_free_lock.argtypes = (ctypes.c_void_p,)
+_ACQUIRE, _RELEASE = (
+    ctypes.cast(function, ctypes.c_void_p).value or 0
+    for function in (_api.PyThread_acquire_lock, _api.PyThread_release_lock)
+)
+_acquire = native(ctypes.c_void_p, ctypes.c_int)
+_release = native(ctypes.c_void_p)
+_wait = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int)(_ACQUIRE)  # without the interpreter's lock
+
+
+def has_second_core() -> bool:
+    """Returns whether this process may use more than one core."""
+    usable = getattr(os, "sched_getaffinity", None)  # not on macOS, nor on Windows
+    return (os.cpu_count() or 1 if usable is None else len(usable(0))) > 1
+
+
+@kernel(
+    "void(UniTuple(int64, 4), int64[::1], Tuple((UniTuple(int64, 4),"
+    "Tuple((float64[::1], int64[::1], float64[:,::1])), Tuple((int32[:], float64[:,::1])),"
+    "Tuple((float64[::1], float64[:,::1])), Tuple((UniTuple(float64[::1], 3),"
+    "UniTuple(float64[:,::1], 3))), Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
+    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])))))"
+)
+def serve(locks: tuple[int, int, int, int], steps: NDArray[np.int64], stepping: Stepping) -> None:
+    """Advances whenever the first lock is released, then releases the second; ends at OVER.
+
+    Args:
+        locks: The two locks, and the addresses of what takes and what releases them.
+        steps: As of `advance`, but what comes first is afterwards where it ended.
+        stepping: What `advance` takes beside them; contacts must be known.
+    """
+    told, control, health, felt, recorded, contacts, watched = stepping
+    while True:
+        _acquire(locks[2], (locks[0], 1))
+        if steps[0] == OVER:
+            return
+        span = (steps[0], steps[1], steps[2])
+        steps[0] = advance(told, span, control, health, felt, recorded, contacts, watched)
+        _release(locks[3], (locks[1],))
+
+
+class Ahead:
+    """Steps a copy of a world's state, which is the newer one from `launch` to `come_back`.
+
+    Args:
+        scenes: Of the rovers, in one model.
+        data: The state that everybody reads.
+        span: What is known of its ticks; gets what the copy's were like.
+        contacts: What is touched in them; likewise.
+
+    Attributes:
+        is_away: Whether the copy is newer than what everybody reads.
+    """
+
+    def __init__(
+        self, scenes: Sequence[Scene], data: mujoco.MjData, span: Span, contacts: ContactWatch
+    ) -> None:
+        self._model, self._read, self._shown = scenes[0].model, data, (span, contacts)
+        self._data, self.is_away = mujoco.MjData(self._model), False
+        self._contacts = ContactWatch(scenes, self._data)
+        self._span = Span(self._model, self._data, span.motors)
+        self._span.fence = span.fence
+        self._found, self._steps = self._contacts.watched[-1], np.zeros(3, np.int64)
+        self._locks = tuple(_api.PyThread_allocate_lock() for _ in range(2))
+        for lock in self._locks:
+            _wait(lock, 1)
+        self._thread: threading.Thread | None = None
+
+    def launch(self, steps: int, per_tick: int) -> bool:
+        """Begins to simulate steps under the commands of the span; returns whether it could."""
+        if not self.is_away:
+            mujoco.mj_copyData(self._data, self._model, self._read)
+            self.is_away = True
+        if self._thread is None and not self._begin():
+            self.come_back()
+            return False
+        self._span.commands[:] = self._shown[0].commands
+        self._found[..., 0] = 0.0
+        self._steps[:] = 0, steps, per_tick
+        _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
+        return True
+
+    def land(self) -> int:
+        """Waits for what was launched; returns where it ended, as `Span.advance`.
+
+        What the ticks were like is then with the span and the contacts of the state that is read.
+        """
+        _wait(self._locks[1], 1)
+        span, contacts = self._shown
+        contacts.begin()
+        contacts.watched[-1][:] = self._found
+        span.take(self._span)
+        if self._span.is_wrong():
+            self.come_back()
+        return int(self._steps[0])
+
+    def come_back(self) -> None:
+        """Makes the state that is read the newest one again."""
+        if self.is_away:
+            mujoco.mj_copyData(self._read, self._model, self._data)
+            self.is_away = False
+
+    def close(self) -> None:
+        """Ends the thread, which must have landed; it can be launched again."""
+        if self._thread is not None:
+            self._steps[0] = OVER
+            _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
+            self._thread.join()
+            self._thread = None
+
+    def _begin(self) -> bool:
+        """Starts the thread, as soon as a contact tells where MuJoCo keeps them."""
+        if not self._contacts.are_known():
+            return False
+        locks, stepping = (*self._locks, _ACQUIRE, _RELEASE), self._span.arguments(self._contacts)
+        self._thread = threading.Thread(target=serve, args=(locks, self._steps, stepping), daemon=True)
+        self._thread.start()
+        return True

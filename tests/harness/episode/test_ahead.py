@@ -1,0 +1,96 @@
+"""A second core that simulates ahead: the same drive, whatever happens between two control periods."""
+
+import threading
+from collections.abc import Callable
+from functools import partial
+from unittest.mock import patch
+
+import pytest
+
+from harness.base.errors import RunFailed
+from harness.episode.assembly import fleet
+from harness.episode.episode import Episode, episodes_of, together
+from harness.physics import physics
+from harness.physics.physics import Physics
+from harness.samples import Place
+from harness.spec.fleet import parse_rovers
+from harness.spec.run import Run
+
+LIGHT = {"duration": 3.0, "lidar_beams": 40, "imu_rate": 100}
+AREA = ((-6.0, 6.0), (-6.0, 6.0))
+SHARED = Run.of(terrain="posts", robot="leo", **LIGHT)
+RUNS = {
+    "contacts": Run.of(terrain="posts", driver="ram", robot="husky", **LIGHT),
+    "every sensor that looks": Run.of(
+        terrain="rocky", robot="leo", sensors=("lidar3d=vlp16", "height_scan"), **LIGHT
+    ),
+    "goals and resets": Run.of(
+        terrain="rocky",
+        driver="goal",
+        robot="rover_zero4wd",
+        resets=(0.52, 1.4),
+        goals=((0.3, 2.0, 1.0, 0.0),),
+        **LIGHT,
+    ),
+    "people, who see where it is": Run.of(terrain="rocky", actors=("walker=1,1/2,2",), **LIGHT),
+    "a soil": Run.of(terrain="flat", soil="dry_sand", **LIGHT),
+    "two": fleet(SHARED, parse_rovers(("leo:a,driver=wander", "husky:b,x=2,y=2"), SHARED.rover)),
+    "the edge": Run.of(terrain="flat", start=(18.7, 0.0, 0.0), driver="straight", **LIGHT),
+}
+
+
+def driven(run: Run, *, ahead: bool, act: Callable[[Episode], None] | None = None) -> list[str]:
+    """All batches as text, and at the end what it failed of; something is ordered for the 20th."""
+    episodes, told = episodes_of(run), list[str]()
+    period = iter(range(1_000_000))
+
+    def ordered() -> Callable[[], None] | None:
+        return partial(act, episodes[-1]) if next(period) == 20 and act is not None else None
+
+    try:
+        told += map(repr, together(episodes, ordered, ahead=ahead))
+    except RunFailed as error:
+        told.append(str(error))
+    data = episodes[0].simulation.data
+    return [*told, repr(data.qpos.tolist()), repr(data.qacc_warmstart.tolist())]
+
+
+@pytest.fixture(autouse=True)
+def _has_two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(physics, "has_second_core", lambda: True)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_drive_is_the_same_with_a_second_core(name: str) -> None:
+    with patch.object(Physics, "launch", autospec=True, side_effect=Physics.launch) as launched:
+        ahead = driven(RUNS[name], ahead=True)
+    assert ahead == driven(RUNS[name], ahead=False)
+    seen = name in ("people, who see where it is", "a soil")
+    assert launched.call_count == 0 if seen else launched.call_count > 20
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        Episode.reset,
+        lambda episode: episode.reset(Place(1.0, 1.0, 0.5)),
+        partial(Episode.hand_over, driver="spin"),
+    ],
+)
+def test_what_is_ordered_between_two_periods_comes_into_effect_there(
+    act: Callable[[Episode], None],
+) -> None:
+    run = RUNS["two"]
+    ahead = driven(run, ahead=True, act=act)
+    assert ahead == driven(run, ahead=False, act=act)
+    assert ahead[:20] == driven(run, ahead=True)[:20]
+    assert ahead != driven(run, ahead=True)
+
+
+def test_nothing_goes_on_when_a_drive_is_left_early() -> None:
+    threads, batches = threading.active_count(), together(episodes_of(RUNS["contacts"]), ahead=True)
+    for _ in range(9):
+        next(batches)
+    assert threading.active_count() == threads + 1
+    del batches
+    assert threading.active_count() == threads
