@@ -1,6 +1,6 @@
-"""Steps of learning environments a second: alone, many at once, in two processes; and their resets.
+"""Steps of learning environments a second: alone, many at once, on two cores; and their resets.
 
-In processor time, which says on a shared machine too what a step takes; two processes by the wall's
+In processor time, which says on a shared machine too what a step takes; on two cores by the wall's
 clock.
 """
 
@@ -77,6 +77,7 @@ def _rows(robot: str, effort: Effort) -> list[tuple[str, ...]]:
         of_each = [many // 2] * 2
         ways = {
             f"{PHYSICS}, 2 processes": (many, 0.0, lambda: max(pool.map(_one_drive, of_each))),
+            f"vector of {many}, threads": (many, MANY_GOAL, _vector(robot, many, actions, threads=0)),
             f"vector of {many}, 2 processes": (
                 many,
                 MANY_GOAL,
@@ -220,7 +221,7 @@ def _vector(
     """All in the same place with the same actions, so that their physics costs what that of one does."""
     envs: Any = gymnasium.make_vec(ID, num_envs=count, robot=robot, **workers, **PLAIN)
     envs.reset(seed=[0] * count)
-    clock = time.perf_counter if workers.get("processes", 1) > 1 else time.process_time
+    clock = time.process_time if workers.get("threads") == 1 else time.perf_counter
     return _from_the_start(envs, np.repeat(actions[:, None], count, axis=1), clock)
 
 

@@ -53,7 +53,7 @@ Written by `python -m benchmarks --write` and `make soak`: change benchmarks/rea
 - *Learning environments*: "physics alone" is `mj_step` under the wheel commands of the same actions; the
   environments of a vector all stand in the same world and do the same, so that their physics costs what
   that of one does. A step is 50 ms with 640 beams, IMU and odometry. Times are the processor's, for
-  others may share the machine; only two processes are timed by the clock on the wall, beside two that do
+  others may share the machine; what uses two cores is timed by the clock on the wall, beside two that do
   nothing but steps of MuJoCo. Ant-v5 is Gymnasium's own (`pip install 'gymnasium[mujoco]'`).
 - A figure that is *short* of its target says so; each title says the load average at its start.
 - *Optional sensors*: a ray's cost is time of its core, that of the whole reading over its rays;

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table, against
-from harness.episode.episode import Episode, episodes_of, together
+from harness.episode.episode import Episode, episodes_of
 from harness.episode.stream import EpisodeProcess
+from harness.episode.together import together
 from harness.robots import ROVERS
 from harness.ros import session
 from harness.spec.run import Run

@@ -20,8 +20,9 @@ from harness.drivers import find_driver
 from harness.drivers.base import Driver, DriverContext
 from harness.drivers.policy import PolicyDriver, read_policy
 from harness.episode.assembly import injector
-from harness.episode.episode import Episode, together
+from harness.episode.episode import Episode
 from harness.episode.loop import Route, drive
+from harness.episode.together import together
 from harness.robots import RoverSpec
 from harness.samples import ActorPoses, JointStates, Pose, Sample
 from harness.sensors.lidar_spec import LidarSpec

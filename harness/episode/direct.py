@@ -19,11 +19,12 @@ from harness.drivers import sensed_by
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
 from harness.episode.diagnostics import Diagnostics
-from harness.episode.episode import Episode, episodes_of, together
+from harness.episode.episode import Episode, episodes_of
 from harness.episode.helm import Helm, follow
 from harness.episode.loop import Observer, Pacer, Route, drive
 from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
+from harness.episode.together import together
 from harness.episode.topics import RunTopics
 from harness.faults.injector import FaultInjector
 from harness.messages.sinks import sinks_of

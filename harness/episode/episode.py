@@ -7,7 +7,7 @@ share a world have an episode each, and are driven together; one alone is a flee
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from functools import partial
 from operator import itemgetter
@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from harness.base.errors import RunFailed
-from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.base.streams import EPISODE, GOALS, OPTIONAL_SENSORS, VIBRATION, generator, seeded
 from harness.drivers import (
     Driver,
@@ -41,6 +40,7 @@ from harness.episode.assembly import (
     sensor_rows,
 )
 from harness.episode.batch import Batch, EpisodeInfo
+from harness.episode.together import together
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
 from harness.physics.base_controller import base_controller
@@ -71,7 +71,6 @@ if TYPE_CHECKING:
     from harness.sensors.vibration import Vibration
 
 Given = TypeVar("Given", bound=SensorOptions)
-Ordered = Callable[[], Callable[[], None] | None]
 
 
 class Episode:
@@ -377,94 +376,6 @@ def episodes_of(
         Episode(run, number, frame_options=frame_options, simulation=simulation)
         for number, simulation in made
     )
-
-
-def together(
-    episodes: Sequence[Episode], ordered: Ordered = lambda: None, *, ahead: bool = False
-) -> Iterator[tuple[Batch, ...]]:
-    """Drives episodes that share a world, one control period at a time: a batch of each.
-
-    Args:
-        episodes: Of all rovers of the world.
-        ordered: Is asked once before each control period what is to be done at its beginning.
-        ahead: Whether a second core may simulate a period while the one before is observed: then
-            nobody but `ordered` may act on the episodes.
-
-    Raises:
-        RunFailed: A rover left the map or the simulation diverged; the ticks up to then have been
-            yielded.
-    """
-    physics, total = episodes[0].simulation.physics, episodes[0].run.total_ticks
-    span = 1 if any(episode.looks_at_each_tick for episode in episodes) else physics.span
-    ahead, is_begun = ahead and physics.can_launch, False
-    asked = _Asked(ordered)
-    try:
-        for start in range(0, total, TICKS_PER_CONTROL):
-            stop, failure = min(start + TICKS_PER_CONTROL, total), None
-            if not is_begun:
-                asked.act()
-                for episode in episodes:
-                    episode.begin_period(start)
-            for episode in episodes:
-                episode.begin_observing()
-            try:
-                for first in range(start, stop, span):
-                    ticks = min(span, stop - first)
-                    for episode in () if is_begun else episodes:
-                        episode.drive_wheels(ticks)
-                    physics.run()
-                    is_begun = ahead and stop < total and _goes_ahead(episodes, stop, asked)
-                    _observe(episodes, first, ticks)
-            except RunFailed as error:
-                failure = error
-            is_last = failure is not None or stop == total
-            yield tuple(episode.end_period(is_last=is_last) for episode in episodes)
-            if failure is not None:
-                raise failure
-    finally:
-        physics.stay()
-
-
-class _Asked:
-    """What is to be done at the beginning of the next control period, asked once for each."""
-
-    def __init__(self, ordered: Ordered) -> None:
-        self._ordered, self._answer = ordered, list[Callable[[], None] | None]()
-
-    def is_nothing(self) -> bool:
-        if not self._answer:
-            self._answer.append(self._ordered())
-        return self._answer[0] is None
-
-    def act(self) -> None:
-        self.is_nothing()
-        act = self._answer.pop()
-        if act is not None:
-            act()
-
-
-def _goes_ahead(episodes: Sequence[Episode], tick: int, asked: _Asked) -> bool:
-    """Begins the control period after the one that has been simulated, if nothing speaks against it."""
-    physics, rest = episodes[0].simulation.physics, episodes[0].run.total_ticks - tick
-    can = all(episode.can_go_ahead(tick) for episode in episodes) and physics.show_end()
-    if not can or not asked.is_nothing():
-        return False
-    asked.act()
-    for episode in episodes:
-        episode.look_ahead(tick)
-    for episode in episodes:
-        episode.begin_period(tick)
-        episode.drive_wheels(min(TICKS_PER_CONTROL, rest))
-    physics.launch()
-    return True
-
-
-def _observe(episodes: Sequence[Episode], first: int, ticks: int) -> None:
-    """Has episodes look at ticks that have just been simulated, of which one is the first."""
-    needs = [any(episode.needs(first + tick + 1) for episode in episodes) for tick in range(ticks)]
-    for tick in episodes[0].simulation.physics.shown(needs.__getitem__):
-        for episode in episodes:
-            episode.observe(first + tick + 1)
 
 
 def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:

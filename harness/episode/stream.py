@@ -212,7 +212,8 @@ def _stream(
 ) -> None:
     with loading():
         # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
-        from harness.episode.episode import episodes_of, together  # noqa: PLC0415
+        from harness.episode.episode import episodes_of  # noqa: PLC0415
+        from harness.episode.together import together  # noqa: PLC0415
 
         episodes = episodes_of(run, frame_options, world)
     connection.send(tuple(Begun(episode.info, episode.description) for episode in episodes))

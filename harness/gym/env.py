@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import cached_property
-from threading import Lock
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
 
 import gymnasium
@@ -69,9 +68,6 @@ def _live_view() -> "LiveView":
     from harness.gym.live import LiveView  # noqa: PLC0415 - its extra may be missing
 
     return LiveView()
-
-
-_building = Lock()  # MuJoCo's compiler is not promised to work in two threads at once
 
 
 class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
@@ -273,11 +269,13 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return self._painter.draw(self.course, self.driven.simulation, self.goal)
 
     def close(self) -> None:
-        """Gives back the window or page, and OpenGL; may be called twice."""
+        """Gives back the window or page, OpenGL and threads; may be called twice."""
         for drawing in (self._painter, self._live):
             if drawing is not None:
                 drawing.close()
         self._painter = self._live = None
+        if hasattr(self, "driven"):
+            self.driven.simulation.physics.stay()
 
     @property
     def spec(self) -> EnvSpec | None:
@@ -350,8 +348,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         run = self.options.episode(
             drawn["terrain"], drawn["world_seed"], drawn["difficulty"], drawn["soil"]
         )
-        with _building:
-            return Course(run, self._camera)
+        return Course(run, self._camera)
 
     def _checked_action(self, action: NDArray[np.floating[Any]]) -> list[float]:
         values, limits = np.asarray(action, np.float64), self._action_limits

@@ -77,7 +77,7 @@ def vector(
     Args:
         make: Makes one environment.
         processes: Number of processes; 0 for one a processor, 1 for this one.
-        threads: Number of threads of this process, 0 for one a processor; of several one if left out.
+        threads: As of RoverVectorEnv; 1 in each of several processes if left out.
         options: Of the vector and of each environment.
 
     Raises:
@@ -98,7 +98,7 @@ class ProcessVectorEnv(ManyRovers):
         num_envs: Number of environments.
         processes: Number of processes.
         autoreset_mode: As of RoverVectorEnv.
-        threads: Number of threads of each process.
+        threads: Of each process, as RoverVectorEnv has it.
         render_mode: Render mode of each environment.
         options: Options of each environment.
 

@@ -1,17 +1,14 @@
 """Many environments that are stepped together, on all processors.
 
-Each is an environment of its own, with its own world; threads take the next one that is not stepped yet.
-Physics and lidar leave the interpreter to the others meanwhile, so threads suffice, and each trajectory
-is the one that the environment drives by itself, to the bit.
-
-All are commanded first, then driven, then sensed: the interpreter's own work of a step takes less than
-half as long while the processor still has it in its caches from the environment before.
+Each is an environment of its own, with its own world, and each trajectory is the one that it drives by
+itself, to the bit. The physics of some goes on in threads of their own, which do without the
+interpreter, while this thread reads what has been driven.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import reduce
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -141,7 +138,8 @@ class RoverVectorEnv(ManyRovers):
         make: Makes one environment from a render mode and options.
         num_envs: Number of environments.
         autoreset_mode: When an environment that has ended begins anew, as Gymnasium defines it.
-        threads: Number of threads that step the environments; 0 for one a processor.
+        threads: Number of environments whose physics may go on at a time, each in a thread of its own;
+            1 for none but this thread, 0 for one more than there are processors.
         render_mode: Render mode of each environment.
         options: Options of each environment.
 
@@ -168,8 +166,8 @@ class RoverVectorEnv(ManyRovers):
         one = make(render_mode=render_mode, **options)
         super().__init__(one, num_envs, autoreset_mode)
         self.envs = [one, *(make(render_mode=render_mode, **options) for _ in range(1, num_envs))]
-        self._threads = min(num_envs, threads or cpu_count())
-        self._pool = ThreadPoolExecutor(self._threads - 1) if self._threads > 1 else None
+        most = cpu_count() + 1 if cpu_count() > 1 else 1
+        self._threads = min(num_envs, threads or most)
         self.seen: list[Observation] = [{}] * num_envs
         self._ended: Flags = np.zeros(num_envs, np.bool_)
 
@@ -179,10 +177,9 @@ class RoverVectorEnv(ManyRovers):
         """Begins an episode in those of a mask; returns the info of each, empty of others."""
         infos: list[Info] = [{}] * self.num_envs
 
-        def begin(index: int) -> None:
-            self.seen[index], infos[index] = self.envs[index].reset(seed=seeds[index], options=options)
-
-        self._each(begin, np.flatnonzero(mask).tolist())
+        for index in np.flatnonzero(mask).tolist():
+            env = self.envs[index]
+            self.seen[index], infos[index] = env.reset(seed=seeds[index], options=options)
         self._ended[mask] = False
         return infos
 
@@ -195,27 +192,16 @@ class RoverVectorEnv(ManyRovers):
         """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
         infos: list[Info] = [{}] * self.num_envs
         stepped = self._stepped()
-        begun = set(range(self.num_envs)).difference(stepped)
+        for index in sorted({*range(self.num_envs)} - {*stepped}):
+            self.seen[index], infos[index] = self.envs[index].reset()
+        self._drive([self.envs[index] for index in stepped])
         for index in stepped:
-            self.envs[index].command()
-
-        def drive(index: int) -> None:
-            if index in begun:
-                self.seen[index], infos[index] = self.envs[index].reset()
-            else:
-                self.envs[index].drive()
-
-        def conclude(index: int) -> None:
             seen, rewards[index], terminated[index], truncated[index], info = self.envs[index].conclude()
             if self._mode is AutoresetMode.SAME_STEP and (terminated[index] or truncated[index]):
                 final = {"final_obs": seen, "final_info": info}
                 seen, info = self.envs[index].reset()
                 info |= final
             self.seen[index], infos[index] = seen, info
-
-        self._each(drive, range(self.num_envs))
-        self._each(lambda index: self.envs[index].sense(), stepped)
-        self._each(conclude, stepped)
         self._ended = terminated | truncated
         return infos
 
@@ -224,35 +210,33 @@ class RoverVectorEnv(ManyRovers):
         return tuple(env.render() for env in self.envs)
 
     def close_extras(self, **_: Any) -> None:  # noqa: ANN401 - gymnasium's signature
-        """Closes the environments and ends the threads."""
+        """Closes the environments, which ends their threads."""
         for env in self.envs:
             env.close()
-        if self._pool is not None:
-            self._pool.shutdown()
 
     def _stepped(self) -> list[int]:
         """Those that a step drives; with NEXT_STEP, one that has ended begins anew instead."""
         begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
         return np.flatnonzero(~begun).tolist()
 
-    def _each(self, work: Callable[[int], None], indices: Sequence[int]) -> None:
-        """Does the work for each index, on all threads, this one among them."""
-        if self._pool is None:
-            for index in indices:
-                work(index)
+    def _drive(self, envs: Sequence[RoverEnv[Any]]) -> None:
+        """Drives and senses, in this order, what has been accepted."""
+        for env in envs:
+            env.command()
+        if self._threads == 1:  # all are driven first: Python's own part stays in the processor's caches
+            for env in envs:
+                env.drive()
+            for env in envs:
+                env.sense()
             return
-        left = iter(indices)  # shared: its next() is one step of the interpreter
-
-        def take() -> None:
-            for index in left:
-                work(index)
-
-        others = [self._pool.submit(take) for _ in range(min(self._threads, len(indices)) - 1)]
-        try:
-            take()
-        finally:
-            for other in others:
-                other.result()
+        waiting = iter(envs)
+        for env in islice(waiting, self._threads):
+            env.driven.launch()
+        for env in envs:
+            env.drive()
+            for other in islice(waiting, 1):
+                other.driven.launch()
+            env.sense()
 
     def _observations(self) -> Observation:
         seen = self.seen

@@ -20,7 +20,7 @@ from harness.physics.scene import Scene
 from harness.physics.stepping import Span, Stepping
 from harness.physics.steps_kernel import advance
 
-OVER = -1  # instead of a first step: the thread is to end
+OVER = -1  # instead of where to end: the thread is to end
 
 _api = ctypes.pythonapi
 _api.PyThread_allocate_lock.restype = ctypes.c_void_p
@@ -58,11 +58,46 @@ def serve(locks: tuple[int, int, int, int], steps: NDArray[np.int64], stepping: 
     told, control, health, felt, recorded, contacts, watched = stepping
     while True:
         _acquire(locks[2], (locks[0], 1))
-        if steps[0] == OVER:
+        if steps[1] == OVER:
             return
         span = (steps[0], steps[1], steps[2])
         steps[0] = advance(told, span, control, health, felt, recorded, contacts, watched)
         _release(locks[3], (locks[1],))
+
+
+class Aside:
+    """A thread that steps a state while this one does something else.
+
+    Args:
+        span: Gets what the ticks are like.
+        contacts: What is touched in them; known where they are watched.
+    """
+
+    def __init__(self, span: Span, contacts: ContactWatch) -> None:
+        self._steps = np.zeros(3, np.int64)
+        self._locks = tuple(_api.PyThread_allocate_lock() for _ in range(2))
+        for lock in self._locks:
+            _wait(lock, 1)
+        args = (*self._locks, _ACQUIRE, _RELEASE), self._steps, span.arguments(contacts)
+        self._thread = threading.Thread(target=serve, args=args, daemon=True)
+        self._thread.start()
+
+    def launch(self, steps: int, per_tick: int) -> None:
+        """Begins to simulate steps under the commands of the span."""
+        self._steps[:] = 0, steps, per_tick
+        _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
+
+    def land(self) -> int:
+        """Waits for what was launched; returns where it ended, as `Span.advance`."""
+        _wait(self._locks[1], 1)
+        return int(self._steps[0])
+
+    def close(self) -> None:
+        """Ends the thread, which must have landed; nothing is launched any more."""
+        self.launch(OVER, 0)
+        self._thread.join()
+        for lock in self._locks:
+            _api.PyThread_free_lock(ctypes.c_void_p(lock))
 
 
 class Ahead:
@@ -72,7 +107,7 @@ class Ahead:
         scenes: Of the rovers, in one model.
         data: The state that everybody reads.
         span: What is known of its ticks; gets what the copy's were like.
-        contacts: What is touched in them; likewise.
+        contacts: What is touched in them, of the copy as of the state that is read.
 
     Attributes:
         is_away: Whether the copy is newer than what everybody reads.
@@ -85,25 +120,26 @@ class Ahead:
         self._data, self.is_away = mujoco.MjData(self._model), False
         self._contacts = ContactWatch(scenes, self._data)
         self._span = Span(self._model, self._data, span.motors)
-        self._span.fence = span.fence
-        self._found, self._steps = self._contacts.watched[-1], np.zeros(3, np.int64)
-        self._locks = tuple(_api.PyThread_allocate_lock() for _ in range(2))
-        for lock in self._locks:
-            _wait(lock, 1)
-        self._thread: threading.Thread | None = None
+        self._span.fence, self._found = span.fence, self._contacts.watched[-1]
+        self._aside: Aside | None = None
 
     def launch(self, steps: int, per_tick: int) -> bool:
-        """Begins to simulate steps under the commands of the span; returns whether it could."""
+        """Begins to simulate steps under the commands of the span.
+
+        Returns:
+            Whether it could: before the first contact nobody knows where MuJoCo keeps them.
+        """
         if not self.is_away:
             mujoco.mj_copyData(self._data, self._model, self._read)
             self.is_away = True
-        if self._thread is None and not self._begin():
-            self.come_back()
-            return False
+        if self._aside is None:
+            if not self._contacts.are_known():
+                self.come_back()
+                return False
+            self._aside = Aside(self._span, self._contacts)
         self._span.commands[:] = self._shown[0].commands
         self._found[..., 0] = 0.0
-        self._steps[:] = 0, steps, per_tick
-        _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
+        self._aside.launch(steps, per_tick)
         return True
 
     def land(self) -> int:
@@ -111,14 +147,14 @@ class Ahead:
 
         What the ticks were like is then with the span and the contacts of the state that is read.
         """
-        _wait(self._locks[1], 1)
+        ended = 0 if self._aside is None else self._aside.land()
         span, contacts = self._shown
         contacts.begin()
         contacts.watched[-1][:] = self._found
         span.take(self._span)
         if self._span.is_wrong():
             self.come_back()
-        return int(self._steps[0])
+        return ended
 
     def come_back(self) -> None:
         """Makes the state that is read the newest one again."""
@@ -127,18 +163,6 @@ class Ahead:
             self.is_away = False
 
     def close(self) -> None:
-        """Ends the thread, which must have landed; it can be launched again."""
-        if self._thread is not None:
-            self._steps[0] = OVER
-            _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
-            self._thread.join()
-            self._thread = None
-
-    def _begin(self) -> bool:
-        """Starts the thread, as soon as a contact tells where MuJoCo keeps them."""
-        if not self._contacts.are_known():
-            return False
-        locks, stepping = (*self._locks, _ACQUIRE, _RELEASE), self._span.arguments(self._contacts)
-        self._thread = threading.Thread(target=serve, args=(locks, self._steps, stepping), daemon=True)
-        self._thread.start()
-        return True
+        """Ends the thread, which must have landed; nothing is launched any more."""
+        if self._aside is not None:
+            self._aside.close()

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
+from weakref import finalize
 
 import mujoco
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
-from harness.physics.ahead import Ahead, has_second_core
+from harness.physics.ahead import Ahead, Aside, has_second_core
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
@@ -103,6 +104,7 @@ class Physics:
         self.span = SPAN if self.crowd is None else 1
         self._scenes, self._is_launched = scenes, False
         self._ahead: Ahead | None = None
+        self._aside: Aside | None = None
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
             rover.restore(state)
             rover.parking.hold(True)
@@ -135,13 +137,10 @@ class Physics:
             watched: Whether anybody asks which contacts there were, not only how many.
         """
         self._began, per_tick = self.step_count, self.steps_per_tick
-        if self._is_launched and self._ahead is not None:
-            self._is_launched, self._simulated = False, self._ahead.land() // per_tick
+        if self._is_launched:
+            self._simulated, self._is_launched = self._land() // per_tick, False
             return
-        self.contacts.begin(watches=watched)
-        if self.crowd is not None:
-            self.crowd.move(self.time_ns + TICK_NS)
-        self._turn_drag()
+        self._prepare(watched=watched)
         self._simulated = 0
         parked = zip(*(rover.parked for rover in self.rovers), strict=True)
         for holds, alike in groupby(parked):
@@ -183,14 +182,42 @@ class Physics:
             self._hold(ticks[0])
             self._is_launched = self._ahead.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
 
+    def launch_aside(self) -> None:
+        """Lets another thread simulate what all rovers have been commanded, with no contact watched.
+
+        The next `run` waits for it, as for what `launch` began; until then nobody may look.
+        """
+        ticks = list(zip(*(rover.parked for rover in self.rovers), strict=True))
+        if len(set(ticks)) == 1:
+            self._prepare(watched=False)
+            self._hold(ticks[0])
+            if self._aside is None:
+                self._aside = Aside(self._span, self.contacts)
+                self._end_aside = finalize(self, self._aside.close)  # nobody has to say that it is done
+            self._aside.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
+            self._is_launched = True
+
     def stay(self) -> None:
-        """Ends what `launch` has begun, and its thread."""
+        """Ends what has been launched, and its thread."""
+        if self._is_launched:
+            self._land()
+            self._is_launched = False
         if self._ahead is not None:
-            if self._is_launched:
-                self._ahead.land()
-                self._is_launched = False
             self._ahead.come_back()
             self._ahead.close()
+        if self._aside is not None:
+            self._end_aside()
+        self._ahead = self._aside = None
+
+    def _land(self) -> int:
+        thread = self._aside or self._ahead
+        return 0 if thread is None else thread.land()
+
+    def _prepare(self, *, watched: bool) -> None:
+        self.contacts.begin(watches=watched)
+        if self.crowd is not None:
+            self.crowd.move(self.time_ns + TICK_NS)
+        self._turn_drag()
 
     def _turn_drag(self) -> None:
         if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # whoever looks on

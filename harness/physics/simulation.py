@@ -150,6 +150,7 @@ class Simulation:
 
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
+        self.physics.stay()
         self._rover.restore(self._start)
         self.physics.put_back(self._rover)
         self.command_wheels(self.data.ctrl[self.motors])

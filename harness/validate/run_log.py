@@ -18,9 +18,10 @@ from harness.drivers import DriverContext, Observation
 from harness.drivers.wander import Roam
 from harness.episode import loop
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode, together
+from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.metrics_feed import SampleFeed
+from harness.episode.together import together
 from harness.faults.injector import FaultInjector
 from harness.robots import find_rover
 from harness.samples import LaserScan, Tick

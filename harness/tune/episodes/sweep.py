@@ -6,8 +6,9 @@ from operator import attrgetter
 from harness.base.errors import Diverged, RunFailed
 from harness.episode import loop
 from harness.episode.assembly import injector, world_of
-from harness.episode.episode import Episode, together
+from harness.episode.episode import Episode
 from harness.episode.loop import Route
+from harness.episode.together import together
 from harness.robots import find_rover
 from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned

@@ -9,7 +9,8 @@ import pytest
 
 from harness.base.errors import RunFailed
 from harness.episode.assembly import fleet
-from harness.episode.episode import Episode, episodes_of, together
+from harness.episode.episode import Episode, episodes_of
+from harness.episode.together import together
 from harness.physics import physics
 from harness.physics.physics import Physics
 from harness.samples import Place

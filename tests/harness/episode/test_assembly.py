@@ -18,7 +18,8 @@ from harness.episode.assembly import (
     scenery,
     world_of,
 )
-from harness.episode.episode import episodes_of, together
+from harness.episode.episode import episodes_of
+from harness.episode.together import together
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run

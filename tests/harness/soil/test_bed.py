@@ -10,7 +10,8 @@ from PIL import Image
 import harness.gym  # noqa: F401 - registers its environments
 from harness.base.errors import UsageError
 from harness.episode.assembly import fleet
-from harness.episode.episode import Episode, episodes_of, together
+from harness.episode.episode import Episode, episodes_of
+from harness.episode.together import together
 from harness.samples import TruthState
 from harness.soil.soils import SOIL_CONTACT
 from harness.spec.fleet import parse_rovers
