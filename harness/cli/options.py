@@ -159,6 +159,8 @@ def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, fil
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if "soil" in given and not run.world.soil:
+        raise UsageError("--soil '' names no soil; leave it out for rigid ground, or see --list")
     if run.world.keep_ruts and not run.world.soil:
         raise UsageError("--keep-ruts is of soil; name one with --soil, or leave it out")
     if files.out is not None and "log_dir" in given:

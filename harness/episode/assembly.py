@@ -33,7 +33,7 @@ from harness.world.files import check_terrain, file_world, is_terrain_file
 from harness.world.geodesy import Datum
 from harness.world.grading import GradedMap, Limits, graded
 from harness.world.route import RouteProgress, check_target, marks
-from harness.world.soil_map import check_soil, soils_on
+from harness.world.soil_map import check_soil, soil_files, soils_on
 from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 from rover_metrics.topics import ENERGY
@@ -79,7 +79,8 @@ def world_of(run: Run) -> World:
     world = _terrain_world(run)
     if run.world.soil:
         spec = run.world
-        world = _of_soil(world, spec.soil, spec.terrain, spec.keep_ruts, modified_ns(Path(spec.soil)))
+        written = tuple(map(modified_ns, soil_files(spec.soil)))
+        world = _of_soil(world, spec.soil, spec.terrain, spec.keep_ruts, written)
     targets = run.world.targets
     if targets:
         world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
@@ -230,7 +231,9 @@ def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int, _modified_ns: int
 
 
 @lru_cache(maxsize=2)
-def _of_soil(world: World, soil: str, terrain: str, keeps_ruts: bool, _modified_ns: int) -> World:
+def _of_soil(
+    world: World, soil: str, terrain: str, keeps_ruts: bool, _modified_ns: tuple[int, ...]
+) -> World:
     soils = soils_on(soil, world.ground, terrain)
     return replace(world, soil=replace(soils, keeps_ruts=keeps_ruts))
 

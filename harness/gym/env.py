@@ -3,7 +3,6 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
@@ -329,9 +328,14 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     ) -> DrivenRover:
         if start is not None:
             return DrivenRover(course, start, variation, noise_seed)
+        reasons = set()
         for _ in range(MOST_TRIES):
-            with suppress(UsageError, RunFailed):
+            try:
                 return DrivenRover(course, self._draw_start(course), variation, noise_seed)
+            except (UsageError, RunFailed) as error:  # noqa: PERF203 - another start is tried
+                reasons.add(str(error))
+        if len(reasons) == 1:  # it is not the place
+            raise UsageError(reasons.pop())
         raise UsageError(
             f"no start was found on {course.run.world.terrain}, seed {course.run.seed}, in {MOST_TRIES} "
             "tries; choose an easier world, or random_start=False"

@@ -100,8 +100,11 @@ class PointNavOptions(Options):
         if len(self.depth) not in (0, 2):
             raise ValueError(f"depth {list(self.depth)} is not valid; give width and height in pixels")
         checked(lambda _: self.camera)(None)
-        if self.soil_state and not all(self.soil):
-            raise ValueError("soil_state is of soil; give soil in all worlds, or leave it out")
+        of_soil = {"soil_state": self.soil_state, "the reward's weight 'sinkage'": self.reward.sinkage}
+        of_soil |= {"the reward's weight 'stuck'": self.reward.stuck}
+        for name, wanted in of_soil.items():
+            if wanted and not all(self.soil):
+                raise ValueError(f"{name} is of soil; give soil in all worlds, or leave it out")
         return self
 
 

@@ -75,6 +75,7 @@ class Rover:
         if bed is not None:
             own = slice(self._geoms[0], self._geoms[-1] + 1)
             self._state += [bed.states[bed.wheels_of(scene.root)], model.geom_conaffinity[own]]
+            self._state.append(model.dof_armature[moving])
         if motors.size:
             first, last = int(motors[0]), int(motors[-1])
             self._state.append(data.ctrl[first : last + 1])

@@ -17,7 +17,7 @@ from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.extended.metrics import ALL_COLUMNS
-from rover_metrics.extended.truth_columns import SLIP, slip_column
+from rover_metrics.extended.truth_columns import find_truth_column
 from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
@@ -34,10 +34,8 @@ DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
 
 def describe(name: str) -> Column:
     """Returns the entry of the data dictionary; what it does not know has the unit in its name."""
-    if name.startswith(SLIP):  # rovers differ in their wheels
-        return slip_column(name.removeprefix(SLIP).lower().replace(" ", "_"))
-    if name in DICTIONARY:
-        return DICTIONARY[name]
+    if found := DICTIONARY.get(name) or find_truth_column(name):  # by the rover's wheels
+        return found
     unit = re.search(r"\[(.+)\]$", name)
     meaning = "The data dictionary does not know this column."
     return Column(name=name, unit=unit[1] if unit else "", meaning=meaning, formula="", source="the log")

@@ -18,7 +18,7 @@ from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.verdict import Attempt
 from harness.spec.run import Run
-from harness.world.soil_map import OWN, find_soils
+from harness.world.soil_map import soil_files
 
 _ATTEMPT = TypeAdapter(Attempt)
 _OWN = [field.name for field in fields(Attempt) if field.name != "case"]
@@ -102,10 +102,9 @@ def _identity(cases: Sequence[Case], *, compare: bool) -> str:
 def _files_of(run: Run) -> Iterator[Path]:
     """What a run may read: world, soil, people, targets, policy and the rover's folder."""
     world, driver = run.world, run.rover.driver
-    yield from (Path(world.terrain), Path(world.soil), Path(driver.removeprefix(OF_POLICY)))
+    yield from (Path(world.terrain), Path(driver.removeprefix(OF_POLICY)))
     yield Path(driver.removeprefix(IN_FILE).rpartition(":")[0])
-    if world.soil not in ("", OWN):
-        yield Path(find_soils(world.soil)[1])
+    yield from soil_files(world.soil)
     yield from (Path(actor.file) for actor in world.actors)
     yield from (Path(file) for target in world.targets for file in target.files)
     yield from content_of(Path(run.rover.robot)) if run.rover.robot not in ROVERS else ()

@@ -5,7 +5,6 @@ so that plain steps and several ticks in one call work alike. It is one for the 
 the bed of a state by the state's address.
 """
 
-import math
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,15 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.base.sim_time import timesteps
 from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
-from harness.soil.rig_kernel import steady_wheels
-from harness.soil.rim import COMPACTION
 from harness.soil.soils import SOIL_CONTACT, Soil
+from harness.soil.stability import check_steps
 from harness.soil.wheel_force import STATE, UNPLACED
 
 MOST_BEDS = 256  # in a process at a time
-STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
+DC_GAIN = 6  # where a DC motor's parameters have the gain of its controller of speed
 SEEN = 4.0  # [m] around a camera in which ruts are shown
 
 Doubles = NDArray[np.float64]
@@ -119,7 +116,7 @@ class Bed:
         widest = max(wheel.width for wheel in wheels)
         self._numbers = np.array([soil.numbers(widest, gravity) for soil in soils])
         for soil, numbers in zip(soils, self._numbers, strict=True):
-            _check(soil, numbers, self.wheels, gravity, float(model.opt.timestep))
+            check_steps(soil, numbers, self.wheels, gravity, float(model.opt.timestep))
         self._virgin, self.surface = ground.heights.copy(), ground.heights.copy()
         self._fresh = ground.field.copy()
         self.states = np.zeros((len(wheels), STATE))
@@ -127,6 +124,9 @@ class Bed:
         sizes = [(w.radius, w.width, w.grousers, 1.0 if w.to_left else -1.0) for w in wheels]
         self._sizes = np.array(sizes)
         self._bodies = np.array([(w.body, w.joint, w.root) for w in wheels], np.int64)
+        spins = [_spin(model, wheel) for wheel in wheels]
+        self._spins = np.array([spin[:3] for spin in spins], np.int64)
+        self._inertias = np.array([spin[3:] for spin in spins])
         self._held = model, data  # their memory is written to for as long as the bed is registered
         self._told = self._tell(model, data)
         _register(data, self._told, self)
@@ -169,11 +169,11 @@ class Bed:
         """What the kernel is told, with the arrays whose addresses that holds kept alive."""
         ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         self._near = near, model.geom_aabb[near].copy()
-        own = [self._numbers, self._sizes, self._bodies, *self._grids(), self.states, self.felt]
-        own += [*self._near, ground.solid, ground.patches]
+        own = [self._numbers, self._sizes, self._bodies, self._spins, self._inertias]
+        own += [*self._grids(), self.states, self.felt, *self._near, ground.solid, ground.patches]
         arrays = dict(zip(OWN, own, strict=True))
         for name in MUJOCO:
-            arrays[name] = getattr(model if name == "geom_conaffinity" else data, name)
+            arrays[name] = getattr(data if hasattr(data, name) else model, name)
         told = np.zeros(1, BED)
         for name, array in arrays.items():
             told[name] = (array.ctypes.data, *array.shape, 1)[:3]
@@ -183,34 +183,19 @@ class Bed:
         return told
 
 
-def _check(
-    soil: Soil, numbers: Doubles, wheels: Sequence[SoilWheel], gravity: float, timestep: float
-) -> None:
-    """Raises UsageError if a wheel would swing too fast on a soil for the timestep."""
-    for wheel in wheels:
-        loads = np.array([0.5, 1.0, 1.5]) * wheel.load
-        trials = np.zeros((3, 6))
-        trials[:] = wheel.radius, wheel.grousers, 0.01, 0.01, 0.0, 0.0
-        trials[:, 5] = loads
-        results = np.empty((3, 4))
-        steady_wheels(numbers, trials, wheel.width, results)
-        sinkages = results[:, 0]
-        if np.isnan(sinkages).any():
-            raise UsageError(
-                f"a wheel sinks in whole under {loads[-1]:.0f} N; give a soil of a larger k_phi"
-            )
-        stiffness = (loads[2] - loads[0]) / max(sinkages[2] - sinkages[0], 1e-9)
-        stiffness /= 1.0 - (1.0 - COMPACTION) * (soil.rebound == 0.0) * 0.8
-        swing = math.sqrt(stiffness * gravity / wheel.load) * timestep
-        if swing > STABLE:
-            valid = [
-                f"--timestep {each:g}, or " for each in timesteps() if each * swing <= STABLE * timestep
-            ]
-            raise UsageError(
-                f"the soil is too stiff for steps of {1e3 * timestep:g} ms: a wheel swings by "
-                f"{swing:.2f} rad in one, more than {STABLE:g}; give {''.join(valid[:1])}"
-                "a soil of a smaller k_phi"
-            )
+def _spin(model: mujoco.MjModel, wheel: SoilWheel) -> tuple[float, ...]:
+    """What turns a wheel: a row of the kernel's `spins`, then one of its `inertias`."""
+    first = int(model.jnt_dofadr[wheel.joint])
+    # Beside the joint that turns it a wheel may have one for the play of its gear.
+    last = int(model.body_dofadr[wheel.body] + model.body_dofnum[wheel.body]) - 1
+    inertias = *model.dof_armature[[first, last]].tolist(), float(model.dof_M0[first])
+    for servo in np.flatnonzero(model.actuator_trnid[:, 0] == wheel.joint).tolist():
+        if model.actuator_forcelimited[servo] and model.actuator_gear[servo, 0] == 1.0:
+            is_dc = model.actuator_gaintype[servo] == mujoco.mjtGain.mjGAIN_DCMOTOR
+            gain = float(model.actuator_gainprm[servo, DC_GAIN if is_dc else 0])
+            if is_dc or gain == -model.actuator_biasprm[servo, 2]:
+                return first, last, servo, *inertias, gain
+    return first, last, -1, *inertias, 0.0
 
 
 _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of the bed's arrays

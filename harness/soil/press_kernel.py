@@ -26,6 +26,8 @@ OWN = (
     "soils",  # a row for each, as Soil.numbers
     "sizes",  # of each wheel: radius, width [m], grousers, 1 where its axis points left, else -1
     "ids",  # of each wheel: body, joint and root body
+    "spins",  # of each wheel: its degrees of freedom, first and last, and its servo, -1 for none
+    "inertias",  # of each wheel: armatures of these, its inertia [kg m^2], the servo's gain [N m s]
     "virgin",  # the grids of `prints`
     "surface",
     "field",
@@ -37,13 +39,16 @@ OWN = (
     "patches",  # which soil lies there
 )
 MUJOCO: tuple[str, ...] = ("xpos", "xaxis", "cvel", "subtree_com", "xipos", "xfrc_applied")
-MUJOCO += ("geom_xpos", "geom_xmat", "geom_conaffinity")
+MUJOCO += ("geom_xpos", "geom_xmat", "geom_conaffinity", "dof_armature")
+MUJOCO += ("ctrl", "actuator_velocity", "actuator_forcerange")
 # Of an array: its address, rows and columns.
 BED = np.dtype(
     [(name, np.int64, 3) for name in (*OWN, *MUJOCO)] + [(name, np.float64) for name in NUMBERS]
 )
 
 Triple = tuple[float, float, float]
+# spins, inertias, and MuJoCo's dof_armature to actuator_forcerange.
+Motors = tuple[NDArray[np.int64], Doubles, Doubles, Doubles, Doubles, Doubles]
 
 
 @inlined
@@ -75,6 +80,30 @@ def _rut(virgin: Doubles, surface: Doubles, u: float, v: float) -> float:
 
 
 @inlined
+def _make_implicit(motors: Motors, wheel: int, inertia: float, dt: float) -> None:
+    """Gives a wheel's rim the inertia with which a step is implicit in what turns it.
+
+    That is the soil's, and that of a servo at its limit. MuJoCo takes its torque as constant there, and
+    a step may turn a small error round; on soil, which yields, the rim would tremble for ever.
+
+    Args:
+        motors: Of all wheels.
+        wheel: Which.
+        inertia: What the soil asks for [kg m^2].
+        dt: [s].
+    """
+    spins, inertias, armature, command, speed, limits = motors
+    servo, gain = spins[wheel, 2], inertias[wheel, 3]
+    if servo >= 0:
+        asked = gain * abs(command[servo, 0] - speed[servo, 0])
+        if asked > limits[servo, 1]:
+            bare = inertias[wheel, 2] + inertia
+            inertia += max(limits[servo, 1] / asked * (bare + gain * dt) - bare, 0.0)
+    for k in range(2):
+        armature[spins[wheel, k], 0] = inertias[wheel, k] + inertia
+
+
+@inlined
 def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba takes them
     soils: Doubles,
     sizes: Doubles,
@@ -85,6 +114,7 @@ def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba tak
     felt: Doubles,
     moving: tuple[Doubles, Doubles, Doubles, Doubles, Doubles],
     pushed: Doubles,
+    motors: Motors,
     dt: float,
     patches: NDArray[np.uint8],
     patch_cell: float,
@@ -131,7 +161,7 @@ def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba tak
         row = min(max(int((hub[1] - y0) / patch_cell + 0.5), 0), patches.shape[0] - 1)
         col = min(max(int((hub[0] - x0) / patch_cell + 0.5), 0), patches.shape[1] - 1)
         soil, size = soils[patches[row, col]], (r, b, sizes[i, 2])
-        pull, side, lift, brake = wheel_force(
+        pull, side, lift, brake, inertia = wheel_force(
             soil, size, (sinkage, rut), (sinkage, behind), velocity, states[i], dt
         )
         force = (
@@ -139,6 +169,7 @@ def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba tak
             pull * ahead[1] + side * left[1] + lift * normal[1],
             pull * ahead[2] + side * left[2] + lift * normal[2],
         )
+        _make_implicit(motors, i, inertia, dt)
         tilting = side * (r - 0.5 * max(sinkage, 0.0))  # the side force acts at the ground
         off = hub[0] - xipos[body, 0], hub[1] - xipos[body, 1], hub[2] - xipos[body, 2]
         moment = _cross(off, force)
@@ -246,6 +277,14 @@ def press_bed(address: int) -> None:
             _doubles(told.xipos),
         ),
         _doubles(told.xfrc_applied),
+        (
+            numba.carray(pointer(told.spins[0]), (ids[1], 3), np.int64),
+            _doubles(told.inertias),
+            _doubles(told.dof_armature),
+            _doubles(told.ctrl),
+            _doubles(told.actuator_velocity),
+            _doubles(told.actuator_forcerange),
+        ),
         told.dt,
         numba.carray(pointer(told.patches[0]), solid.shape, np.uint8),
         told.solid_cell,

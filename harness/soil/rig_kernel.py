@@ -39,7 +39,9 @@ def steady_wheels(soil: Doubles, trials: Doubles, width: float, results: Doubles
                 high = h
             else:
                 low = h
-        ahead, left, _, brake = wheel_force(soil, size, (high, 0.0), (high, 0.0), velocity, state, 1e9)
+        ahead, left, _, brake, _ = wheel_force(
+            soil, size, (high, 0.0), (high, 0.0), velocity, state, 1e9
+        )
         results[i] = (high, ahead, left, brake) if high else (math.nan, math.nan, math.nan, math.nan)
 
 

@@ -32,8 +32,10 @@ def half_force(  # noqa: PLR0915 - one loop over the rim, which calls would make
     velocity: tuple[float, float, float],
     slid: Doubles,
     dt: float,
-) -> tuple[float, float, float, float]:
-    """Forces ahead, left and up [N] and the braking moment [N m] of one half, seen in its direction.
+) -> tuple[float, float, float, float, float]:
+    """Forces ahead, left and up [N], braking moment [N m] of one half, seen in its direction; and grip.
+
+    The grip is how fast the shear force grows with the slid path, at most [N/m].
 
     Args:
         soil: As `harness.soil.soils.Soil.numbers`.
@@ -55,7 +57,7 @@ def half_force(  # noqa: PLR0915 - one loop over the rim, which calls would make
     deep = min(sinkage - rut, DEEPEST * r)
     if deep <= 0.0:
         slid[:] = 0.0
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     speed = math.sqrt(ex * ex + ey * ey)
     rest = max(1.0 - eu * eu - ex * ex - ey * ey, 0.0)  # of a wheel that stands, sinks or trembles
     top = max(abs(eu), speed, rest, 1e-9)
@@ -83,7 +85,7 @@ def half_force(  # noqa: PLR0915 - one loop over the rim, which calls would make
     beside = (flow_lateral * abs(ey) ** SIDEWAYS) ** 2 + rest - dug
     pushed = flow_driving * math.sqrt(speed * speed + dug) * driving
     standing = (rest - dug) / (1.0 + flow_pressing * flow_pressing)
-    ahead, left, up, brake, jx, jy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ahead, left, up, brake, grip, jx, jy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     # Cosines and sines of a station's angle and of that whose pressure it has: turned on step by step.
     c, s = math.cos(first - 0.5 * step), math.sin(first - 0.5 * step)
     turn_c, turn_s = math.cos(step), math.sin(step)
@@ -124,6 +126,7 @@ def half_force(  # noqa: PLR0915 - one loop over the rim, which calls would make
         up += tx * s + stress * c
         left += strength * py
         brake += tx
+        grip += strength
         c, s = c * turn_c + s * turn_s, s * turn_c - c * turn_s
     area = r * b * step
-    return ahead * area, left * area, up * area, brake * area * r
+    return ahead * area, left * area, up * area, brake * area * r, grip * area

@@ -12,7 +12,7 @@ so that a wheel at rest keeps its forces.
 import math
 
 from harness.base.compiled import inlined
-from harness.soil.rim import COMPACTION, DEEPEST, STATIONS, Doubles, half_force
+from harness.soil.rim import COMPACTION, DEEPEST, STATIONS, YIELD, Doubles, half_force
 from harness.soil.soils import NUMBERS
 
 TURNING = 0.005  # [m] of path within which a new direction of motion is taken over
@@ -34,8 +34,12 @@ def wheel_force(
     velocity: tuple[float, float, float, float],
     state: Doubles,
     dt: float,
-) -> tuple[float, float, float, float]:
-    """Returns the force of the soil on a wheel ahead, left and up [N], and its braking moment [N m].
+) -> tuple[float, float, float, float, float]:
+    """Returns forces of the soil on a wheel ahead, left and up [N], braking moment [N m] and inertia.
+
+    The inertia [kg m^2] is what the rim is to have beside its own for a step: with it the step is
+    implicit in the moment (linearly, after Rosenbrock), so that shear that grows steeply with slip
+    does not turn the slip round in each step; what is steady stays as it is.
 
     Args:
         soil: As `harness.soil.soils.Soil.numbers`.
@@ -56,16 +60,16 @@ def wheel_force(
     if h <= 0.0:
         state[4] = 0.0
         state[PATHS:] = 0.0
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     slid = state[PATHS:].reshape(2, 2, STATIONS)
-    ahead, left, up, brake = 0.0, 0.0, 0.0, 0.0
+    ahead, left, up, brake, grip = 0.0, 0.0, 0.0, 0.0, 0.0
     rebound = soil[REBOUND]
     for half in range(2):
         sign = 1.0 - 2.0 * half
         bears = 1.0 + (1.0 - rebound) * min(sign * travel, 0.0)
         depth = front if half == 0 else rear
         if bears > 0.0:
-            x, y, z, m = half_force(
+            x, y, z, m, g = half_force(
                 soil,
                 size,
                 depth,
@@ -78,6 +82,7 @@ def wheel_force(
             left += bears * y
             up += bears * z
             brake += bears * sign * m
+            grip += bears * g
         else:
             slid[half] = 0.0
     h = min(h, DEEPEST * size[0])
@@ -98,4 +103,5 @@ def wheel_force(
     springs = (COMPACTION + (1.0 - COMPACTION) * rebound) * deepest
     held = max(1.0 - (deepest - h) / max(springs, 1e-12), 0.0)
     damped = held * min(max(1.0 - soil[26] * vz, 0.0), 2.0)
-    return ahead * damped, left * damped, up * damped, brake * damped
+    inertia = dt * (YIELD + dt) * size[0] * size[0] * grip
+    return ahead * damped, left * damped, up * damped, brake * damped, inertia * damped

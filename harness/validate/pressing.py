@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.base.errors import UsageError
 from harness.soil.rig_kernel import press_wheel
 from harness.soil.soils import Soil
-from harness.validate.single_wheel import GRAVITY, RADIUS, WHEELS, WIDTH, read_table
+from harness.validate.single_wheel import GRAVITY, RADIUS, WHEELS, WIDTH, number_of, read_table
 
 DEPTHS = (0.01, 0.02, 0.03, 0.04)  # [m]
 SPEED = 0.005  # [m/s]
@@ -35,6 +35,9 @@ def measured(path: Path) -> dict[str, NDArray[np.float64]]:
         UsageError: The file cannot be read, lacks a column, or has no wheel.
     """
     table = read_table(path, COLUMNS)
+    numbers = ["sinkage", "force"]
+    table[numbers] = table[numbers].map(number_of)
+    table = table.dropna(subset=numbers)
     means, bodies = {}, table["body"].astype(str).str.strip().str.lower()
     for wheel in WHEELS:
         runs = [rows.sort_values("sinkage") for _, rows in table[bodies == wheel].groupby("run")]
@@ -42,7 +45,7 @@ def measured(path: Path) -> dict[str, NDArray[np.float64]]:
             forces = [np.interp(DEPTHS, run["sinkage"], run["force"], right=np.nan) for run in runs]
             means[wheel] = pd.DataFrame(forces).mean().to_numpy(float)
     if not means:
-        raise UsageError(f"{path} has no body of the name {' or '.join(WHEELS)}")
+        raise UsageError(f"{path} has no body of the name {' or '.join(WHEELS)} with numbers")
     return means
 
 

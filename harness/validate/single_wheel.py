@@ -6,6 +6,7 @@ The trials of C. Pavlov (Carnegie Mellon University, 2022, 3d-terramechanics) dr
 
 import io
 import math
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -32,6 +33,7 @@ STEEPEST_DEG = 75.0  # slip angle up to which a wheel rolls; beyond it is plough
 MEASURED = ("sinkage", "tractive", "lateral")
 GIVEN = ("wheel_speed", "travel_speed", "slip_angle_deg", "load")
 LARGEST = 1e6  # in a table of trials, whatever its unit
+MOST_LOAD = 1000.0  # [N] that such a wheel bears anywhere
 USUAL = {"sinkage": 0.2, "wheel_speed": 5.0, "travel_speed": 5.0}  # [m], [m/s]: more is another unit
 GRAVITY = 9.81  # [m/s^2]
 SPEED = 0.01  # [m/s] of the carriage
@@ -46,7 +48,7 @@ class Errors:
     Attributes:
         wheel: Smooth or grousered.
         trials: Which of its trials.
-        n: How many.
+        n: How many, each with something measured.
         sunk: How many of them the soil does not carry; they count with the wheel sunk to one and a half
             radii and with no force.
         sinkage: [m]; NaN where none was measured, as the forces.
@@ -64,14 +66,22 @@ class Errors:
 
 
 def read_table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
-    """Returns these columns of a CSV file as they are.
+    """Returns these columns of a CSV file as they are; commas, semicolons or tabs separate.
 
     Raises:
         UsageError: The file cannot be read or lacks a column.
     """
+    content = read_bytes(path, LARGEST_JSON)
+    separator = max(b",", b";", b"\t", key=content.partition(b"\n")[0].count)
+    has_decimal_commas = separator != b"," and re.search(rb"\d,\d", content)
     try:
-        content = io.BytesIO(read_bytes(path, LARGEST_JSON))
-        table = pd.read_csv(content, encoding="utf-8-sig", skipinitialspace=True)
+        table = pd.read_csv(
+            io.BytesIO(content),
+            encoding="utf-8-sig",
+            skipinitialspace=True,
+            sep=separator.decode(),
+            decimal="," if has_decimal_commas else ".",
+        )
     except ValueError as error:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     table.columns = [str(name).strip() for name in table.columns]
@@ -91,15 +101,18 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """
     table, numbers = read_table(path, ("wheel", *GIVEN, *MEASURED)), [*GIVEN, *MEASURED]
     wheels = table["wheel"].astype(str).str.strip().str.lower()
-    table = table[numbers].map(_number_of)
+    table = table[numbers].map(number_of)
     table.insert(0, "wheel", wheels)
     known, whole = wheels.isin(WHEELS), table[list(GIVEN)].notna().all(axis=1)
-    whole &= (table["load"] > 0.0) & (table[["wheel_speed", "travel_speed"]] >= 0.0).all(axis=1)
-    usable = table[known & whole]
+    whole &= table["load"].between(0.0, MOST_LOAD, inclusive="right")
+    whole &= (table[["wheel_speed", "travel_speed"]] >= 0.0).all(axis=1)
+    measured = table[list(MEASURED)].notna().any(axis=1)
+    usable = table[known & whole & measured]
+    valid = f"speeds are 0 or more, loads above 0 and at most {MOST_LOAD:g} N"
     if usable.empty:
         raise UsageError(
-            f"{path} has no trial of {' or '.join(WHEELS)} with {', '.join(GIVEN)}; "
-            "speeds are 0 or more, loads above 0"
+            f"{path} has no trial of {' or '.join(WHEELS)} with {', '.join(GIVEN)} and "
+            f"{' or '.join(MEASURED)}; {valid}"
         )
     for name, most in USUAL.items():
         if usable[name].abs().median() > most:
@@ -112,15 +125,21 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
         notes.append(
             f"left out: {int((~known).sum())} trials of {others[0]!r} and its like, no known wheel"
         )
-    if lacking := int((known & ~whole).sum()):
-        first = int(np.flatnonzero(known & ~whole)[0]) + 2
-        notes.append(
-            f"left out: {lacking} trials that lack {', '.join(GIVEN)}; the first in line {first}"
-        )
+    for kept, what in ((whole, f"whose {', '.join(GIVEN)} are no such numbers ({valid})"),
+                       (measured, f"without {', '.join(MEASURED)}")):  # fmt: skip
+        if (left_out := known & ~kept).any():
+            first = int(np.flatnonzero(left_out)[0]) + 2
+            notes.append(f"left out: {left_out.sum()} trials {what}; the first in line {first}")
+    lacking = usable[list(MEASURED)].isna().sum()
+    notes += [
+        f"{name} was not measured in {count} trials: its RMSE is of fewer"
+        for name, count in lacking.items()
+        if count
+    ]
     return usable.reset_index(drop=True), tuple(notes)
 
 
-def _number_of(cell: object) -> float:
+def number_of(cell: object) -> float:
     """The number of a cell; NaN for what is none, or more than any rig measures."""
     with suppress(ValueError):
         value = number(str(cell))
@@ -145,7 +164,7 @@ def judge(trials: pd.DataFrame, predicted: Doubles) -> list[Errors]:
     off = off - trials[list(MEASURED)].to_numpy(float)
     found = []
     for wheel in WHEELS:
-        for title, limit in ((f"up to {STEEPEST_DEG:g} deg", STEEPEST_DEG), ("straight ahead", 0.0)):
+        for title, limit in ((f"to {STEEPEST_DEG:g}°", STEEPEST_DEG), ("at 0°", 0.0)):
             rows = ((trials["wheel"] == wheel) & (trials["slip_angle_deg"].abs() <= limit)).to_numpy()
             if rows.any():
                 sunk = int(np.isnan(predicted[rows, 0]).sum())

@@ -1,15 +1,18 @@
 """Which soil lies where: one everywhere, a map of several, or those that a terrain has of its own."""
 
+import io
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Self
+from warnings import catch_warnings
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from harness.base.documents import read_mapping
+from harness.base.documents import read_bytes, read_mapping
 from harness.base.errors import UsageError
 from harness.soil.soils import SOILS, SUFFIXES, Soil, find_soil
 from harness.spec.value import Value, listed, made
@@ -18,6 +21,7 @@ from harness.world.terrains import TERRAINS
 
 OWN = "terrain"  # the soils that a terrain has of its own
 MOST_SOILS = 16
+LARGEST_MAP = 2**28  # [bytes]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +63,34 @@ def find_soils(text: str) -> tuple[tuple[Soil, ...], str]:
     Raises:
         UsageError: There is no such soil or file, or one that is not valid.
     """
-    if text in SOILS or not text.lower().endswith(SUFFIXES):
+    soil_map = _map_of(text)
+    if soil_map is None:
         return (find_soil(text),), ""
-    values = read_mapping(Path(text))
-    if "map" not in values:
-        return (find_soil(text),), ""
-    soil_map = made(SoilMap, values, where=text)
-    return tuple(map(find_soil, soil_map.soils)), str(Path(text).parent / soil_map.map)
+    return tuple(map(find_soil, soil_map.soils)), soil_map.map
+
+
+def soil_files(text: str) -> Iterator[Path]:
+    """Yields the files that a ground's soil is of: none for a name; UsageError as `find_soils`."""
+    if _is_file(text):
+        yield Path(text)
+        if soil_map := _map_of(text):
+            yield from map(Path, (soil_map.map, *filter(_is_file, soil_map.soils)))
+
+
+def _is_file(text: str) -> bool:
+    return text not in SOILS and text.lower().endswith(SUFFIXES)
+
+
+def _map_of(text: str) -> SoilMap | None:
+    """What a file says that is a map, its map and its own soils found beside it; None for a soil."""
+    if not _is_file(text):
+        return None
+    values, folder = read_mapping(Path(text)), Path(text).parent
+    if not values.keys() & SoilMap.model_fields.keys():
+        return None
+    found = made(SoilMap, values, where=text)
+    soils = tuple(str(folder / soil) if _is_file(soil) else soil for soil in found.soils)
+    return found.model_copy(update={"soils": soils, "map": str(folder / found.map)})
 
 
 def check_soil(text: str, terrain: str) -> None:
@@ -99,21 +124,25 @@ def soils_on(text: str, ground: Heightfield, terrain: str) -> Soils:
 
 
 def _read(path: Path, shape: tuple[int, ...], count: int) -> NDArray[np.uint8]:
+    content = read_bytes(path, LARGEST_MAP)
     try:
         if path.suffix.lower() == ".npy":
-            numbers = np.asarray(np.load(path, allow_pickle=False))
+            numbers = np.load(io.BytesIO(content), allow_pickle=False)
+            has = numbers.shape
         else:
             from PIL import Image  # noqa: PLC0415 - that only pictures need
 
-            with Image.open(path) as picture:
-                numbers = np.asarray(picture if picture.mode == "P" else picture.convert("L"))
+            with catch_warnings(action="ignore"), Image.open(io.BytesIO(content)) as picture:
+                has, numbers = picture.size[::-1], np.empty(0)
+                if has == shape:  # else it is not decoded
+                    numbers = np.asarray(picture if picture.mode == "P" else picture.convert("L"))
     except Exception as error:  # decoders raise anything at all over a damaged file
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise UsageError(f"soil map {path} cannot be read: {reason}") from error
-    if numbers.shape != shape:
-        has = " x ".join(map(str, numbers.shape[::-1]))
+    if has != shape:
+        sides = " x ".join(map(str, has[::-1]))
         raise UsageError(
-            f"soil map {path} has {has} numbers, the terrain {shape[1]} x {shape[0]} vertices"
+            f"soil map {path} has {sides} numbers, the terrain {shape[1]} x {shape[0]} vertices"
         )
     if not np.isin(numbers, np.arange(count)).all():
         raise UsageError(f"soil map {path} has other numbers than 0 to {count - 1}, those of its soils")

@@ -113,6 +113,15 @@ def slip_column(wheel: str) -> Column:
     )
 
 
+def find_truth_column(header: str) -> Column | None:
+    """Returns the column of the truth with that header, whatever the rover's wheels; None for none."""
+    titles = (*(title + " " for title, _, _ in IN_SOIL.values()), SLIP)
+    words = next((header.removeprefix(title) for title in titles if header.startswith(title)), "")
+    wheel = words.partition(" [")[0].lower().replace(" ", "_")
+    columns = truth_columns((wheel,), soil=True)
+    return next((column for column in columns if column.header == header), None)
+
+
 class TruthColumns:
     """The account of the truth topics of a rover with these wheels, in the order of the columns."""
 

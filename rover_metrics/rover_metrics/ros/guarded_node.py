@@ -9,13 +9,15 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
-from rover_metrics.errors import shown
+from rover_metrics.errors import ParameterError, shown
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.rejections import NO_TIME
+from rover_metrics.ros.arguments import refusal
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import Message, is_time
@@ -43,8 +45,12 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     """
 
     def __init__(self, name: str, **options: Any) -> None:  # noqa: ANN401 - rclpy's
+        """Joins the graph; raises a ParameterError if the command line sets one to what it cannot be."""
         self.reception = Reception(self._tell)
-        super().__init__(name, **options)
+        try:
+            super().__init__(name, **options)
+        except ParameterException as error:  # of a parameter that rclpy declares, all of them switches
+            raise ParameterError(f"{refusal(error)}; give true or false") from error
 
     def create_subscription(
         self,
@@ -55,11 +61,13 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         **options: Any,  # noqa: ANN401 - rclpy's
     ) -> Subscription:
         """Creates a subscription as a Node does, and guards it; its callback takes messages alone."""
+        if not options.pop("raw", False):
+            if msg_type is Clock:
+                callback, qos_profile = partial(self._take_time, topic, callback), CLOCK_QOS
+            callback = partial(_decode, msg_type, callback)
+        # Bytes of no such message are bytes too: rclpy's C code tells of each that it decodes in vain.
         guarded = partial(self._hear, topic, callback)
-        if msg_type is Clock and not options.get("raw"):
-            guarded = partial(self._hear_clock, topic, callback)
-            qos_profile = CLOCK_QOS
-        return super().create_subscription(msg_type, topic, guarded, qos_profile, **options)
+        return super().create_subscription(msg_type, topic, guarded, qos_profile, raw=True, **options)
 
     def time_has_come(self) -> None:
         """Is called when the node's clock shows the time of a /clock; does nothing."""
@@ -76,18 +84,27 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         guarded = partial(self._answer, srv_name, callback)
         return super().create_service(srv_type, srv_name, guarded, *args, **kwargs)
 
-    def _hear(self, topic: str, callback: Handler, message: Message) -> None:
+    def destroy_node(self) -> None:
+        """Leaves the graph, with a line for each topic and service of which something was left out."""
+        for name, count in self.reception.rejected.items():
+            if count > 1:  # one was told of
+                self._tell(f"{name}: {count} left out in all")
+        super().destroy_node()
+
+    def _hear(self, topic: str, callback: Handler, data: bytes) -> None:
         try:
-            callback(message)
+            callback(data)
         except FAILURES as error:
             self._leave_out(self.resolve_topic_name(topic), error)
 
-    def _hear_clock(self, topic: str, callback: Handler, message: Clock) -> None:
-        if is_time(message.clock):
-            self._hear(topic, callback, message)
-        else:
-            self.reception.reject(self.resolve_topic_name(topic), NO_TIME)
-        self.time_has_come()
+    def _take_time(self, topic: str, callback: Handler, message: Clock) -> None:
+        try:
+            if is_time(message.clock):
+                callback(message)
+            else:
+                self.reception.reject(self.resolve_topic_name(topic), NO_TIME)
+        finally:
+            self.time_has_come()
 
     def _answer(self, name: str, callback: Handler, request: Message, response: Message) -> Message:
         try:
@@ -104,6 +121,15 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def _tell(self, line: str) -> None:
         self.get_logger().warning(line)
+
+
+def _decode(kind: type, callback: Handler, data: bytes) -> None:
+    """Gives a message to its callback; ValueError if the bytes are of none."""
+    try:
+        message = deserialize_message(data, kind)
+    except RuntimeError as error:  # rclpy's
+        raise ValueError(f"no {kind.__name__}: {error}") from error
+    callback(message)
 
 
 def _refused(request: Message, response: Message, reason: str) -> Message:

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -73,11 +73,10 @@ def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> No
 def _made(make_node: Callable[[], Node]) -> Node:
     try:
         return make_node()
-    except (ParameterException, NameValidationException, RCLError) as error:
+    except (NameValidationException, RCLError) as error:
         if not rclpy.ok():
             raise
-        mend = "give true or false" if isinstance(error, ParameterException) else "give another name"
-        raise StartError(f"{refusal(error)}; {mend}") from error
+        raise StartError(f"{refusal(error)}; give another name") from error
 
 
 def _spin(node: Node, executors: ExitStack) -> None:

@@ -11,6 +11,7 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 from geometry_msgs.msg import PoseArray, PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 
@@ -33,7 +34,7 @@ class Asked:
         self.policy = Mock(beams=4)
         self.policy.command.return_value = samples.Twist(0.5, -0.25)
         self.node = PolicyNode(self.policy, find_rover("leo"))
-        self._callbacks = {one.topic_name: one.callback for one in self.node.subscriptions}
+        self._take = {one.topic_name: one.callback for one in self.node.subscriptions}
 
     def hear(self, *wrong: str, ns: int = STAMP_NS, beams: int = 4) -> list[tuple[float, float]]:
         """A tick: one message a topic but for some, then the clock; the goals it was asked for."""
@@ -45,8 +46,8 @@ class Asked:
             if topic == "rover/pose_array":
                 message.poses = [PoseStamped().pose]
             if topic not in wrong:
-                self._callbacks[f"/{topic}"](message)
-        self._callbacks["/clock"](Clock())
+                self._take[f"/{topic}"](serialize_message(message))
+        self._take["/clock"](serialize_message(Clock()))
         goals = [call.args[1] for call in self.policy.command.call_args_list]
         self.policy.command.reset_mock()
         return goals
@@ -54,7 +55,7 @@ class Asked:
     def goal(self, x: float, y: float) -> None:
         message = PoseStamped()
         message.pose.position.x, message.pose.position.y = x, y
-        self._callbacks["/goal_pose"](message)
+        self._take["/goal_pose"](serialize_message(message))
 
 
 @pytest.fixture

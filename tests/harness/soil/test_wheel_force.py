@@ -70,7 +70,7 @@ def test_the_second_pass_is_shallower_and_resisted_less(
         low, high = rut, rut + 1.4 * RADIUS
         for _ in range(40):
             h, state = 0.5 * (low + high), np.zeros(STATE)
-            ahead, _, lift, brake = wheel_force(
+            ahead, _, lift, brake, _ = wheel_force(
                 soil.numbers(WIDTH, 9.81), size, (h, rut), (h, rut), motion, state, 1e9
             )
             low, high = (low, h) if lift > load else (h, high)
@@ -122,6 +122,6 @@ def test_soil_gives_no_energy_over_a_closed_motion(soil: Soil, seed: int) -> Non
             h -= vz * dt
             motion = (u, vx, vy, vz)
             forces = wheel_force(soil.numbers(WIDTH, 9.81), size, (h, 0.0), (h, 0.0), motion, state, dt)
-            ahead, left, up, brake = forces
+            ahead, left, up, brake, _ = forces
             work[cycle] += (ahead * vx + left * vy + up * vz - brake * u / RADIUS) * dt
     assert work[1] <= 1e-6

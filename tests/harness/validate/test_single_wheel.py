@@ -75,6 +75,8 @@ def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> No
         "no trial of smooth": table.assign(wheel="square"),
         "above 0": table.assign(load="heavy"),
         "trial of smooth .* with": table.assign(load="9" * 400),
+        "at most 1000 N": table.assign(load=5e5),
+        "with .* and sinkage or": table.assign(load=20.0, sinkage="", tractive="", lateral=""),
         "grousered with": table.assign(load=True),
         "speeds are 0 or more": table.assign(load="5_0"),
         "give m, m/s, N": table.assign(load=20.0, sinkage=12.0),
@@ -93,15 +95,29 @@ def test_what_is_not_measured_is_left_out_and_told(trials: Path) -> None:
     lines = trials.read_text().splitlines()
     whole, _ = read_trials(trials)
     lines += [
+        ",smooth,0.01,0.01,0,,20,,",
+        "1,smooth,0.01,0.01,0,1,5e7,0.01,",
         "1,square,0.01,0.01,0,1,20,0.01,",
         "1,smooth,0.01,0.01,0,1,,0.01,",
-        "1,smooth,0.01,0.01,0,,20,,",
+        "1,smooth,0.01,0.01,0,1,20,,",
     ]
     trials.write_text("\n".join(lines))
     table, notes = read_trials(trials)
     assert len(table) == len(whole) + 1
-    assert ["square" in notes[0], "line 23" in notes[1]] == [True, True]
-    assert all(errors.n and errors.sinkage < 0.0035 for errors in judge(table, predict(SAND, table)))
+    told = [
+        "1 trials of 'square'",
+        "2 trials whose",
+        "1 trials without",
+        "sinkage was not measured in 1",
+    ]
+    assert [text in note for text, note in zip(told, notes, strict=True)] == [True] * 4
+    found = judge(table, predict(SAND, table))
+    assert sum(errors.n for errors in found if "75" in errors.trials) == len(table)
+    for separator, comma in ((";", ","), ("\t", "."), (";", ".")):
+        text = "\n".join(lines).replace(",", separator).replace(".", comma)
+        trials.write_text(text)
+        assert read_trials(trials)[0].equals(table)
+    assert all(errors.n and errors.sinkage < 0.0035 for errors in found)
 
 
 def test_a_pressed_wheel_stands_where_measured_ones_did(
@@ -114,6 +130,8 @@ def test_a_pressed_wheel_stands_where_measured_ones_did(
     assert main(["--rig", "--pressing", str(file)]) == 0
     assert "measured, smooth" in capsys.readouterr().out
     file.write_text("run,body,sinkage,force\n1,plate,0.0,0.0\n")
+    assert main(["--rig", "--pressing", str(file)]) == 2
+    file.write_text("run;body;sinkage;force\n2;smooth;deep;much\n")
     assert main(["--rig", "--pressing", str(file)]) == 2
 
 

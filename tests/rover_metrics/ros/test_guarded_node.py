@@ -1,5 +1,6 @@
 """What a node does with messages and requests that its handlers fail on, over real DDS."""
 
+from functools import partial
 from typing import Any
 
 import pytest
@@ -49,13 +50,13 @@ def test_a_message_that_fails_is_counted_and_told(
 def test_what_a_signal_or_a_shutdown_raises_goes_through(rig: Rig, error: BaseException) -> None:
     node = rig.start()
     with pytest.raises(type(error)):
-        node._hear("scan", failing(error), object())
+        node._hear("scan", failing(error), b"")
     with pytest.raises(type(error)):
         node._answer("received", failing(error), Trigger.Request(), Trigger.Response())
     assert not any(node.reception.rejected.values())
     rig.context.shutdown()  # and then every failure does
     with pytest.raises((AttributeError, RuntimeError)):
-        node._hear("scan", failing(AttributeError("handle")), object())
+        node._hear("scan", failing(AttributeError("handle")), b"")
 
 
 def test_who_asks_in_vain_is_answered_with_the_reason(rig: Rig) -> None:
@@ -98,3 +99,24 @@ def test_a_clock_that_is_no_time_is_left_out_also_after_simulated_time_was_off(r
     rig.spin_until(lambda: node.get_clock().now().nanoseconds == 6 * 10**9)
     assert dict(node.reception.remarks["/clock"]) == {NO_TIME: 4}
     assert (clock.qos_profile.depth, clock.qos_profile.reliability.name) == (10, "BEST_EFFORT")
+
+
+def test_a_flood_of_bytes_that_are_no_message_is_counted_in_few_lines(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = rig.start()
+    node.create_subscription(Parameter, "torn", failing(AssertionError()), 10)
+    publisher = rig.publisher(Parameter, "/torn")
+
+    def left_out(count: int) -> bool:
+        return node.reception.rejected.get("/torn") == count
+
+    for count in range(5, 205, 5):
+        for _ in range(5):
+            publisher.publish(b"\x00\x01\x00\x00" + b"\xff" * 4)
+        rig.spin_until(partial(left_out, count))
+    node.destroy_node()
+    said = capfd.readouterr().err
+    assert "/torn: 200 left out in all" in said
+    assert said.count("/torn") < 12
+    assert len(said) < 6_000

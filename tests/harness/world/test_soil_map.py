@@ -1,0 +1,64 @@
+"""Files that say which soil lies where: what stands beside them, and what strangers put there."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from harness.base.errors import UsageError
+from harness.soil.soils import SOILS
+from harness.world.heightfield import Heightfield
+from harness.world.soil_map import soil_files, soils_on
+
+OWN = "k_phi: 1.5e6\nn: 1.1\nfriction_angle_deg: 28\nshear_length: 0.01\n"
+GROUND = Heightfield(np.zeros((30, 40)), 0.5)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """One with a map and a soil of its own; the working folder is another."""
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    (tmp_path / "own.yaml").write_text(OWN)
+    patches = np.zeros((30, 40), np.uint8)
+    patches[:5] = 1
+    np.save(tmp_path / "map.npy", patches)
+    Image.fromarray(patches).save(tmp_path / "map.png")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["map.npy", "map.png"])
+def test_a_map_and_its_soils_are_found_beside_their_file(folder: Path, name: str) -> None:
+    file = folder / "soils.yaml"
+    file.write_text(f"soils: [firm, own.yaml]\nmap: {name}\n")
+    soils = soils_on(str(file), GROUND, "flat")
+    assert soils.kinds[0] == SOILS["firm"]
+    assert soils.kinds[1].k_phi == 1.5e6
+    assert (soils.patches[-5:] == 1).all()  # north is up
+    assert (soils.patches[:-5] == 0).all()
+    assert set(soil_files(str(file))) == {file, folder / "own.yaml", folder / name}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("soils: [firm, own.yaml]\n", "soils.yaml: key 'map' is missing"),
+        ("map: map.npy\n", "soils.yaml: key 'soils' is missing"),
+        ("soils: [own.yaml, clay]\nmap: pipe.png\n", "pipe.png: .* a device or a pipe"),
+        ("soils: [own.yaml, clay]\nmap: folder.npy\n", "folder.npy: Is a directory"),
+        ("soils: [own.yaml, clay]\nmap: huge.npy\n", "huge.npy: larger than"),
+        ("soils: [own.yaml, clay]\nmap: large.png\n", "large.png cannot be read: Image size"),
+        ("soils: [elsewhere/own.yaml, clay]\nmap: map.png\n", "elsewhere/own.yaml: No such file"),
+    ],
+)
+def test_what_is_no_map_is_one_line(folder: Path, text: str, told: str) -> None:
+    os.mkfifo(folder / "pipe.png")
+    (folder / "folder.npy").mkdir()
+    with (folder / "huge.npy").open("wb") as file:
+        file.truncate(2**33)
+    Image.new("1", (14000, 14000)).save(folder / "large.png")
+    (folder / "soils.yaml").write_text(text)
+    with pytest.raises(UsageError, match=told):
+        soils_on(str(folder / "soils.yaml"), GROUND, "flat")
