@@ -26,7 +26,7 @@ from harness.samples import LIDAR_RANGE_MAX, Twist
 
 EVERY, FAR = 5, 3.0  # of the lidar's beams that are looked at, and how far [m]
 NOISE = 0.25  # standard deviation of what is added to the teacher's actions
-ROUNDS = 4  # in the first one the teacher drives, then its pupil
+ROUNDS = 2  # in the first one the teacher drives, then its pupil
 FIRST = 5_000_000  # seed: far from those of the track
 
 

@@ -19,7 +19,7 @@ if __name__ == "__main__":
 
 from harness.base.errors import INSTALL_ROS, RunFailed, UsageError
 from harness.base.interrupt import StopRequest
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, sibling
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -121,7 +121,7 @@ def _request(kind: str, name: str, value: str | None) -> tuple[Any, Any]:
             raise UsageError(f"{name} asks nothing; leave out '{value}'")
         return service, service.Request()
     if value not in BOOLS:
-        raise UsageError(f"{name} asks true or false: python -m harness.call {name} true")
+        raise UsageError(f"{name} asks true or false: {sibling('harness.call')} {name} true")
     return service, service.Request(data=BOOLS[value])
 
 

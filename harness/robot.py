@@ -29,14 +29,14 @@ from harness.base.loading import loading
 from harness.base.opengl import keep_opengl_out
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots.urdf.templates import TEMPLATES, urdf_of
-from rover_metrics.errors import OneLineParser, complain, shown
+from rover_metrics.errors import OneLineParser, complain, shown, sibling
 from rover_metrics.sheet.console import PlainConsole
 
 if TYPE_CHECKING:
     from harness.robots.urdf.folder import Written
 
 SHOWN = 3.0  # [s] of driving in a picture
-NEXT = "next: python -m harness.robot check {0}; then python -m harness.run --robot {0}"
+NEXT = "next: {1} check {0}; then {2} --robot {0}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -90,7 +90,7 @@ def _print(written: "Written", console: Console) -> None:
         *(f"guess: {guess}" for guess in written.guesses),
         f"{rover.name}: {rover.summary}; {size}, {rover.top_speed:.3g} m/s",
         f"written: {written.folder} (rover.yaml, {rover.model})",
-        NEXT.format(written.folder),
+        NEXT.format(written.folder, sibling("harness.robot"), sibling("harness.run")),
     ]
     for line in lines:
         console.print(line, soft_wrap=True)

@@ -25,14 +25,13 @@ from harness.sensors.table import OPTIONAL
 from harness.soil.soils import SOILS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
-from rover_metrics.errors import called, printable
+from rover_metrics.errors import printable, sibling
 from rover_metrics.extended.further import FURTHER
 from rover_metrics.plugins import installed
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
 PERIOD = 10.0  # [s] between lines about progress in a pipe
-OWN_ROBOT = ("FOLDER", "your own: python -m harness.robot new NAME --from robot.urdf (docs/robots.md)")
 
 
 class Heartbeat:
@@ -133,7 +132,7 @@ def print_summary(console: Console, run: result.RunResult) -> None:
 
 def next_step(results: Sequence[result.RunResult]) -> str:
     """Returns what to try after a run, as commands."""
-    program, run = called("python -m harness.run"), results[0]
+    program, run = sibling("harness.run"), results[0]
     kinds = {mishap.kind for each in results for mishap in mishaps(each)}
     if "tipped_over" in kinds or "left_map" in kinds:
         return (
@@ -141,16 +140,11 @@ def next_step(results: Sequence[result.RunResult]) -> str:
         )
     if "hazard" in kinds:
         robot = run.rover.robot
-        return f"did the metrics notice? Thresholds that do: {_sibling('tune')} --robot {robot}"
-    folder = "" if run.log_path is None else f"; {_sibling('analyze')} {run.log_path.parent}"
+        return f"did the metrics notice? Thresholds that do: {sibling('harness.tune')} --robot {robot}"
+    folder = (
+        "" if run.log_path is None else f"; {sibling('rover_metrics.analyze')} {run.log_path.parent}"
+    )
     return f"{program} --terrain dunes --robot rover_zero4wd --out other{folder}"
-
-
-def _sibling(verb: str) -> str:
-    """Another program, as whoever typed this one would call it."""
-    own = {"analyze": "python -m rover_metrics.analyze", "tune": "python -m harness.tune"}
-    program = called(own[verb])
-    return program if program == own[verb] else f"{program[:-3]}{verb}"
 
 
 def _messages(run: result.RunResult) -> Sheet:
@@ -190,11 +184,13 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, soils, robots, drivers and noise presets with what there is to know of each."""
+    own = f"your own: {sibling('harness.robot')} new NAME --from robot.urdf (docs/robots.md)"
+    own_robot = ("FOLDER", own)
     drivers: dict[str, type[Driver]] = {**DRIVERS.shipped, f"{OF_POLICY}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.shipped.items()]),
         ("soils", [(name, soil.summary) for name, soil in SOILS.shipped.items()]),
-        ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
+        ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), own_robot]),
         ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):

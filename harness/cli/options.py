@@ -84,11 +84,12 @@ def run_options(given: argparse.Namespace, ros_args: Sequence[str]) -> RunOption
     """Returns what the options of a command line ask for; UsageError as of `parse_run`."""
     run, files, live = _run(given), from_flags(Files, given), from_flags(LiveOptions, given)
     log_dir = DEFAULT_LOG_DIR if files.out is None else files.out
+    rate = 1.0 if "foxglove" in given else live.rate
     namespace = namespace_of(given.namespace)
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     ros = from_flags(
         RosOptions,
-        argparse.Namespace(**{"log_dir": log_dir, "rate": live.rate} | vars(given)),
+        argparse.Namespace(**{"log_dir": log_dir, "rate": rate} | vars(given)),
         host_metrics=not given.no_metrics,
         ros_args=(*namespace_args, *ros_args),
         frames=from_flags(FrameOptions, given),
@@ -181,7 +182,6 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
         (bool(ros.wait_for_topic), "--wait-for-topic"),
         (bool(ros.ros_args) and not given.namespace, "--ros-args"),
         (bool(given.namespace), "--namespace"),
-        (ros.record is not None, "--record"),
         (ros.truth_map, "--truth-map"),
         (ros.frames.odom_tf != FrameOptions().odom_tf, "--odom-tf"),
         (ros.frames.odom_tf_3d, "--odom-tf-3d"),

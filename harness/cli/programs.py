@@ -40,6 +40,7 @@ PROGRAMS = {
     "validate": Program("harness.validate.__main__", "the simulation against physics and real wheels"),
     "policy": Program("harness.gym.policy", "drive by a learnt policy, evaluate one, train one"),
     "topics": Program("harness.topics", "which topics there are, and how fast"),
+    "teleop": Program("harness.teleop", "drive a rover by the keys of this terminal"),
     "call": Program("harness.call", "call a service, e.g. /harness/reset"),
 }
 COMPLETION = "completion"

@@ -81,8 +81,8 @@ def paired_of(receipts: Sequence[Receipt]) -> Sheet:
         for other in known:
             gap = difference(other.tracks[track].episodes, best.tracks[track].episodes)
             if other is not best and gap is not None:
-                told = {"track": track, "best": best.entry, "entry": other.entry}
-                rows.append(told | {"behind": f"{gap.mean:.3f}", "95 %": interval(gap)})
+                pair = {"track": track, "best": best.entry, "entry": other.entry}
+                rows.append(pair | {"behind": f"{gap.mean:.3f}", "95 %": interval(gap)})
     return Sheet.of(rows, "Differences, paired by seed")
 
 

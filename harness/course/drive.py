@@ -125,12 +125,12 @@ def _cases(
 
 def differences(receipt: Receipt, again: dict[str, list[EpisodeResult]]) -> list[str]:
     """Returns a line for each figure that was not the same again."""
-    told = {(one.track, one.seed): one for t in receipt.tracks.values() for one in t.episodes}
+    receipted = {(one.track, one.seed): one for t in receipt.tracks.values() for one in t.episodes}
     return [
         f"{one.track} {one.seed}: {field} was {getattr(before, field)}, now {getattr(one, field)}"
         for some in again.values()
         for one in some
-        for before in (told[one.track, one.seed],)
+        for before in (receipted[one.track, one.seed],)
         for field in FIELDS
         if getattr(before, field) != getattr(one, field)
     ]

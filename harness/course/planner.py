@@ -15,6 +15,7 @@ from harness.world.occupancy import FREE, occupancy
 from harness.world.world import World
 
 RESOLUTION = 0.1  # [m] of a cell
+LARGEST = 400.0  # [m] of a world's side
 
 Lengths = NDArray[np.float64]
 
@@ -27,12 +28,20 @@ class Planner:
         rover: Its half width, slope and step limit say where it passes.
         slope_limit: Steepest slope of a way [rad]; None for the rover's own.
 
+    Raises:
+        UsageError: The world is larger than LARGEST.
+
     Attributes:
         clearance: Distance of each cell from what the rover cannot drive on [m], shape (rows, columns).
     """
 
     def __init__(self, world: World, rover: RoverSpec, slope_limit: float | None = None) -> None:
         limit = rover.slope_limit if slope_limit is None else slope_limit
+        if max(world.ground.half_size) > 0.5 * LARGEST:
+            sides = " x ".join(f"{2.0 * half:.0f}" for half in world.ground.half_size)
+            raise UsageError(
+                f"the world is {sides} m large, ways are found in {LARGEST:.0f} m; is it in metres?"
+            )
         cells = occupancy(world, limit, rover.step_limit, RESOLUTION)
         (x, y), (half_x, half_y) = cells.middle, cells.half_size
         self._corner = x - half_x, y - half_y

@@ -14,16 +14,20 @@ from pathlib import Path
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
+from harness.base.sim_time import NANOSECONDS
 from harness.drivers import sensed_by
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
+from harness.episode.diagnostics import Diagnostics
 from harness.episode.episode import Episode, episodes_of
 from harness.episode.helm import Helm, follow
 from harness.episode.loop import Observer, Pacer, Route, drive
 from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
 from harness.episode.together import together
+from harness.episode.topics import RunTopics
 from harness.faults.injector import FaultInjector
+from harness.messages.sinks import sinks_of
 from harness.samples import Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.ros import RosOptions
@@ -50,7 +54,7 @@ def run_direct(
     Args:
         run: What to run.
         outputs: Of each rover.
-        options: Its `rate` counts.
+        options: Its `rate` counts, and what is recorded and served.
         stop: Ends the run early.
         show: Is given the first rover's result up to now, again and again.
         helm: Steers the run; its rate counts. None where nobody does.
@@ -59,8 +63,9 @@ def run_direct(
         UsageError: The arguments are not valid or a log cannot be created.
     """
     started = time.monotonic()
-    episodes = episodes_of(run)
     with ExitStack() as at_end:
+        sinks = sinks_of(options, at_end)
+        episodes = episodes_of(run, options.frames if sinks else None)
         logged, routes = list[LoggedRun](), list[Route]()
         for episode, output in zip(episodes, outputs, strict=True):
             begun = RunResult(run=run, number=episode.number, mode="direct, no ROS", info=episode.info)
@@ -71,11 +76,15 @@ def run_direct(
                 output.settings,
                 started=started,
                 show=shown,
+                diagnoses=bool(sinks),
                 paused_s=float if helm is None else lambda: helm.held_s,
             )
             logged.append(at_end.enter_context(log))
             faults = injector(run, episode.number)
             routes.append(Route(faults, log.advance, (*output.observers, log)))
+        if sinks:
+            described = [each.description for each in episodes if each.description is not None]
+            routes = _told(routes, logged, RunTopics(run, described, sinks, at_end))
         batches = together(episodes, ahead=helm is None)
         if helm is not None:
             helm.metered = logged
@@ -83,7 +92,8 @@ def run_direct(
             batches = helm.steered(batches, followers, lambda: episodes[0].simulation.time_ns)
         pacer = Pacer(options.rate, sleep=stop.sleep) if helm is None else helm
         why = _driven(drive(batches, routes, stop), pacer, stop)
-        return tuple(log.ended(*why) for log in logged)
+        recording = options.record if options.record is not None and options.record.exists() else None
+        return tuple(replace(log.ended(*why), recording=recording) for log in logged)
 
 
 class LoggedRun(AbstractContextManager["LoggedRun"]):
@@ -95,6 +105,7 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         settings: Of the metrics.
         started: Wall time at which the command began [s], of time.monotonic.
         show: Is told the result up to now, again and again.
+        diagnoses: Whether to make of each row what metrics_node tells of it.
         paused_s: Wall time for which the run was paused so far [s].
 
     Raises:
@@ -109,6 +120,7 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         *,
         started: float,
         show: Show | None = None,
+        diagnoses: bool = False,
         paused_s: Callable[[], float] = float,
     ) -> None:
         try:
@@ -121,8 +133,10 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         self._session = session
         self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.rover.lidar_beams), log)
         self.advance = metrics.advance
-
         space = f"/{begun.rover.name}" if begun.rover.name else ""
+        if diagnoses:
+            stale_after_ns = round(settings.stale_after * NANOSECONDS)
+            metrics.diagnostics = Diagnostics(session, space, stale_after_ns)
 
         def counts() -> dict[str, TopicCount]:
             return {f"{space}{topic}": TopicCount(n, n) for topic, n in metrics.fed.items()}
@@ -156,9 +170,28 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         """What counts as an event."""
         return self._session.metrics.thresholds
 
+    @property
+    def told(self) -> bytes | None:
+        """What /rover/metrics says of the latest tick, if it was that of a row."""
+        return self._metrics.told
+
     def use(self, thresholds: Thresholds) -> None:
         """Has other thresholds from the next sample on."""
         self._session.metrics.thresholds = thresholds
+
+
+def _told(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
+    """The same routes, whose ticks are told under their topics when all rovers have had theirs."""
+    sent: list[Tick] = []
+
+    def take(log: LoggedRun, tick: Tick, left: Tick) -> None:
+        log.advance(tick, left)
+        sent.append(left)
+        if len(sent) == len(logs):
+            topics.tell(tick, sent, [each.told for each in logs])
+            sent.clear()
+
+    return [replace(route, sink=partial(take, log)) for route, log in zip(routes, logs, strict=True)]
 
 
 def run_unlogged(

@@ -13,11 +13,12 @@ from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.log.csv_log import CsvLog
-from rover_metrics.session import MetricsSession
+from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.timing import RowSchedule
 from rover_metrics.topics import ENERGY, sources_of
 
 if TYPE_CHECKING:
+    from harness.episode.diagnostics import Diagnostics
     from rover_metrics.core.columns import Row
 
 
@@ -61,21 +62,28 @@ class SampleFeed:
         } | {Battery: tuple(source.name for source in ENERGY)}
         self._topics = {sample: names for sample, names in topics.items() if heard.issuperset(names)}
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
+        self.diagnostics: Diagnostics | None = None
 
     def take(self, sample: Sample) -> None:
         """Takes a sample; one that no column is made of is left out."""
-        for topic in self._topics.get(type(sample), ()):
+        remark, topics = self._hand_on(sample), self._topics.get(type(sample), ())
+        for topic in topics:
             self.fed[topic] += 1
-        session = self._session
+            if self.diagnostics is not None:
+                self.diagnostics.arrived(topic, sample.stamp_ns, remark)
+
+    def _hand_on(self, sample: Sample) -> Remark | None:
+        """What is odd about a sample that the session has taken."""
+        session, remark = self._session, None
         match sample:
             case LaserScan():
-                session.take_scan(sample.stamp_ns, sample.ranges, angles=self._angles)
+                remark = session.take_scan(sample.stamp_ns, sample.ranges, angles=self._angles)
             case Imu(stamp_ns, orientation, angular_velocity, linear_acceleration):
-                session.take_imu(stamp_ns, linear_acceleration, angular_velocity, orientation)
+                remark = session.take_imu(stamp_ns, linear_acceleration, angular_velocity, orientation)
             case Pose():
-                session.take_pose(sample.stamp_ns, None if sample.empty else sample.position)
+                remark = session.take_pose(sample.stamp_ns, None if sample.empty else sample.position)
             case Odometry():
-                session.take_odometry(sample.stamp_ns, (sample.twist.linear, 0.0, 0.0))
+                remark = session.take_odometry(sample.stamp_ns, (sample.twist.linear, 0.0, 0.0))
             case GroundTruth():
                 session.take_true_velocity(sample.linear_velocity)
             case Battery(sensor="battery"):  # whose topic is that of the columns
@@ -83,20 +91,30 @@ class SampleFeed:
             case TruthState():
                 session.take_contact(touches=sample.hazard_contact)
                 session.take_traversal(sample.traversal)
+        return remark
 
 
 class DirectMetrics(SampleFeed):
-    """Feeds ticks to a session of metrics and writes a row, the `last_row`, each simulated second."""
+    """Feeds ticks to a session of metrics and writes a row, the `last_row`, each simulated second.
+
+    Attributes:
+        told: What the diagnostics say of the row of the latest tick; None without a row or diagnostics.
+    """
 
     def __init__(self, session: MetricsSession, lidar: LidarSpec, log: CsvLog) -> None:
         super().__init__(session, lidar)
         self._log, self._schedule = log, RowSchedule(NANOSECONDS)
         self.last_row: Row | None = None
+        self.told: bytes | None = None
 
     def advance(self, _: Tick, sent: Tick) -> None:
         """Takes what listeners get of a tick; the row of a full second comes after its samples."""
+        self.told = None
         for sample in sent.samples:
             self.take(sample)
         if sent.tells_time and self._schedule.is_due(sent.stamp_ns):
             self.last_row = self._session.row(sent.stamp_ns)
             self._log.write(self.last_row)
+            if self.diagnostics is not None:
+                thresholds = self._session.metrics.thresholds
+                self.told = self.diagnostics.told(sent.stamp_ns, self.last_row, thresholds)

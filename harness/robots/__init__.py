@@ -12,6 +12,7 @@ from harness.base.errors import UsageError
 from harness.robots.reading import MODELS_DIR, read_rover
 from harness.robots.sections import Drive, FrameRow, Mount, Tyres
 from harness.robots.spec import RoverSpec
+from rover_metrics.errors import sibling
 
 __all__ = [
     "IDEAL",
@@ -60,8 +61,8 @@ def find_rover(robot: str) -> RoverSpec:
         return ROVERS[robot]
     if Path(robot).is_file():
         raise UsageError(
-            f"robot '{robot}' is a file; a rover is a folder, which `python -m harness.robot new NAME "
-            f"--from {robot}` makes of a URDF (docs/robots.md)"
+            f"robot '{robot}' is a file; a rover is a folder, which `{sibling('harness.robot')} new "
+            f"NAME --from {robot}` makes of a URDF (docs/robots.md)"
         )
     if not robot or not Path(robot).is_dir():
         raise UsageError(

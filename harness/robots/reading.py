@@ -15,6 +15,7 @@ from harness.base.errors import UsageError
 from harness.robots.mjcf import stated_by_mjcf
 from harness.robots.spec import RoverFile, RoverSpec
 from harness.spec.value import made
+from rover_metrics.errors import sibling
 
 MODELS_DIR = next(
     folder
@@ -98,6 +99,6 @@ def _no_rover(folder: Path) -> str:
     urdf = sorted(path.name for path in folder.glob("*") if path.suffix in (".urdf", ".xacro"))
     source = folder / urdf[0] if urdf else "robot.urdf"
     return (
-        f"{folder} holds no rover.yaml; python -m harness.robot new NAME --from {source} writes "
+        f"{folder} holds no rover.yaml; {sibling('harness.robot')} new NAME --from {source} writes "
         "a folder that does"
     )

@@ -4,33 +4,28 @@ It counts what it publishes per topic and listens to /cmd_vel. Topic names are r
 and namespaces work; in the root namespace they are those of the README's table.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from itertools import chain
 from typing import Protocol
 
 from rclpy.context import Context
-from rosgraph_msgs.msg import Clock
 
 from harness import samples
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM, Description
+from harness.messages.optional import Draw
+from harness.messages.outlets import CLOCK, bursts, outlets
+from harness.messages.outlets import clock as clock_fill
 from harness.robots import RoverSpec
-from harness.ros import messages
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
 from harness.ros.frames import FrameTopics
-from harness.ros.optional_messages import Draw
 from harness.sensors.choice import chosen
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.table import SensorRow, Topic
+from harness.sensors.table import SensorRow
 from rover_metrics.ros.guarded_node import GuardedNode
 
-PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
-# Latched for who comes late; a subscriber of Nav2's, which is volatile, hears it too.
-GOAL = Topic("goal_pose", "geometry_msgs/msg/PoseStamped", depth=1, latched=True)
-CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
 # In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
 COMMAND_FRAMES = ("base_link", "base_footprint", ODOM)
 SECOND_PUBLISHER = (
@@ -92,25 +87,15 @@ class Bridge(GuardedNode):
         super().__init__("harness", context=context, namespace=namespace)
         self.time_ns = 0
         self.frames = FrameTopics(self)
+        rows = chosen(rover, ()) if rows is None else rows
+        told = outlets(rover, lidar, rows, draw=draw, actors=actors, goals=goals)
         self.channels_of: dict[samples.Source, list[Channel]] = {
-            row.source: [
-                open_channel(self, topic, messages.filler(row, topic, rover, lidar, draw))
-                for topic in row.topics
-            ]
-            for row in (chosen(rover, ()) if rows is None else rows)
-            if row.sample is not samples.Transforms
-        } | {samples.Transforms: self.frames.moving}
-        if actors:
-            self.channels_of[samples.ActorPoses] = [
-                open_channel(self, Topic(f"{name}/pose", PERSON), messages.person(index))
-                for index, name in enumerate(actors)
-            ]
-        if goals:
-            self.channels_of[samples.GoalPose] = [open_channel(self, GOAL, messages.goal())]
+            source: [open_channel(self, *outlet) for outlet in some] for source, some in told.items()
+        }
+        self.channels_of[samples.Transforms] = self.frames.moving
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self._tells_time = clock is None
-        time = messages.by_names(Clock(), samples.Tick)
-        self.clock_channel = open_channel(self, CLOCK, time) if clock is None else clock
+        self.clock_channel = open_channel(self, CLOCK, clock_fill()) if clock is None else clock
         frames = dict.fromkeys((rover.odometry_child_frame, *COMMAND_FRAMES))
         self.commands = Commands(self, cmd_vel, tuple(frames), on_command)
 
@@ -141,7 +126,7 @@ class Bridge(GuardedNode):
         self.time_ns = tick.stamp_ns
         if tick.stamp_ns % NANOSECONDS == 0:
             self.frames.refuse_rivals()
-        for burst in _bursts(sent.samples):
+        for burst in bursts(sent.samples):
             outlets = [(sample, self.channels_of[samples.source(sample)]) for sample in burst]
             channels = [channel for _, some in outlets for channel in some]
             for listener in listeners:
@@ -179,7 +164,7 @@ class Bridge(GuardedNode):
         """Lets messages go out as they are, again."""
         self.commands.record(None)
         for channel in self.channels:
-            channel.record = None
+            channel.record, channel.is_wanted = None, bool
 
     def refuse_other_publishers(self, topics: Iterable[str]) -> None:
         """Another harness or simulator would mix into the log; what starts later is caught in lock-step.
@@ -190,16 +175,3 @@ class Bridge(GuardedNode):
         for topic in (*topics, self.clock_channel.topic):
             if self.count_publishers(topic) > 1:
                 raise UsageError(f"{topic} {SECOND_PUBLISHER}")
-
-
-def _bursts(sent: Iterable[samples.Sample]) -> list[list[samples.Sample]]:
-    """Parts with at most one sample of a sensor: a listener's queue may hold only the latest message."""
-    bursts: list[list[samples.Sample]] = []
-    before: Counter[samples.Source] = Counter()
-    for sample in sent:
-        sensor = samples.source(sample)
-        if before[sensor] == len(bursts):
-            bursts.append([])
-        bursts[before[sensor]].append(sample)
-        before[sensor] += 1
-    return bursts

@@ -8,14 +8,13 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from harness.base.errors import UsageError
-from harness.base.sim_time import NANOSECONDS
+from harness.messages.refilled import Fill
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.sensors.table import Topic
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
 from rover_metrics.ros.subscriptions import keep_last
 
 Message = Any  # rclpy's classes have no types, and some messages are bytes
-Fill = Callable[[Any], Message]  # a sample of the topic's kind -> the refilled message, or None for none
 
 
 @dataclass(slots=True)
@@ -28,6 +27,7 @@ class Channel:
         topic: The resolved name, which a publisher forgets at shutdown.
         published: How many messages have been.
         record: Takes each message and returns the bytes to publish for it; None while nobody records.
+        is_wanted: Returns whether anybody but listeners wants messages.
         on_demand: Whether messages are made only while somebody listens or records.
     """
 
@@ -36,22 +36,18 @@ class Channel:
     topic: str
     published: int = 0
     record: Callable[[Message], bytes] | None = None
+    is_wanted: Callable[[], bool] = bool
     on_demand: bool = False
 
     def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
         """Sends one sample, if it is wanted and there is a message of it."""
-        if self.on_demand and self.record is None and not self.publisher.get_subscription_count():
+        if self.on_demand and not (self.is_wanted() or self.publisher.get_subscription_count()):
             return
         message = self.fill(sample)
         if message is None:
             return
         self.publisher.publish(message if self.record is None else self.record(message))
         self.published += 1
-
-
-def set_stamp(stamp: Message, stamp_ns: int) -> None:
-    """Sets a builtin_interfaces/Time to nanoseconds of simulation time."""
-    stamp.sec, stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
 
 
 def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:

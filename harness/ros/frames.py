@@ -1,75 +1,36 @@
-"""/tf, /tf_static and /robot_description of a run: samples and a Description -> messages and bytes.
+"""/tf, /tf_static and /robot_description of a run, as topics of its bridge.
 
-A TFMessage goes out as bytes: those that rosbags writes for its frames once, with stamp and values put
-in for each sample. So it needs no tf2_msgs (foreign_type).
+A TFMessage goes out as bytes, so it needs no tf2_msgs (foreign_type).
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
 
 from rclpy.node import Node
-from std_msgs.msg import String
 
 from harness.base.errors import RunFailed
-from harness.base.sim_time import NANOSECONDS
-from harness.frames.tree import ODOM, Description, Edge
-from harness.ros.cdr import Template, places
+from harness.frames.tree import ODOM, Description
+from harness.messages.transforms import (
+    DESCRIPTION,
+    STATIC,
+    TF_MESSAGE,
+    MovingFrames,
+    transforms_bytes,
+    urdf_bytes,
+)
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
-from harness.sensors.message_types import made, read_message, typestore
-from harness.sensors.table import SENSORS, Topic
+from harness.sensors.message_types import read_message
+from harness.sensors.table import SENSORS
 from rover_metrics.errors import shown
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
-TF_MESSAGE = "tf2_msgs/msg/TFMessage"
-STATIC = Topic("tf_static", TF_MESSAGE, depth=1, latched=True)  # as tf2_ros and robot_state_publisher
-DESCRIPTION = Topic("robot_description", "std_msgs/msg/String", depth=1, latched=True)
 NO_TYPE = (
     f"no /tf, no /tf_static: {TF_MESSAGE} is not installed, and only Fast DDS does without; "
     f"install tf2_msgs, or set RMW_IMPLEMENTATION={FAST_DDS}"
 )
 RECENT = 1000  # messages sent that may still come back
-
-
-def transforms_bytes(edges: Sequence[Edge]) -> bytes:
-    """Returns a TFMessage of frames in their parents, with stamp 0."""
-    stamp = made("builtin_interfaces/msg/Time", 0, 0)
-    transforms = [
-        made(
-            "geometry_msgs/msg/TransformStamped",
-            made("std_msgs/msg/Header", stamp, edge.parent),
-            edge.child,
-            made(
-                "geometry_msgs/msg/Transform",
-                made("geometry_msgs/msg/Vector3", *edge.translation),
-                made("geometry_msgs/msg/Quaternion", *edge.rotation),
-            ),
-        )
-        for edge in edges
-    ]
-    return bytes(typestore().serialize_cdr(made(TF_MESSAGE, transforms), TF_MESSAGE))
-
-
-def transform_fill(frames: Sequence[tuple[str, str]]) -> Callable[[Transforms], bytes]:
-    """Returns what makes a TFMessage's bytes of each sample of the same parents and children."""
-    data = transforms_bytes([Edge(*names) for names in frames])
-    found = places(read_message(data, TF_MESSAGE), TF_MESSAGE)
-    fields = ("header.stamp", "transform")
-    template = Template(
-        data, [found[f"transforms[{i}].{f}"] for i in range(len(frames)) for f in fields]
-    )
-
-    def fill(sample: Transforms) -> bytes:
-        stamp = divmod(sample.stamp_ns, NANOSECONDS)
-        moved, turned = sample.translation, sample.rotation
-        numbers: list[tuple[float, ...]] = []
-        for i in range(len(frames)):
-            numbers += stamp, moved[3 * i : 3 * i + 3] + turned[4 * i : 4 * i + 4]
-        return template.filled(numbers)
-
-    return fill
 
 
 class FrameTopics:
@@ -90,27 +51,23 @@ class FrameTopics:
             node.get_logger().warning(NO_TYPE)
         self.moving = [open_channel(node, topic, self._fill) for topic in tf.topics if has_type]
         self._static = [open_channel(node, STATIC, transforms_bytes)] if has_type else []
-        self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
+        self._urdf = open_channel(node, DESCRIPTION, urdf_bytes)
         self.fixed = [self._urdf, *self._static]
         self._description = Description((), (), owns_odom=False, urdf="")
-        self._fills: dict[int, Callable[[Transforms], bytes]] = {}
+        self._frames = MovingFrames()
         self._sent: deque[bytes] = deque(maxlen=RECENT)
         self._watched = False
         self._rival: str | None = None
 
     def describe(self, description: Description) -> None:
         """Publishes what is fixed; the samples to come are of what moves."""
-        self._description, self._fills = description, {}
+        self._description, self._frames = description, MovingFrames(description.moving)
         self._urdf.publish(description.urdf)
         for channel in self._static:
             channel.publish(description.fixed)
 
     def _fill(self, sample: Transforms) -> bytes:
-        """The message for a sample of the description's frames, or of the first of them."""
-        count = len(sample.translation) // 3
-        if count not in self._fills:
-            self._fills[count] = transform_fill(self._description.moving[:count])
-        data = self._fills[count](sample)
+        data = self._frames.fill(sample)
         self._sent.append(data)
         return data
 

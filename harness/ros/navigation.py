@@ -7,37 +7,29 @@ odom and world are one frame here: the rover starts at their origin.
 """
 
 import math
-from array import array
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
-import numpy as np
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
-from nav_msgs.msg import OccupancyGrid
 
 from harness import samples
 from harness.base.sim_time import NANOSECONDS
 from harness.drivers import takes_goals
 from harness.episode.assembly import graded_world, world_of
 from harness.episode.stream import RoverOrders
+from harness.messages.maps import GRADED, MAP, graded_bytes, occupancy_bytes
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, open_channel
-from harness.ros.optional_messages import grid_map
 from harness.samples import Place
-from harness.sensors.message_types import GRID_MAP
-from harness.sensors.table import Topic
 from harness.spec.run import Run
-from harness.world.grading import GradedMap
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.occupancy import OccupancyMap, occupancy
 from rover_metrics.core import rotation
 from rover_metrics.errors import shown
 
 FRAMES = ("map", "odom", "world")
-GRADED = Topic("map/truth", GRID_MAP, depth=1, latched=True)
-MAP = Topic("map", "nav_msgs/msg/OccupancyGrid", depth=1, latched=True)
 
 
 class Navigation:
@@ -60,8 +52,9 @@ class Navigation:
     ) -> None:
         self._bridge, self._run, self._source = bridge, run, source
         self._number, self._rover = number, run.rovers[number]
-        self.map = open_channel(bridge, MAP, self._message)
-        self.graded = open_channel(bridge, GRADED, self._graded) if truth_map else None
+        self.map = open_channel(bridge, MAP, lambda grid: occupancy_bytes(grid, bridge.time_ns))
+        graded = partial(open_channel, bridge, GRADED, lambda grid: graded_bytes(grid, bridge.time_ns))
+        self.graded = graded() if truth_map else None
         bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)
         if samples.GoalPose not in bridge.channels_of:  # else it publishes that itself
             bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
@@ -84,30 +77,6 @@ class Navigation:
             if channel.published == 0 and is_wanted:
                 is_graded = channel is self.graded
                 channel.publish(graded_world(self._run, self._number) if is_graded else self.occupancy)
-
-    def _graded(self, graded: GradedMap) -> bytes:
-        """The world graded for this rover; `traversability` is 1 where no limit is near, 0 at one."""
-        layers = graded.layers | {"traversability": np.clip(1.0 - graded.layers["danger"], 0.0, 1.0)}
-        rows, columns = layers["danger"].shape
-        half = 0.5 * graded.resolution
-        middle = (graded.corner[0] + half * columns, graded.corner[1] + half * rows, 0.0)
-        turned = {name: layer.T.astype(np.float32) for name, layer in layers.items()}
-        return grid_map(self._bridge.time_ns, "map", graded.resolution, middle, turned)
-
-    def _message(self, grid: OccupancyMap) -> OccupancyGrid:
-        message = OccupancyGrid()
-        seconds, nanoseconds = divmod(self._bridge.time_ns, NANOSECONDS)
-        message.header.frame_id = "map"
-        for stamp in (message.header.stamp, message.info.map_load_time):
-            stamp.sec, stamp.nanosec = seconds, nanoseconds
-        message.info.resolution = float(grid.resolution)
-        message.info.height, message.info.width = grid.cells.shape
-        corner = message.info.origin.position
-        corner.x, corner.y = (
-            float(at - half) for at, half in zip(grid.middle, grid.half_size, strict=True)
-        )
-        message.data = array("b", grid.cells.tobytes())
-        return message
 
     def _put(self, message: PoseWithCovarianceStamped) -> None:
         self._take("initialpose", message.header.frame_id, message.pose.pose, self._source.put)

@@ -14,6 +14,7 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import actor_names, injector, scenery, sensor_rows
 from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
+from harness.episode.topics import painter
 from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
@@ -22,22 +23,12 @@ from harness.ros.commands import RCLError
 from harness.ros.hosted import HostedMetrics
 from harness.ros.navigation import Navigation
 from harness.samples import Twist
-from harness.sensors.camera.painter import CameraPainter
-from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.ros.arguments import refusal
-
-
-def painter(run: Run, number: int = 0) -> CameraPainter:
-    """Returns what draws for the cameras of a run's rover; the first image starts it."""
-    given = (row.given for row in sensor_rows(run.rovers[number]))
-    cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
-    warn = get_logger("harness").warning
-    return CameraPainter(partial(scenery, run), cameras, run.own_seed(number), warn)
 
 
 def metrics_node(context: Context, outputs: Outputs, namespace: str = "") -> MetricsNode:
@@ -94,7 +85,7 @@ class RoverNodes:
         self.run, self.number = run, number
         self.setup = setup = run.rovers[number]
         self._context, self._at_end = context, at_end
-        self._painter = at_end.enter_context(painter(run, number))
+        self._painter = at_end.enter_context(painter(run, number, get_logger("harness").warning))
         try:
             self.bridge = Bridge(
                 find_rover(setup.robot),

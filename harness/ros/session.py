@@ -6,7 +6,7 @@ The first one's bridge tells the time, when all have sent the samples of a tick.
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 
@@ -20,15 +20,16 @@ from harness.episode.helm import Helm
 from harness.episode.loop import Pacer, Route, drive
 from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeProcess
+from harness.messages.sinks import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
 from harness.ros.context import SPIN_TIMEOUT, make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.effect import awaited_effects
 from harness.ros.hosted import heard_by
 from harness.ros.lock_step import RemoteNodes
-from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.ros.rover_nodes import RoverNodes
+from harness.ros.tap import Tap
 from harness.samples import Tick
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -59,14 +60,13 @@ def run_through_ros(
     """
     started = time.monotonic()
     with ExitStack() as at_end:
-        recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
-        at_end.enter_context(recorder or nullcontext())
+        sinks = sinks_of(options, at_end)
         source = at_end.enter_context(EpisodeProcess(run, options.frames, prompt=helm is not None))
         session = _Session(run, outputs, options, source, at_end)
-        if recorder is not None:
-            for rover in session.rovers:
-                metrics = rover.hosted.node.publisher if rover.hosted else None
-                recorder.tap(rover.bridge, metrics, rover.navigation.maps)
+        tap = Tap(*sinks)
+        for rover in session.rovers if sinks else ():
+            metrics = rover.hosted.node.publisher if rover.hosted else None
+            tap.tap(rover.bridge, metrics, rover.navigation.maps)
         return session.drive(stop, show, started, helm)
 
 

@@ -26,7 +26,7 @@ from harness.scenario.steps import (
 )
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
-from rover_metrics.errors import ParameterError
+from rover_metrics.errors import ParameterError, sibling
 from rover_metrics.extended.energy_columns import EnergyColumns
 from rover_metrics.extended.parameter_file import read_values
 
@@ -59,7 +59,7 @@ class Case:
         """Returns what repeats this run alone."""
         only = [word for name, value in self.cell for word in ("--only", f"{name}={value}")]
         words = [str(self.path), "--seed", str(self.run.seed), *only]
-        return f"python -m harness.scenario {shlex.join(words)}"
+        return f"{sibling('harness.scenario')} {shlex.join(words)}"
 
     @property
     def expected_failure(self) -> ExpectedFailure | None:

@@ -40,7 +40,7 @@ class Topic:
 
     Attributes:
         name: Relative to the namespace of the run.
-        message_type: E.g. "sensor_msgs/msg/Imu". Unless harness.ros.messages has a filler for it, its
+        message_type: E.g. "sensor_msgs/msg/Imu". Unless harness.messages.fillers has one of it, its
             fields are filled from those of the sample that have the same names.
         best_effort: Whether it is offered best effort instead of reliable.
         depth: How many messages may wait.

@@ -10,17 +10,17 @@ from pydantic import AfterValidator, Field, model_validator
 from harness.base.errors import UsageError
 from harness.spec.value import Option, Value, checked
 
-HERE, PORT = "127.0.0.1", 8080
+HERE, PORT, FOXGLOVE_PORT = "127.0.0.1", 8080, 8765
 TOKEN = re.compile(r"[A-Za-z0-9_-]{8,}")  # what a cookie and an address can hold as it is
 
 
-def address_of(text: str) -> tuple[str, int]:
+def address_of(text: str, flag: str = "--live", default: int = PORT) -> tuple[str, int]:
     """Returns host and port of [HOST][:PORT], e.g. 0.0.0.0:8080; a UsageError if it is none."""
     host, colon, port = text.rpartition(":") if ":" in text or text.isdigit() else (text, "", "")
     if (colon and not port) or (port and not (port.isdigit() and 0 < int(port) < 65536)) or " " in text:
-        form = f"give HOST, PORT or HOST:PORT, e.g. {HERE}:{PORT}"
-        raise UsageError(f"--live '{text}' is not valid; {form}")
-    return host.strip("[]") or HERE, int(port or PORT)
+        form = f"give HOST, PORT or HOST:PORT, e.g. {HERE}:{default}"
+        raise UsageError(f"{flag} '{text}' is not valid; {form}")
+    return host.strip("[]") or HERE, int(port or default)
 
 
 def is_local(host: str) -> bool:

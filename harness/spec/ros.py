@@ -1,5 +1,6 @@
 """How a run goes through ROS: nodes, names, pace, transforms, recording."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -7,6 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from harness.base.errors import UsageError
 from harness.spec.effect import FORM, EffectText
+from harness.spec.live import FOXGLOVE_PORT, HERE, address_of
 from harness.spec.rover import namespace_of
 from harness.spec.value import Option, Value, checked, listed
 
@@ -14,6 +16,8 @@ GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
 ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
 CMD_VEL_TYPES = ("auto", "twist", "stamped")
 SLOWEST_RATE = 0.01
+foxglove_address = partial(address_of, flag="--foxglove", default=FOXGLOVE_PORT)
+FOXGLOVE_ADDRESS = f"{HERE}:{FOXGLOVE_PORT}"
 
 
 class FrameOptions(Value):
@@ -45,6 +49,11 @@ def _rate(value: object) -> object:
 def _check_nodes(names: tuple[str, ...]) -> None:
     if not all(namespace_of(name, "--wait-for") for name in names):
         raise UsageError("--wait-for needs the name of a node, e.g. /metrics_node")
+
+
+def _check_address(where: str | None) -> None:
+    if where is not None:
+        foxglove_address(where)
 
 
 class RosOptions(Value):
@@ -86,6 +95,14 @@ class RosOptions(Value):
         default=None,
         description="record every topic, /cmd_vel and /rover/metrics too; a killed run's file is "
         "read by rover_metrics.replay as it is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
+    )
+    foxglove: Annotated[
+        str | None, AfterValidator(checked(_check_address)), Option("[HOST:]PORT", bare=FOXGLOVE_ADDRESS)
+    ] = Field(
+        default=None,
+        description="serve every topic to Foxglove, without ROS too, at --rate 1 unless another is "
+        f"given (extra [foxglove]); bare: at {FOXGLOVE_ADDRESS}; whoever reaches the host can read it; "
+        "default: none",
     )
     overwrite: Annotated[bool, Option("")] = Field(
         default=False, description="let --record and --social-log replace a file"

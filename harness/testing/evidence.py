@@ -11,10 +11,11 @@ from typing import Self
 from harness.base.errors import HarnessError
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunAccount, RunResult, TopicCount
+from harness.messages.recorder import Recorder
 from harness.report.evidence import keep_evidence
 from harness.report.recorder import RunRecorder
 from harness.ros.bridge import Bridge
-from harness.ros.recorder import Recorder
+from harness.ros.tap import Tap
 from harness.spec.run import Run
 
 RECORDING, PAGE = "trial.mcap", "trial.html"
@@ -75,13 +76,14 @@ class Recording(ExitStack):
         self._open = self.enter_context(ExitStack())
         self._recorder = self._open.enter_context(Recorder(self.path, last=self._last))
         self.callback(self._recorder.forget)  # before it is closed, if `end` was not called
-        self.hear = self._recorder.hear
+        self._tap = Tap(self._recorder)
+        self.hear = self._tap.hear
         return self
 
     def tap(self, bridge: Bridge) -> None:
         """Records a bridge from now on."""
         self._open.callback(bridge.stop_recording)
-        self._recorder.tap(bridge)
+        self._tap.tap(bridge)
 
     def end(self) -> Path | None:
         """Finishes the recording; returns where it is, None if it has no message."""

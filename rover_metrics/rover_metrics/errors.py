@@ -167,6 +167,17 @@ def called(name: str) -> str:
     return typed.removesuffix(".exe") if typed.startswith(SCRIPTS) else name
 
 
+def sibling(module: str) -> str:
+    """Returns another program as whoever typed this one calls it: rover tune, rover-tune, or python -m.
+
+    Args:
+        module: E.g. harness.tune.
+    """
+    typed = called("")
+    words = ("rover", module.rpartition(".")[2])
+    return typed[len("rover")].join(words) if typed else f"python -m {module}"
+
+
 def complain(name: str, text: str) -> None:
     """Prints one line on stderr that begins with what the program was called."""
     print(f"{called(name)}: {printable(text)}", file=sys.stderr)

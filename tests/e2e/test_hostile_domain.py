@@ -31,8 +31,8 @@ from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
+from harness.messages.transforms import TF_MESSAGE
 from harness.ros.foreign_type import forget_missing_definition
-from harness.ros.frames import TF_MESSAGE
 from harness.ros.topic_monitor import message_class
 from rover_metrics.health.rejections import NO_TIME
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
-from harness import call, check, play, robot, topics
+from harness import call, check, play, robot, teleop, topics
 from harness.cli import programs
 from harness.cli.run_parser import run_parser
 from harness.course import __main__ as course
@@ -29,6 +29,7 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.gym.policy_node": policy_node._parser,
     "harness.topics": topics._parser,
     "harness.call": call._parser,
+    "harness.teleop": teleop._parser,
     "rover_metrics.analyze": analyze._parser,
     "rover_metrics.social": social._parser,
     "rover_metrics.replay": replay.parser,

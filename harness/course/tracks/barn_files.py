@@ -89,7 +89,7 @@ def _of_table(file: Path) -> list[WorldFile]:
 def _rows(file: Path, *columns: str) -> list[tuple[int, list[Any]]]:
     """The rows of each world of a table, by its number; what has no radius has BARN's."""
     try:
-        rows = pd.read_csv(file)
+        rows = pd.read_csv(file, skipinitialspace=True).rename(columns=lambda n: str(n).strip().lower())
         values = rows.assign(radius=rows.get("radius", RADIUS))[["world", *columns]].astype(float)
     except (OSError, ValueError, KeyError, pd.errors.ParserError) as error:
         raise UsageError(f"{file} is no table with the columns world, x, y: {error}") from error

@@ -79,6 +79,16 @@ def test_unseen_worlds_are_passable_and_of_the_same_kinds() -> None:
     assert (generated(3, 0)[:, 0] == 1).all()
 
 
+def test_a_table_may_have_other_cases_and_spaces_and_is_refused_in_millimetres(tmp_path: Path) -> None:
+    (tmp_path / "cylinders.csv").write_text("World, X, Y\n7, -1.5, 6.0\n7, -3.0, 6.0\n")
+    (case,) = Barn().cases(50, tmp_path)
+    assert Barn().task(case, tmp_path).shortest == pytest.approx(10.0, abs=0.2)
+    (tmp_path / "cylinders.csv").write_text("world,x,y\n7,-1500,6000\n7,-3000,6000\n")
+    (case,) = Barn().cases(50, tmp_path)
+    with pytest.raises(UsageError, match="metres"):
+        Barn().task(case, tmp_path)
+
+
 @pytest.mark.parametrize(
     ("files", "named"),
     [

@@ -109,3 +109,8 @@ def test_tracks_are_driven_by_what_listeners_get() -> None:
         assert first.shortest >= math.dist((0.0, 0.0), (0.0, 9.0))
         assert first.optimal == second.optimal
     assert all(a != b for a, b in pairwise([*straight, *goal]))
+
+
+def test_what_was_learned_beats_who_does_not_look() -> None:
+    learned, straight = (driven(entry, "rocky", range(4)) for entry in ("learned", "straight"))
+    assert sum(one.score for one in learned) > 4 * 0.1 + sum(one.score for one in straight)

@@ -13,11 +13,12 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.errors import RunFailed
 from harness.frames.tree import Description, Edge
+from harness.messages.transforms import TF_MESSAGE, transform_fill, transforms_bytes
 from harness.ros import frames
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.ros.frames import NO_TYPE, TF_MESSAGE, transform_fill, transforms_bytes
+from harness.ros.frames import NO_TYPE
 from harness.samples import Tick, Transforms
 from harness.sensors.message_types import typestore
 from tests.support.ros import Ros

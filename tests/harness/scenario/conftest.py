@@ -62,7 +62,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     seen: list[Run] = []
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
-    monkeypatch.setattr(direct, "episodes_of", lambda run: (Scripted(run),))
+    monkeypatch.setattr(direct, "episodes_of", lambda run, *_: (Scripted(run),))
     monkeypatch.setattr(
         direct, "together", lambda made, **_: zip(*(e.batches() for e in made), strict=True)
     )

@@ -11,6 +11,7 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.episode.assembly import graded_world
+from harness.messages.optional import grid_map
 from harness.robots import ROVERS, find_rover
 from harness.robots.model import tip_limit
 from harness.scenario.case import plan
@@ -114,11 +115,10 @@ def test_shares_count_the_mistakes_that_a_map_has(turn: float) -> None:
 
 @pytest.mark.parametrize("turn", [0.0, -1.2])
 def test_a_grid_map_is_read_as_it_is_published(turn: float) -> None:
-    optional = pytest.importorskip("harness.ros.optional_messages", reason="ROS 2 is not installed")
     truth = graded(ramp(0.0, box(ObstacleKind.HAZARD, 1.0)), LIMITS)
     grid = heard(truth, turn)
     layers = {"elevation": 0.0 * grid.costs.T, "traversability": 1.0 - grid.costs.T}
-    data = optional.grid_map(5, "map", 0.05, (0.0, 0.0, turn), layers)
+    data = grid_map(5, "map", 0.05, (0.0, 0.0, turn), layers)
     (again,) = grids_of(read_message(data, GRID_MAP))
     assert again.stamp_ns == 5
     assert again.origin == pytest.approx(grid.origin, abs=1e-6)

@@ -5,25 +5,23 @@ Their layout is that of velodyne_pointcloud: x, y, z and intensity as float32, r
 float32. The time is 0: all points of a cloud are of its stamp.
 """
 
-from array import array
 from collections.abc import Callable, Mapping
 from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 
 from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM
-from harness.ros.channel import Fill, set_stamp
-from harness.ros.refilled import refilled
+from harness.messages.blank import Message, cdr
+from harness.messages.refilled import Fill, refilled, set_stamp
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
-from harness.sensors.message_types import GRID_MAP, made, typestore
+from harness.sensors.message_types import GRID_MAP, made
 from harness.sensors.ranging import RangeReading
 
 Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL
@@ -32,12 +30,13 @@ ENCODING, CHANNELS = "rgb8", 3
 ON_GROUND, ON_OBSTACLE = 25.0, 50.0
 XYZ = ("x", "y", "z")
 POINT = np.dtype([*((name, "<f4") for name in (*XYZ, "intensity")), ("ring", "<u2"), ("time", "<f4")])
-FIELD_TYPES = {"<f4": PointField.FLOAT32, "<u2": PointField.UINT16}
+FIELD = "sensor_msgs/msg/PointField"
+FIELD_TYPES = {"<f4": 7, "<u2": 4}  # its FLOAT32 and UINT16
 LAYER = "elevation"
 PIXEL = np.dtype([(name, "<f4") for name in XYZ])
 
 
-def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
+def laser_scan(message: Message, options: PlanarLidarOptions) -> Fill:
     """Returns what makes scans of readings, without intensities."""
     message.angle_min, message.angle_max = options.angle_min, options.angle_max
     message.angle_increment = (options.angle_max - options.angle_min) / (options.beams - 1)
@@ -45,12 +44,12 @@ def laser_scan(message: LaserScan, options: PlanarLidarOptions) -> Fill:
     return scan_fill(message)
 
 
-def scan_fill(message: LaserScan) -> Fill:
+def scan_fill(message: Message) -> Fill:
     """Returns what sets stamp and ranges; scan_time and time_increment stay 0, as in ros_gz_bridge."""
     return refilled(message, {"ranges": attrgetter("ranges")})
 
 
-def lidar_cloud(message: PointCloud2, options: CloudLidarOptions) -> Fill:
+def lidar_cloud(message: Message, options: CloudLidarOptions) -> Fill:
     """Returns what makes clouds of readings."""
     shape = (options.rays // options.columns, options.columns) if options.organised else None
     whole = np.zeros(options.rays, POINT)
@@ -59,7 +58,7 @@ def lidar_cloud(message: PointCloud2, options: CloudLidarOptions) -> Fill:
     return _cloud(message, options.directions(), whole, shape, keeps_misses=keeps_misses)
 
 
-def depth_cloud(message: PointCloud2, options: DepthOptions) -> Fill:
+def depth_cloud(message: Message, options: DepthOptions) -> Fill:
     """Returns what makes organised clouds of depth images, as depth_image_proc does."""
     whole = np.zeros(options.rays, PIXEL)
     shape = options.height, options.width
@@ -67,7 +66,7 @@ def depth_cloud(message: PointCloud2, options: DepthOptions) -> Fill:
 
 
 def _cloud(
-    message: PointCloud2,
+    message: Message,
     directions: np.ndarray,
     whole: np.ndarray,
     shape: tuple[int, int] | None,
@@ -76,13 +75,13 @@ def _cloud(
 ) -> Fill:
     """What makes clouds along directions (n, 3) from all points with what does not change of them."""
     message.fields = [
-        PointField(name=name, offset=offset, datatype=FIELD_TYPES[kind.str], count=1)
+        made(FIELD, name, offset, FIELD_TYPES[kind.str], 1)
         for name, (kind, offset, *_) in (whole.dtype.fields or {}).items()
     ]
     message.point_step = whole.dtype.itemsize
     exact = np.ascontiguousarray(directions.astype(np.float32).T)
 
-    def fill(reading: RangeReading) -> PointCloud2:
+    def fill(reading: RangeReading) -> bytes:
         set_stamp(message.header.stamp, reading.stamp_ns)
         hit = np.isfinite(reading.ranges)
         chosen = slice(None) if keeps_misses else hit
@@ -95,59 +94,59 @@ def _cloud(
         message.height, message.width = shape or (1, len(points))
         message.row_step = message.width * message.point_step
         message.is_dense = bool(hit.all()) or not keeps_misses
-        message.data = array("B", points.tobytes())
-        return message
+        message.data = points.view(np.uint8)
+        return cdr(message)
 
     return fill
 
 
-def depth_image(message: Image, options: DepthOptions) -> Fill:
+def depth_image(message: Message, options: DepthOptions) -> Fill:
     """Returns what makes images of float32 depths [m], coded as REP-118 and REP-117 say."""
     message.height, message.width = options.height, options.width
     message.encoding, message.is_bigendian, message.step = "32FC1", 0, 4 * options.width
 
-    def fill(reading: RangeReading) -> Image:
+    def fill(reading: RangeReading) -> bytes:
         set_stamp(message.header.stamp, reading.stamp_ns)
-        message.data = array("B", reading.ranges.tobytes())
-        return message
+        message.data = reading.ranges.view(np.uint8)
+        return cdr(message)
 
     return fill
 
 
-def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fill:
+def image_fill(message: Message, options: CameraOptions, draw: Draw | None) -> Fill:
     """Returns a filler that has the image of each sample drawn; None for a message without one."""
     message.encoding, message.is_bigendian = ENCODING, 0
     message.width, message.height = options.width, options.height
     message.step = CHANNELS * options.width
 
-    def fill(state: CameraState) -> Image | None:
+    def fill(state: CameraState) -> bytes | None:
         pixels = None if draw is None else draw(state)
         if pixels is None:
             return None
         set_stamp(message.header.stamp, state.stamp_ns)
-        message.data = array("B", pixels.tobytes())
-        return message
+        message.data = pixels.ravel()
+        return cdr(message)
 
     return fill
 
 
-def lens_info(message: CameraInfo, lens: Lens) -> Fill:
+def lens_info(message: Message, lens: Lens) -> Fill:
     """Returns a filler of what is known of a lens, which is without further distortion."""
     message.width, message.height = lens.width, lens.height
     message.distortion_model = lens.distortion_model
-    message.d = [0.0] * lens.coefficients
+    message.d = np.zeros(lens.coefficients)
     message.k = lens.matrix.ravel()
     message.r = np.eye(3).ravel()
     message.p = np.column_stack([lens.matrix, np.zeros(3)]).ravel()
 
-    def fill(sample: Sample) -> CameraInfo:
+    def fill(sample: Sample) -> bytes:
         set_stamp(message.header.stamp, sample.stamp_ns)
-        return message
+        return cdr(message)
 
     return fill
 
 
-def grid_map_fill(options: HeightScanOptions) -> Fill:
+def grid_map_fill(options: HeightScanOptions) -> Callable[[HeightScan], bytes]:
     """Returns a filler of GridMaps of absolute heights, in odom, which is the world, as bytes.
 
     With axes `rover` the pose of the map is turned with the rover, which readers that know only its
@@ -204,4 +203,4 @@ def grid_map(
         0,
         0,
     )
-    return bytes(typestore().serialize_cdr(message, GRID_MAP))
+    return cdr(message)

@@ -24,10 +24,11 @@ from sensor_msgs.msg import JointState, LaserScan
 from harness import __version__, samples
 from harness.base.errors import RunFailed, UsageError
 from harness.frames.tree import Description
+from harness.messages.cdr import padding_of
+from harness.messages.recorder import Recorder, full_definition
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.cdr import padding_of
-from harness.ros.recorder import Recorder, full_definition
+from harness.ros.tap import Tap
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 from tests.support.ros import Ros
@@ -80,7 +81,7 @@ def publish(bridge: Bridge, ticks: int) -> None:
 
 def record(path: Path, bridge: Bridge, ticks: int) -> None:
     with Recorder(path) as recorder:
-        recorder.tap(bridge)
+        Tap(recorder).tap(bridge)
         publish(bridge, ticks)
 
 
@@ -113,7 +114,7 @@ def test_of_the_last_seconds_what_is_latched_stays(bridge: Bridge, tmp_path: Pat
     def recorded(name: str, last: float | None, *, kept: bool = True) -> list[tuple[str, int, bytes]]:
         bridge.time_ns = 0
         with Recorder(tmp_path / name, last=last) as recorder:
-            recorder.tap(bridge)
+            Tap(recorder).tap(bridge)
             bridge.describe(Description((), (), owns_odom=False, urdf="<robot/>"))
             publish(bridge, 6)
             bridge.stop_recording()
@@ -155,7 +156,7 @@ def test_padding_is_what_aligns_the_fields() -> None:
 def test_all_but_the_last_second_is_on_disk_while_recording(bridge: Bridge, tmp_path: Path) -> None:
     path = tmp_path / "bag.mcap"
     with Recorder(path) as recorder:
-        recorder.tap(bridge)
+        Tap(recorder).tap(bridge)
         publish(bridge, 60)
         copy = tmp_path / "killed.mcap"
         copy.write_bytes(path.read_bytes())
@@ -197,7 +198,7 @@ def test_existing_file_is_replaced_on_request_once_there_is_a_message(
         raise UsageError
     assert path.read_text() == "precious"
     with Recorder(path, overwrite=True) as recorder:
-        recorder.tap(bridge)
+        Tap(recorder).tap(bridge)
         assert path.read_text() == "precious"
         publish(bridge, 1)
         assert path.read_bytes().startswith(b"\x89MCAP")
@@ -215,7 +216,7 @@ def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
     # As long as each other, with their padding elsewhere.
     names = (("a", "abcde"), ("abcde", "a"))
     with Recorder(tmp_path / "bag.mcap") as recorder:
-        recorder.tap(bridge, metrics)
+        Tap(recorder).tap(bridge, metrics)
         publish(bridge, 1)
         for name, message in names:
             status = Status(Level.WARN, name, message, (("key", "1.5"),))
@@ -253,8 +254,9 @@ def test_a_recording_does_not_depend_on_the_order_in_which_nodes_publish_their_m
         files = [tmp_path / f"{name}{number}.mcap" for number in (0, 1)]
         for file, order in zip(files, (nodes, nodes[::-1]), strict=True):
             with Recorder(file, last=last) as recorder:
+                tap = Tap(recorder)
                 for bridge, metrics in zip(fleet, nodes, strict=True):
-                    recorder.tap(bridge, metrics)
+                    tap.tap(bridge, metrics)
                 for time_ns in (10, 20, 30):
                     fleet[0].time_ns = time_ns
                     for node in order:
@@ -284,6 +286,6 @@ def test_a_full_disk_ends_the_run_with_the_reason_once(
         return
     monkeypatch.setattr(Writer, "add_message", full)
     with Recorder(tmp_path / "bag.mcap") as recorder:
-        recorder.tap(bridge)
+        Tap(recorder).tap(bridge)
         with pytest.raises(RunFailed, match=reason):
             publish(bridge, 1)

@@ -1,36 +1,20 @@
 """Samples -> ROS messages: what of a topic's message does not change, and where the rest comes from."""
 
 import math
-from array import array
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import fields
 from operator import attrgetter
-from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Pose, PoseArray, PoseStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import (
-    BatteryState,
-    CameraInfo,
-    Image,
-    Imu,
-    JointState,
-    LaserScan,
-    NavSatFix,
-    NavSatStatus,
-    PointCloud2,
-)
-from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.frames.tree import FOOTPRINT
+from harness.messages import optional
+from harness.messages.blank import Message, blank, kind_of
+from harness.messages.refilled import Fill, refilled
 from harness.robots import RoverSpec
-from harness.ros import optional_messages as optional
-from harness.ros.channel import Fill, Message
-from harness.ros.refilled import refilled
 from harness.sensors.battery import BatteryOptions
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
@@ -39,12 +23,21 @@ from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.message_types import made
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import SensorOptions
-from harness.sensors.table import SensorRow, Topic
+from harness.sensors.table import POINT_CLOUD, SensorRow, Topic
 from rover_metrics.extended.truth_columns import traversal_names
 from rover_metrics.topics import UNKNOWN
 
+POSE, POSES = "geometry_msgs/msg/Pose", "geometry_msgs/msg/PoseArray"
+SCAN, IMU, ODOMETRY = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry"
+JOINTS, FIX, BATTERY = (
+    f"sensor_msgs/msg/{name}" for name in ("JointState", "NavSatFix", "BatteryState")
+)
+IMAGE, CAMERA_INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
+BOOL, NUMBERS = "std_msgs/msg/Bool", "std_msgs/msg/Float64MultiArray"
+DIMENSION = "std_msgs/msg/MultiArrayDimension"
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
 
@@ -62,23 +55,23 @@ def filler(
     """
     if isinstance(row.given, HeightScanOptions):
         return optional.grid_map_fill(row.given)
-    message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
+    message = blank(topic.message_type)
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
-    if isinstance(message, Image) and isinstance(row.given, CameraOptions):
+    if topic.message_type == IMAGE and isinstance(row.given, CameraOptions):
         return optional.image_fill(message, row.given, draw)
-    of_options = OF_OPTIONS.get((type(row.given), type(message)))
+    of_options = OF_OPTIONS.get((type(row.given), topic.message_type))
     if of_options is not None:
         return of_options(message, row.given)
     if row.noise is not None:
         _tell_errors(message, row.sample, row.noise)
-    special = FILLERS.get((row.sample, type(message)))
+    special = FILLERS.get((row.sample, topic.message_type))
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
 
 def _tell_errors(message: Message, sample: type[samples.Sample], noise: NoisePreset) -> None:
     """Fills covariances in: of a new sensor's errors, diagonal; zeros, which mean unknown, of none."""
-    if isinstance(message, Imu):
+    if kind_of(message) == IMU:
         for name, errors in (
             ("orientation", noise.attitude),
             ("angular_velocity", noise.angular_velocity),
@@ -95,7 +88,7 @@ def _tell_errors(message: Message, sample: type[samples.Sample], noise: NoisePre
 def person(index: int) -> Fill:
     """Returns a filler of the pose of one of the people; as RoboTerrain's, it has no stamp."""
     return refilled(
-        Pose(),
+        blank(POSE),
         {
             "position": lambda sample: sample.position[index],
             "orientation": lambda sample: sample.orientation[index],
@@ -105,7 +98,7 @@ def person(index: int) -> Fill:
 
 def goal() -> Fill:
     """Returns a filler of goals in the world, which is the map."""
-    message = PoseStamped()
+    message = blank("geometry_msgs/msg/PoseStamped")
     message.header.frame_id = "map"
     parts = ("position", "orientation")
     return refilled(message, {f"pose.{part}": attrgetter(part) for part in parts})
@@ -117,17 +110,17 @@ def by_names(message: Message, sample_type: type) -> Fill:
     return refilled(message, {name: attrgetter(name) for name in names})
 
 
-def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
+def _laser_scan(message: Message, _: RoverSpec, lidar: LidarSpec) -> Fill:
     message.angle_min, message.angle_max = -lidar.angle_max, lidar.angle_max
     message.angle_increment = 2 * lidar.angle_max / (lidar.beams - 1)
     message.range_min, message.range_max = lidar.range_min, lidar.range_max
-    message.intensities = array("f", bytes(4 * lidar.beams))
+    message.intensities = np.zeros(lidar.beams, np.float32)
     return optional.scan_fill(message)
 
 
-def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
+def _pose_array(message: Message, _: RoverSpec, __: LidarSpec) -> Fill:
     empty = refilled(deepcopy(message), {})
-    message.poses = [Pose()]
+    message.poses = [blank(POSE)]
     sources = {f"poses[0].{name}": attrgetter(name) for name in ("position", "orientation")}
     whole = refilled(message, sources)
     return lambda sample: empty(sample) if sample.empty else whole(sample)
@@ -146,7 +139,7 @@ PLANAR_POSE: Mapping[str, Callable[[Any], object]] = {
 }
 
 
-def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
+def _wheel_odometry(message: Message, rover: RoverSpec, _: LidarSpec) -> Fill:
     """Wheel odometry; covariances are 0, as in Gazebo, unless noise has told some."""
     message.child_frame_id = rover.odometry_child_frame
     linear, angular = attrgetter("twist.linear"), attrgetter("twist.angular")
@@ -154,7 +147,7 @@ def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
     return refilled(message, {**PLANAR_POSE, **twist})
 
 
-def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
+def _ground_truth(message: Message, _: RoverSpec, __: LidarSpec) -> Fill:
     """True odometry, planar as RoboTerrain's; the twist is the true one."""
     message.child_frame_id = FOOTPRINT
     message.pose.covariance = (np.eye(6) * GROUND_TRUTH_POSE_VARIANCE).ravel()
@@ -163,72 +156,73 @@ def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
     return refilled(message, {**PLANAR_POSE, **twist})
 
 
-def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
+def _joint_states(message: Message, rover: RoverSpec, _: LidarSpec) -> Fill:
     message.name = list(rover.joints)
     return by_names(message, samples.JointStates)
 
 
-def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
+def _contact(message: Message, _: RoverSpec, __: LidarSpec) -> Fill:
     return refilled(message, {"data": attrgetter("hazard_contact")})
 
 
-def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fill:
+def _traversal(message: Message, rover: RoverSpec, _: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
 
-    def of(message: Float64MultiArray, *, soil: bool) -> Fill:
+    def of(message: Message, *, soil: bool) -> Fill:
         names = traversal_names(rover.wheel_names, soil=soil)
         size = len(names)
-        message.layout.dim = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
+        message.layout.dim = [made(DIMENSION, ",".join(names), size, size)]
         return refilled(message, {"data": attrgetter("traversal")})
 
-    rigid, on_soil = of(message, soil=False), of(Float64MultiArray(), soil=True)
+    rigid, on_soil = of(message, soil=False), of(blank(NUMBERS), soil=True)
     return lambda sample: (rigid if sample.soil is None else on_soil)(sample)
 
 
-def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
+def _nav_sat_fix(message: Message, _: SensorOptions) -> Fill:
     """Fixes of a receiver for GPS, GLONASS, BeiDou and Galileo."""
-    used = NavSatStatus.SERVICE_GPS | NavSatStatus.SERVICE_GLONASS
-    message.status.service = used | NavSatStatus.SERVICE_COMPASS | NavSatStatus.SERVICE_GALILEO
+    status = message.status
+    used = status.SERVICE_GPS | status.SERVICE_GLONASS | status.SERVICE_COMPASS
+    status.service = used | status.SERVICE_GALILEO
     names = [item.name for item in fields(GnssFix) if hasattr(message, item.name)]
     sources = {name: attrgetter(name) for name in names}
     return refilled(message, {**sources, "status.status": attrgetter("fix")})
 
 
-def _battery_state(message: BatteryState, _: BatteryOptions) -> Fill:
+def _battery_state(message: Message, _: BatteryOptions) -> Fill:
     """What a battery with a gauge of charge tells; what it does not measure is NaN."""
     message.temperature = message.capacity = message.design_capacity = math.nan
-    message.power_supply_status = BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+    message.power_supply_status = message.POWER_SUPPLY_STATUS_DISCHARGING
     message.present = True
     names = ("voltage", "current", "charge", "percentage")
     return refilled(message, {name: attrgetter(name) for name in names})
 
 
-def _motor_currents(message: Float64MultiArray, _: BatteryOptions) -> Fill:
+def _motor_currents(message: Message, _: BatteryOptions) -> Fill:
     """The currents of the left and the right side's motors [A]."""
-    message.layout.dim = [MultiArrayDimension(label="left,right", size=2, stride=2)]
+    message.layout.dim = [made(DIMENSION, "left,right", 2, 2)]
     return refilled(message, {"data": attrgetter("motor_currents")})
 
 
-FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
-    (samples.LaserScan, LaserScan): _laser_scan,
-    (samples.Pose, PoseArray): _pose_array,
-    (samples.Odometry, Odometry): _wheel_odometry,
-    (samples.GroundTruth, Odometry): _ground_truth,
-    (samples.JointStates, JointState): _joint_states,
-    (samples.TruthState, Bool): _contact,
-    (samples.TruthState, Float64MultiArray): _traversal,
+FILLERS: dict[tuple[type, str], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
+    (samples.LaserScan, SCAN): _laser_scan,
+    (samples.Pose, POSES): _pose_array,
+    (samples.Odometry, ODOMETRY): _wheel_odometry,
+    (samples.GroundTruth, ODOMETRY): _ground_truth,
+    (samples.JointStates, JOINTS): _joint_states,
+    (samples.TruthState, BOOL): _contact,
+    (samples.TruthState, NUMBERS): _traversal,
 }
 # Of optional sensors, by the class of their options.
-OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
-    (PlanarLidarOptions, LaserScan): optional.laser_scan,
-    (CloudLidarOptions, PointCloud2): optional.lidar_cloud,
-    (DepthOptions, PointCloud2): optional.depth_cloud,
-    (DepthOptions, Image): optional.depth_image,
-    (DepthOptions, CameraInfo): lambda message, given: optional.lens_info(
+OF_OPTIONS: dict[tuple[type, str], Callable[[Message, Any], Fill]] = {
+    (PlanarLidarOptions, SCAN): optional.laser_scan,
+    (CloudLidarOptions, POINT_CLOUD): optional.lidar_cloud,
+    (DepthOptions, POINT_CLOUD): optional.depth_cloud,
+    (DepthOptions, IMAGE): optional.depth_image,
+    (DepthOptions, CAMERA_INFO): lambda message, given: optional.lens_info(
         message, Pinhole(given.width, given.height, given.fov)
     ),
-    (CameraOptions, CameraInfo): lambda message, given: optional.lens_info(message, given.lens_of()),
-    (GnssOptions, NavSatFix): _nav_sat_fix,
-    (BatteryOptions, BatteryState): _battery_state,
-    (BatteryOptions, Float64MultiArray): _motor_currents,
+    (CameraOptions, CAMERA_INFO): lambda message, given: optional.lens_info(message, given.lens_of()),
+    (GnssOptions, FIX): _nav_sat_fix,
+    (BatteryOptions, BATTERY): _battery_state,
+    (BatteryOptions, NUMBERS): _motor_currents,
 }

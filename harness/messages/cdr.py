@@ -1,8 +1,8 @@
 """Where numbers stand in a serialised message, and a template of one in which they are replaced.
 
-rclpy publishes bytes as they are; to convert and serialise a message object takes several times as long
-as to write what changes. The layout is that of XCDR1 in little endian: each number is aligned to its
-size, counted from behind the encapsulation header.
+To serialise a message object takes several times as long as to write what changes. The layout is that
+of XCDR1 in little endian: each number is aligned to its size, counted from behind the encapsulation
+header.
 """
 
 import struct
@@ -17,7 +17,6 @@ from rosbags.interfaces import Nodetype
 from harness.sensors.message_types import typestore
 
 HEADER = 4  # [B]: of the encapsulation
-LITTLE_ENDIAN = b"\x00\x01"  # its beginning, of XCDR1
 LETTERS = {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}
 LETTERS |= {"int8": "b", "int16": "h", "int32": "i", "int64": "q"}
 LETTERS |= {f"u{name}": letter.upper() for name, letter in LETTERS.items() if name.startswith("int")}
@@ -139,26 +138,10 @@ class Template:
         return bytes(self._buffer)
 
 
-def type_name(kind: type) -> str:
-    """Returns the name of rclpy's class of a message, as in sensor_msgs/msg/LaserScan."""
-    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-
-
-def without_padding(written: bytes, kind: str, known: dict[int, list[int]] | None) -> bytes:
-    """Returns the bytes of a message with zeros where they carry nothing.
-
-    Args:
-        written: As DDS has them.
-        kind: The message's type.
-        known: Where that is in messages of each length, if those of one length are alike; is added to.
-    """
-    positions = None if known is None else known.get(len(written))
-    if positions is None:
-        positions = padding_of(written, kind)
-    if known is not None:
-        known[len(written)] = positions
+def without_padding(written: bytes, kind: str) -> bytes:
+    """Returns the bytes of a message as DDS has them, with zeros where they carry nothing."""
     buffer = bytearray(written)
-    for position in positions:
+    for position in padding_of(written, kind):
         buffer[position] = 0
     return bytes(buffer)
 

@@ -9,9 +9,9 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from rclpy.serialization import serialize_message
 
-from harness.ros.cdr import Template, places
+from harness.messages.cdr import Template, places
+from harness.messages.transforms import TF_MESSAGE
 from harness.ros.foreign_type import message_type
-from harness.ros.frames import TF_MESSAGE
 from harness.sensors.message_types import GRID_MAP, numbers_at, read_message
 from harness.sensors.table import SENSORS
 

@@ -1,28 +1,23 @@
-"""A message that is filled again and again: as bytes, of which only stamp and numbers change.
+"""A message that is filled again and again: as bytes, of which only stamp and numbers change."""
 
-rclpy serialises a wrongly typed value as garbage without a word, so every field gets exactly its type.
-"""
-
-from array import array
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Point, Quaternion, Vector3
-from rclpy.serialization import serialize_message
 
 from harness import samples
 from harness.base.sim_time import NANOSECONDS
-from harness.ros.cdr import LITTLE_ENDIAN, Template, places, type_name, without_padding
-from harness.ros.channel import Fill, Message, set_stamp
+from harness.messages.blank import Message, cdr, kind_of
+from harness.messages.cdr import Template, places
 
+Fill = Callable[[Any], bytes | None]  # a sample of the topic's kind -> its message, or None for none
 STAMPS = ("header.stamp", "clock")
+AXES = ("x", "y", "z", "w")
 Numbers = Callable[[Any], Sequence[Any]]  # of a sample
 
 
-def refilled(message: Message, sources: Mapping[str, Callable[[Any], Any]]) -> Fill:
+def refilled(message: Message, sources: Mapping[str, Callable[[Any], Any]]) -> Callable[[Any], bytes]:
     """Returns a filler of the stamp, if there is one, and of fields.
 
     Args:
@@ -35,28 +30,22 @@ def refilled(message: Message, sources: Mapping[str, Callable[[Any], Any]]) -> F
     numbers_of = [_stamp for _ in stamps] + [_numbers(message, *source) for source in sources.items()]
     template: Template | None = None
 
-    def fill(sample: Any) -> Message:  # noqa: ANN401 - the kind of sample that the topic has
+    def fill(sample: Any) -> bytes:  # noqa: ANN401 - the kind of sample that the topic has
         nonlocal template
         numbers = [each(sample) for each in numbers_of]
-        if template is not None and template.fits(numbers):
-            return template.filled(numbers)
-        for path in stamps:
-            set_stamp(attrgetter(path)(message), sample.stamp_ns)
-        for put, value_of in setters:
-            put(value_of(sample))
-        template = _template(message, [*stamps, *sources])
-        return message if template is None else template.filled(numbers)
+        if template is None or not template.fits(numbers):
+            for put, value_of in setters:
+                put(value_of(sample))
+            found = places(message, kind_of(message))
+            template = Template(cdr(message), [found[path] for path in (*stamps, *sources)])
+        return template.filled(numbers)
 
     return fill
 
 
-def _template(message: Message, paths: Sequence[str]) -> Template | None:
-    """The message as bytes; None where the middleware serialises in another way."""
-    kind = type_name(type(message))
-    data, found = serialize_message(message), places(message, kind)
-    if data[:2] != LITTLE_ENDIAN or not 0 <= len(data) - found[""].start < 16:
-        return None
-    return Template(without_padding(data, kind, None), [found[path] for path in paths])
+def set_stamp(stamp: Message, stamp_ns: int) -> None:
+    """Sets a builtin_interfaces/Time to nanoseconds of simulation time."""
+    stamp.sec, stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
 
 
 def _stamp(sample: samples.Sample) -> tuple[int, int]:
@@ -79,20 +68,13 @@ def _setter(message: Message, path: str) -> Callable[[Any], None]:
     *parents, name = path.split(".")
     owner = reduce(_step, parents, message)
     present = getattr(owner, name)
-    if isinstance(present, Vector3 | Point):
-        return partial(_set_vector, present)
-    if isinstance(present, Quaternion):
-        return partial(_set_quaternion, present)
-    if isinstance(present, array):
-        return lambda value: setattr(owner, name, array(present.typecode, value))
     if isinstance(present, np.ndarray):
         return lambda value: setattr(owner, name, np.asarray(value, present.dtype))
+    if hasattr(present, "x"):
+        return partial(_set_axes, present)
     return lambda value: setattr(owner, name, type(present)(value))
 
 
-def _set_vector(target: Vector3 | Point, value: samples.Vector3) -> None:
-    target.x, target.y, target.z = value
-
-
-def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
-    target.x, target.y, target.z, target.w = value
+def _set_axes(target: Message, value: Sequence[float]) -> None:
+    for name, number in zip(AXES, value, strict=False):  # a vector has no w
+        setattr(target, name, number)

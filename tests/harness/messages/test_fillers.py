@@ -14,16 +14,17 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Pose
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image, NavSatFix
 
 from harness import samples
 from harness.episode.assembly import sensor_rows
+from harness.episode.topics import painter
+from harness.messages.blank import blank
+from harness.messages.fillers import filler, person
+from harness.messages.optional import Draw, grid_map_fill, image_fill, lens_info
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import message_type
-from harness.ros.messages import filler, person
-from harness.ros.optional_messages import Draw, grid_map_fill, image_fill, lens_info
-from harness.ros.rover_nodes import painter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.choice import chosen
 from harness.sensors.gnss import GnssFix
@@ -62,13 +63,9 @@ def heard(
     ((row, topic),) = (each for each in every if each[1].name == topic_name)
     fill = filler(row, topic, ROVER_ZERO4WD, LidarSpec(beams=5), lambda _: PIXELS)
     kind = message_type(topic.message_type)
-    messages = [deserialize_message(bytes_of(fill(sample)), kind) for sample in sent]
+    messages = [deserialize_message(fill(sample), kind) for sample in sent]
     assert messages[0].header.stamp == STAMP
     return messages
-
-
-def bytes_of(message: Any) -> bytes:  # noqa: ANN401 - bytes, or of rclpy
-    return message if isinstance(message, bytes) else serialize_message(message)
 
 
 @pytest.mark.parametrize("yaw", [3.0, np.inf, np.nan])
@@ -178,7 +175,8 @@ def test_every_cell_of_a_grid_map_is_where_grid_map_looks_for_it_and_its_axes_tu
     [("pinhole", "plumb_bob", 4.5 / np.tan(0.5)), ("fisheye", "equidistant", 9)],
 )
 def test_camera_info_is_the_lens(lens: str, model: str, focal: float) -> None:
-    told = lens_info(CameraInfo(), EYE.but(lens=lens).lens_of())(SEEN)
+    data = lens_info(blank("sensor_msgs/msg/CameraInfo"), EYE.but(lens=lens).lens_of())(SEEN)
+    told = deserialize_message(data, CameraInfo)
     assert (told.header.stamp, told.height, told.width) == (STAMP, 8, 9)
     assert told.distortion_model == model
     assert told.d.tolist() == [0.0] * {"plumb_bob": 5, "equidistant": 4}[model]
@@ -209,12 +207,14 @@ def test_an_image_is_drawn_and_sent_while_somebody_wants_it(
     ros: Ros, listens: bool, records: bool, draw: Draw | None, sent: int
 ) -> None:
     topic = Topic("image", "sensor_msgs/msg/Image", on_demand=True)
-    channel = open_channel(ros.node("camera"), topic, image_fill(Image(), EYE, draw))
+    channel = open_channel(
+        ros.node("camera"), topic, image_fill(blank("sensor_msgs/msg/Image"), EYE, draw)
+    )
     if listens:
         ros.node("viewer").create_subscription(Image, "image", lambda _: None, 1)
         ros.until(channel.publisher.get_subscription_count)
     if records:
-        channel.record = serialize_message
+        channel.record, channel.is_wanted = bytes, lambda: True
     for _ in range(2):
         channel.publish(SEEN)
     assert channel.published == sent
@@ -222,11 +222,11 @@ def test_an_image_is_drawn_and_sent_while_somebody_wants_it(
 
 def test_a_run_has_a_painter_of_its_cameras_alone() -> None:
     run = Run.of(sensors=("camera=small", "gnss"), seed=4)
-    subject = painter(run)
+    subject = painter(run, 0, print)
     assert [camera.width for camera in subject._cameras.values()] == [160]
     assert subject._seed == 4
     there, eye = (2.0, 1.0, 0.5), ["camera=fisheye"]
     other = RoverSetup(robot="rover_zero4wd", name="b", start=there).but(sensors=eye)
-    second = painter(run.but(rovers=(run.rover, other)), 1)
+    second = painter(run.but(rovers=(run.rover, other)), 1, print)
     assert [camera.width for camera in second._cameras.values()] == [1600]
     assert second._seed != 4

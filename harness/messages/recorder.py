@@ -1,37 +1,27 @@
 """Records a run's topics into an MCAP file, as `ros2 bag` would, on simulation time.
 
-What the bridge and the hosted metrics_node publish, and the commands that the bridge hears. The recorder
-stands before the publishers: it serialises each message once, so the file holds exactly the published
-bytes and no subscriber has to be waited for. The file depends on
-nothing but the episode: no wall time, no leftover memory in the padding. A chunk goes to the operating
-system every simulated second (or MiB), so a killed run loses less than its last simulated second; such
-a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
+The file depends on nothing but the episode: no wall time, no leftover memory in the padding. A chunk
+goes to the operating system every simulated second (or MiB), so a killed run loses less than its last
+simulated second; such a file lacks its end, which `mcap recover FILE -o MENDED` writes.
+rover_metrics.replay reads either.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
 from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple, Self
 from uuid import uuid4
 
 from mcap.writer import CompressionType, Writer
-from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.serialization import serialize_message
-from rclpy.subscription import Subscription
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.files import check_target
 from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
-from harness.ros.bridge import Bridge
-from harness.ros.cdr import type_name, without_padding
-from harness.ros.channel import Channel, Message
+from harness.messages.cdr import without_padding
+from harness.messages.sink import Endpoint, Intake
 from harness.sensors.message_types import typestore
-from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 CHUNK_SIZE = 1024 * 1024  # [B]
 SEPARATOR = "=" * 80 + "\n"
@@ -102,7 +92,6 @@ class Recorder:
         self._latched: dict[_Topic, _Held | None] = {}  # the last that is no more among those
         self._messages = 0
         self._failed = False
-        self._bridges: list[Bridge] = []
 
     def __enter__(self) -> Self:
         self._writer.start(profile="ros2", library=f"rover-harness {__version__}")
@@ -122,72 +111,35 @@ class Recorder:
             if not self._messages:  # the run did not come to its first message, or the disk is full
                 self._made.unlink(missing_ok=True)
 
-    def tap(
-        self, bridge: Bridge, metrics: MetricsPublisher | None = None, others: Iterable[Channel] = ()
-    ) -> None:
-        """Records all that the bridge publishes and hears from now on, under the time of its tick.
-
-        A message's own stamp may differ from that where a fault delays it or disturbs the clock.
-
-        Args:
-            bridge: A node of the run; of several, the first one tells the time.
-            metrics: Of the hosted metrics_node, if there is one; it then publishes for nobody too.
-            others: Topics of the run that are not the bridge's own.
-        """
-        self._bridges.append(bridge)
-        for channel in (*bridge.channels, *others):
-            # A channel's messages of one length differ in nothing else: their padding is the same.
-            channel.record = self._recording(channel.topic, channel.publisher, {})
-        bridge.commands.record(lambda topic, heard: self._recording(topic, heard, {}))
-        if metrics is not None and metrics.publisher is not None:
-            metrics.record = self._recording(
-                metrics.publisher.topic_name, metrics.publisher, None, self._late.append
-            )
-
     def forget(self) -> None:
         """Gives up what is not written yet."""
         self._held.clear()
         self._late.clear()
         self._latched.clear()
 
-    def hear(self, topic: str, subscription: Subscription) -> Callable[[Message], object] | None:
-        """Returns what records each message of a topic that is heard; None if nobody knows its type."""
-        if type_name(subscription.msg_type) not in typestore().types:
-            return None
-        return self._recording(topic, subscription, None)
+    def open(self, endpoint: Endpoint) -> Intake:
+        """Returns where the messages of a topic go.
 
-    def _recording(
-        self,
-        topic: str,
-        endpoint: Publisher | Subscription,
-        padding: dict[int, list[int]] | None,
-        take: "Callable[[_Held], None] | None" = None,
-    ) -> Callable[[Message], bytes]:
-        """What records messages of a topic; `padding` keeps where it is in those of each length."""
-        name, qos = type_name(endpoint.msg_type), endpoint.qos_profile
-        recorded = _Topic(self._register(topic, name, qos), name, padding)
-        if qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
-            self._latched[recorded] = None
-        return partial(self._record, take or self._take, recorded)
-
-    def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
+        Raises:
+            UsageError: Nobody knows the type of its messages.
+        """
+        name = endpoint.message_type
         if name not in typestore().types:
             raise UsageError(f"--record needs the definition of {name}, which rosbags does not know")
+        topic = _Topic(self._register(endpoint), name, is_foreign=endpoint.is_foreign)
+        if endpoint.latched:
+            self._latched[topic] = None
+        take = self._late.append if endpoint.is_late else self._take
+        return Intake(lambda time_ns, data: take(_Held(time_ns, topic, data)), lambda: True)
+
+    def _register(self, endpoint: Endpoint) -> int:
+        name = endpoint.message_type
         if name not in self._schemas:
             definition = full_definition(name).encode()
             self._schemas[name] = self._writer.register_schema(name, "ros2msg", definition)
-        policies = ("history", "depth", "reliability", "durability")
-        offered = QOS_PROFILE.format(**{policy: int(getattr(qos, policy)) for policy in policies})
+        offered = QOS_PROFILE.format(**endpoint._asdict())
         metadata = {"offered_qos_profiles": offered, "topic_type_hash": typestore().hash_rihs01(name)}
-        return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
-
-    def _record(self, take: "Callable[[_Held], None]", topic: "_Topic", message: Message) -> bytes:
-        """Records a message and returns its bytes."""
-        written = message if isinstance(message, bytes) else serialize_message(message)
-        if self._last_ns is None:
-            written = without_padding(written, topic.type_name, topic.padding)
-        take(_Held(self._bridges[0].time_ns, topic, written))
-        return written
+        return self._writer.register_channel(endpoint.topic, "cdr", self._schemas[name], metadata)
 
     def _take(self, message: "_Held") -> None:
         """Writes or holds a message, after those of metrics: several nodes publish them in any order."""
@@ -218,11 +170,12 @@ class Recorder:
         first_ns = self._held[0].time_ns if self._held else 0
         latched = [old._replace(time_ns=first_ns) for old in self._latched.values() if old is not None]
         for each in (*latched, *self._held):
-            data = without_padding(each.written, each.topic.type_name, each.topic.padding)
-            self._write(each._replace(written=data))
+            self._write(each)
 
     def _write(self, message: "_Held") -> None:
         (time_ns, topic, data), writer = message, self._writer
+        if topic.is_foreign:
+            data = without_padding(data, topic.type_name)
         try:
             if time_ns >= self._next_flush_ns:
                 writer.flush()  # type: ignore[no-untyped-call]
@@ -241,11 +194,11 @@ class Recorder:
 
 @dataclass(frozen=True, eq=False)
 class _Topic:
-    """A channel of the file; `padding` is as for `without_padding`."""
+    """A channel of the file; what of it is foreign has padding."""
 
     number: int
     type_name: str
-    padding: dict[int, list[int]] | None
+    is_foreign: bool
 
 
 class _Held(NamedTuple):

@@ -1,0 +1,70 @@
+"""The topics of a rover's samples, in publishing order, each with what makes its messages."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from harness import samples
+from harness.messages import fillers
+from harness.messages.blank import blank
+from harness.messages.optional import Draw
+from harness.messages.refilled import Fill
+from harness.robots import RoverSpec
+from harness.samples import Sample, Source
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.table import SensorRow, Topic
+
+PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
+# Latched for who comes late; a subscriber of Nav2's, which is volatile, hears it too.
+GOAL = Topic("goal_pose", "geometry_msgs/msg/PoseStamped", depth=1, latched=True)
+CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
+
+
+def outlets(
+    rover: RoverSpec,
+    lidar: LidarSpec,
+    rows: Iterable[SensorRow],
+    *,
+    draw: Draw | None = None,
+    actors: Sequence[str] = (),
+    goals: bool = False,
+) -> dict[Source, list[tuple[Topic, Fill]]]:
+    """Returns what is told of each sample; of transforms only their place in the order.
+
+    Args:
+        rover: Gives the frames.
+        lidar: Gives the geometry of scans.
+        rows: The sensors.
+        draw: Gives the images of cameras; without it there are none.
+        actors: Names of the people, as NAME_actor.
+        goals: Whether whoever commands the rover is told the way points of a route.
+    """
+    told: dict[Source, list[tuple[Topic, Fill]]] = {
+        row.source: [(topic, fillers.filler(row, topic, rover, lidar, draw)) for topic in row.topics]
+        for row in rows
+        if row.sample is not samples.Transforms
+    } | {samples.Transforms: []}
+    if actors:
+        told[samples.ActorPoses] = [
+            (Topic(f"{name}/pose", PERSON), fillers.person(index)) for index, name in enumerate(actors)
+        ]
+    if goals:
+        told[samples.GoalPose] = [(GOAL, fillers.goal())]
+    return told
+
+
+def clock() -> Fill:
+    """Returns what makes messages of /clock of ticks."""
+    return fillers.by_names(blank(CLOCK.message_type), samples.Tick)
+
+
+def bursts(sent: Iterable[Sample]) -> list[list[Sample]]:
+    """Returns parts with at most one sample of a sensor: a listener's queue may hold but the latest."""
+    bursts: list[list[Sample]] = []
+    before: Counter[Source] = Counter()
+    for sample in sent:
+        sensor = samples.source(sample)
+        if before[sensor] == len(bursts):
+            bursts.append([])
+        bursts[before[sensor]].append(sample)
+        before[sensor] += 1
+    return bursts

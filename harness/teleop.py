@@ -1,0 +1,145 @@
+"""Command: drive a rover by the keys of a terminal, also over ssh.
+
+    python -m harness.teleop                        # /cmd_vel, as run --driver cmd_vel hears it
+    python -m harness.teleop --namespace rover1 --speed 0.2
+
+The keys are those of the page of `run --live`. A terminal tells of no key that is let go, so one counts
+until it was not repeated for a while.
+"""
+
+import argparse
+import os
+import select
+import sys
+import termios
+import time
+import tty
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+
+from harness.base.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.teleop")
+
+from harness.base.errors import INSTALL_ROS, UsageError
+from harness.base.interrupt import Overdue, StopRequest
+from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
+from harness.spec.rover import namespace_of
+from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.number import number
+
+PERIOD = 0.05  # [s] between two commands, as between two control periods at --rate 1
+LOOK = 3.0  # [s] for somebody to listen before that is told
+QUIT, END_OF_INPUT = "Q", "\x04"
+HELP = ", ".join(f"{key} {about}" for key, (about, *_) in DIRECTIONS.items())
+Send = Callable[[float, float], object]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    options = _parser().parse_args(arguments)
+    return run_program("harness.teleop", lambda: _main(options))
+
+
+def _main(options: argparse.Namespace) -> int:
+    space = namespace_of(options.namespace)
+    if not sys.stdin.isatty():
+        raise UsageError("teleop reads keys: start it in a terminal (over ssh: ssh -t)")
+    try:  # as in harness.run: whoever has no ROS shall read one line
+        from harness.ros.commander import commander  # noqa: PLC0415
+    except ImportError as error:
+        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
+    with StopRequest() as stop, commander(space, options.cmd_vel) as out, _keyboard() as pressed:
+        print(f"{out.topic}: {HELP}, held, also two at once; any other key stops, {QUIT} ends")
+
+        def send(forward: float, left: float) -> None:
+            out.send(forward * options.speed, left * options.turn)
+
+        with suppress(Overdue), stop.deferred():
+            _drive(pressed, send, out.is_heard, stop)
+        out.end()
+    return stop.exit_code
+
+
+def _drive(
+    pressed: Callable[[float], str | None], send: Send, is_heard: Callable[[], bool], stop: StopRequest
+) -> None:
+    """Sends what keys say until one of them, or a signal, ends it."""
+    keys, moving, look_at = Keys(), False, time.monotonic() + LOOK
+    while stop.signal is None:
+        text = pressed(PERIOD)
+        if text is None or QUIT in text or END_OF_INPUT in text:
+            return
+        for key in text:
+            if key in DIRECTIONS:
+                keys.press(*DIRECTIONS[key][1:])
+            else:
+                keys.forget()
+        share = keys.share
+        if moving or share != STANDING:  # else somebody else may drive
+            send(*share)
+        moving = share != STANDING
+        if time.monotonic() > look_at:
+            look_at = float("inf")
+            if not is_heard():
+                complain("harness.teleop", "nobody listens yet; run --driver cmd_vel --rate 1 does")
+
+
+@contextmanager
+def _keyboard() -> Iterator[Callable[[float], str | None]]:
+    """Yields what returns the keys pressed within so long [s], as capitals; None at the end of all."""
+    fd = sys.stdin.fileno()
+    before = termios.tcgetattr(fd)
+
+    def pressed(seconds: float) -> str | None:
+        try:
+            if not select.select([fd], [], [], seconds)[0]:
+                return ""
+            return os.read(fd, 64).decode(errors="replace").upper() or None
+        except OSError:  # the terminal is gone
+            return None
+
+    tty.setcbreak(fd)
+    try:
+        yield pressed
+    finally:
+        with suppress(termios.error):  # likewise
+            termios.tcsetattr(fd, termios.TCSAFLUSH, before)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m harness.teleop",
+        description=f"Drives a rover by keys of this terminal: {HELP}. What is not held for {HELD:g} s "
+        "is let go of; then the rover is told to stand, once.",
+    )
+    parser.add_argument("--namespace", default="", metavar="NS", help="of the rover; default: none")
+    for name, default, about in (
+        ("--speed", 0.4, "forwards [m/s]"),
+        ("--turn", 0.8, "to the left [rad/s]"),
+    ):
+        parser.add_argument(
+            name, type=_rate, default=default, metavar="V", help=f"{about}; default: {default}"
+        )
+    parser.add_argument(
+        "--cmd-vel",
+        choices=("twist", "stamped"),
+        default="twist",
+        help="type of /cmd_vel; default: twist",
+    )
+    return parser
+
+
+def _rate(text: str) -> float:
+    try:
+        value = number(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number above 0")
+    return value
+
+
+if __name__ == "__main__":
+    sys.exit(main())
