@@ -14,7 +14,9 @@ if __name__ == "__main__":
     begin_program("harness.run")
 
 from harness.base.loading import loading
-from harness.cli.run_parser import parsed
+
+with loading():
+    from harness.cli.run_parser import parsed
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -54,7 +54,7 @@ def _fit(options: argparse.Namespace, console: Console) -> int:
         from harness.fit.reading import read
 
     check_new(options.out)
-    rover, source = _rover(options.robot, options.surface), options.recording[0].name
+    rover, source = _rover(options.rover, options.surface), options.recording[0].name
     recording = read(options.recording, rover, topics).within(-1e9, options.seconds)
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,
@@ -99,13 +99,17 @@ def _parser() -> argparse.ArgumentParser:
     about = "a bag (folder, .mcap, .db3), or CSV files of one drive"
     parser.add_argument("recording", type=Path, nargs="+", metavar="BAG|CSV", help=about)
     about = f"where the search begins: {', '.join(ROVERS)}, or a folder (docs/robots.md)"
-    parser.add_argument("--robot", required=True, metavar="NAME|FOLDER", help=about)
+    parser.add_argument("--robot", dest="rover", required=True, metavar="NAME|FOLDER", help=about)
     parser.add_argument("--out", required=True, type=Path, metavar="FOLDER", help="the new folder")
     about = "write what is found of tyres and ground as this surface; default: as the rover's own tyres"
     parser.add_argument("--surface", default="", metavar="NAME", help=about)
     about = "of a bag, where it should be another: SERIES=TOPIC, SERIES one of " + ", ".join(SERIES)
     parser.add_argument(
-        "--topic", action="append", default=[], metavar="SERIES=TOPIC", help=f"{about}; repeatable"
+        "--topic",
+        action="append",
+        default=[],
+        metavar="SERIES=TOPIC",
+        help=f"{about}; repeatable; default: by type",
     )
     about = "of the recording, from its first command (default: %(default)g)"
     parser.add_argument("--seconds", type=float, default=LONGEST, metavar="S", help=about)

@@ -113,6 +113,8 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
         return f"{field.rpartition('.')[0]}: {unknown_key(keys[-1], _model_at(cls, keys[:-1]))}"
     if first["type"] == "value_error":
         return str(first["ctx"]["error"])
+    if field.startswith("--"):  # whose words nobody counts
+        field = name(keys[0])
     fields = _model_at(cls, keys).model_fields
     return not_valid(first, field, next((fields[key] for key in reversed(keys) if key in fields), None))
 

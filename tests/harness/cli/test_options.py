@@ -133,6 +133,7 @@ TWO = "--terrain flat --rover leo:a"
             (f"--direct {words}", f"{words.split()[0]} needs ROS; leave out --direct")
             for words in ("--ros-args --", "--no-metrics", "--wait-for /x", "--namespace x", "--map-tf")
         ),
+        ("--terrain-size 8", "--terrain-size '8' is not valid; give 10 to 50000"),
         ("--foxglove nowhere:x", "--foxglove 'nowhere:x' is not valid; give HOST, PORT or HOST:PORT"),
         ("--direct --odom-tf-3d", "--odom-tf-3d needs ROS; leave out --direct"),
         ("--direct --odom-tf wheels", "--odom-tf needs ROS; leave out --direct"),

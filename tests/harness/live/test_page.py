@@ -16,6 +16,8 @@ import pytest
 from PIL import Image
 
 from harness import Run, run_episode
+from rover_metrics.core.columns import COLUMNS
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from tests.support.browser import NEEDS_CHROMIUM
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -25,8 +27,9 @@ if TYPE_CHECKING:
 pytest.importorskip("viser", reason="needs viser: pip install -e '.[live]'")
 pytestmark = NEEDS_CHROMIUM
 
-WORDS = ("--direct", "--terrain", "posts", "--lidar-beams", "90", "--duration", "600", "--live")
+WORDS = ("--direct", "--terrain-size", "10", "--lidar-beams", "45", "--duration", "600", "--live")
 TIME = re.compile(r"([\d.]+) s of 600 s")
+MIDDLE = 125, 300  # of the scene [pixels]
 SMALL = {"width": 600, "height": 360}
 SCENE = (0, 200, 250, 360)  # left, top, right, bottom: where no panel is [pixels]
 
@@ -46,6 +49,11 @@ class Watched:
         page.get_by_text(TIME).wait_for()
         return page
 
+    def rows(self) -> int:
+        """How many rows the log has."""
+        (log,) = self.folder.glob("metrics_log_*.csv")
+        return log.read_bytes().count(b"\n") - 1
+
     def ended(self) -> dict[str, object]:
         """The manifest, once Ctrl-C has ended the run."""
         self.run.send_signal(signal.SIGINT)
@@ -57,7 +65,12 @@ class Watched:
 
 @contextmanager
 def watched(browser: "Browser", folder: Path, *words: str) -> Iterator[Watched]:
-    command = [sys.executable, "-m", "harness.run", *WORDS, "--log-dir", str(folder), *words]
+    hills = 0.15 * np.outer(
+        *(np.sin(np.linspace(0.0, 12.0, 41)),) * 2
+    )  # few triangles: drawn in software
+    np.save(folder / "hills.npy", hills.astype(np.float32))
+    more = ("--terrain", str(folder / "hills.npy"), "--log-dir", str(folder), *words)
+    command = [sys.executable, "-m", "harness.run", *WORDS, *more]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as run:
         try:
             yield Watched(run, folder, browser)
@@ -83,31 +96,51 @@ def test_a_page_draws_pauses_drives_and_survives_being_closed(webgl: "Browser", 
         page.get_by_role("button", name="Go on").click()
         still = time_on(page)
         wait_until(lambda: time_on(page) > still + 0.5)
+        page.keyboard.down("Shift")
+        page.mouse.click(*MIDDLE)
+        page.keyboard.up("Shift")
+        ordered = time_on(page)
+        wait_until(lambda: time_on(page) > ordered + 1.0)
         page.keyboard.press("i")
+        wait_until(lambda: time_on(page) > ordered + 3.0)
+        page.get_by_role("tab", name="Charts").click()
+        wait_until(lambda: page.locator(".uplot").count() == len(COLUMNS) - 2)  # time, and Notes
+        rows = seen.rows()
+        page.get_by_role("tab", name="Thresholds").click()
+        page.get_by_role("slider").first.focus()
+        page.keyboard.press("ArrowRight")
+        wait_until(lambda: seen.rows() > rows + 1)
         page.close()
         other = seen.open()  # the run went on meanwhile
         assert time_on(other) > still
         manifest = seen.ended()  # with a browser open
     arguments = manifest["arguments"]
     assert isinstance(arguments, dict)
-    (_, driver), *_ = arguments["drivers"]
-    assert driver == "cmd_vel"
+    assert [driver for _, driver in arguments["drivers"]] == ["goal", "cmd_vel"]
+    ((_, x, y, _),) = arguments["goals"]
+    assert max(abs(x), abs(y)) < 5.0  # on the ground that was clicked
+    judged = manifest["thresholds"]
+    assert isinstance(judged, dict)
+    assert judged["collision_threshold"] > DEFAULT_THRESHOLDS.collision_threshold
     speeds = [speed for _, speed, _ in arguments["commands"]]
     assert speeds[0] > 0.0 == speeds[-1]  # nobody held the key any more
     assert "steered by hand" in str(manifest["mode"])
     assert float(str(manifest["paused_s"])) > 0.1
-    assert_repeated(manifest, tmp_path)
+    assert_repeated(manifest, tmp_path, rows)
 
 
-def assert_repeated(manifest: dict[str, object], folder: Path) -> None:
-    """That the arguments of a run that was steered give its log again, as docs/live.md says."""
+def assert_repeated(manifest: dict[str, object], folder: Path, rows: int) -> None:
+    """That the arguments of a run that was steered give its log again, up to a row."""
     arguments = manifest["arguments"]
     assert isinstance(arguments, dict)
     values = {k: v for k, v in arguments.items() if k not in ("number", "world_robot")}
     values["duration"] = round(float(str(manifest["simulated_s"])), 2)  # the log ended there
     again = run_episode(Run.of(**values), folder / "again")
     assert again.log_path is not None
-    assert again.log_path.read_bytes() == Path(str(manifest["log"])).read_bytes()
+    logs = again.log_path, Path(str(manifest["log"]))
+    first, second = (log.read_bytes().splitlines()[: 1 + rows] for log in logs)
+    assert first == second
+    assert len(first) == 1 + rows > 4
 
 
 def colours_of(page: "Page") -> int:
