@@ -69,10 +69,16 @@ OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind("freeze", "/clock repeats its last time, then catches up", freeze),
     Kind("dropout", "/clock is not sent", silence, SHARE),
 )
-# Between commands and wheels: they change the drive itself (harness.faults.actuation).
+# Between commands and wheels: they change the drive itself (harness.faults.actuation), after a command
+# that is too old has become a stop.
 OF_COMMANDS: tuple[Kind[Any], ...] = (
     Kind("latency", "commands take effect S later", late_commands, DELAY),
-    Kind("dropout", "commands are lost; the last one stays in force", lost_commands, SHARE),
+    Kind(
+        "dropout",
+        "what is commanded in a period of 50 ms is lost; the last one stays in force",
+        lost_commands,
+        SHARE,
+    ),
     Kind("freeze", "no command is heard; the last one stays in force", frozen_commands),
 )
 OF_MOTORS = (Kind[Any]("weak", "the motors of a side give a SHARE of their torque", None, WEAK),)

@@ -47,6 +47,7 @@ class Simulation:
         self._felt = scene.sensors()
         driven = self.motors[: len(scene.rover.drive.driven)]
         self._strongest = self.model.actuator_forcerange[driven].copy()
+        self._gains = self.model.actuator_gainprm[driven, 0].copy()
         self._limited: tuple[object, ...] = (1.0, 1.0, frozenset())
         self._start = self._rover.state()
 
@@ -136,8 +137,14 @@ class Simulation:
         self._limited = now
         drive, own = self.scene.rover.drive, self.scene.own
         for number, name in enumerate(drive.driven):
-            share = strength["left" if name in drive.left else "right"]
-            self.model.actuator_forcerange[self.motors[number]] = share * self._strongest[number]
+            share, motor = strength["left" if name in drive.left else "right"], self.motors[number]
+            self.model.actuator_forcerange[motor] = share * self._strongest[number]
+            if not self.model.actuator_forcelimited[motor]:  # what it gives is all by its gain
+                gain = share * self._gains[number]
+                self.model.actuator_gainprm[motor, 0], self.model.actuator_biasprm[motor, 2] = (
+                    gain,
+                    -gain,
+                )
         self._rover.parking.block(frozenset(map(own, stuck)))
 
     def tick(self) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined
+from harness.soil.soils import NUMBERS
 
 STATIONS = 10  # of the rim in each half, front to bottom
 YIELD = 0.01  # [s] by whose slid path the shear is ahead: what damps a wheel that stands
@@ -21,6 +22,12 @@ SIDEWAYS = 1.25  # exponent of sideways motion in what flows: small slip angles 
 DEEPEST = 1.5  # [wheel radii]: what is deeper bears no more
 
 Doubles = NDArray[np.float64]
+
+# Places of a soil's numbers behind those of the pressure.
+DIG_GROUSERS, GROUSER_FRICTION, GROUSER_SHEAR, STAY_BRAKING, STAY_LATERAL = map(
+    NUMBERS.index,
+    ("dig_grousers", "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral"),
+)
 
 
 @inlined
@@ -69,12 +76,12 @@ def half_force(  # noqa: PLR0915 - one loop over the rim, which calls would make
     top_stress = lead * first
     step = first / STATIONS
     cos_first = math.cos(first)
-    stiffness = k * math.exp(-soil[14] * grousers * spinning**4)
+    stiffness = k * math.exp(-soil[DIG_GROUSERS] * grousers * spinning**4)
     n += slip_n * (driving + braking)
-    friction *= 1.0 + soil[15] * grousers
-    shear_length *= 1.0 + soil[16] * grousers
+    friction *= 1.0 + soil[GROUSER_FRICTION] * grousers
+    shear_length *= 1.0 + soil[GROUSER_SHEAR] * grousers
     pressed = rut / (1.0 - COMPACTION)
-    left_behind, pushed_aside = soil[17] * max(vx - u, 0.0), soil[18] * vy
+    left_behind, pushed_aside = soil[STAY_BRAKING] * max(vx - u, 0.0), soil[STAY_LATERAL] * vy
     sweep = math.sqrt(u * u + left_behind * left_behind + pushed_aside * pushed_aside) + 1e-12
     carried = (
         2.0 * sweep * dt / (r * step)

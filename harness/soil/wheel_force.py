@@ -22,7 +22,11 @@ TURNING = 0.005  # [m] of path within which a new direction of motion is taken o
 # the stations, along and across, of the front half and of the rear half.
 UNPLACED, PATHS = 5, 6
 STATE = PATHS + 4 * STATIONS
-REBOUND = NUMBERS.index("rebound")
+REBOUND, DAMPING = NUMBERS.index("rebound"), NUMBERS.index("damping")
+MODULUS, EXPONENT, FLOW, SLIP, FRICTION, COHESION = (  # of the side
+    NUMBERS.index(f"side_{name}")
+    for name in ("modulus", "exponent", "flow", "slip", "friction", "cohesion")
+)
 
 
 @inlined
@@ -88,13 +92,15 @@ def wheel_force(
     h = min(h, DEEPEST * size[0])
     if ey * vy > 0.0:  # it only resists
         rest, along = max(1.0 - eu * eu - ex * ex - ey * ey, 0.0), eu - ex
-        sideways = abs(ey) / math.sqrt(ey * ey + soil[23] * along * along + rest + 1e-18)
+        sideways = abs(ey) / math.sqrt(ey * ey + soil[SLIP] * along * along + rest + 1e-18)
         length = size[0] * math.sin(min(math.acos(1.0 - h / size[0]), 0.5 * math.pi))
         # Of the soil beside it; and friction of that on the wheel's face.
-        side = length * (soil[20] * h ** soil[21] + soil[25] * h) * sideways ** soil[22]
+        side = (
+            length * (soil[MODULUS] * h ** soil[EXPONENT] + soil[COHESION] * h) * sideways ** soil[FLOW]
+        )
         left -= math.copysign(side, ey)
         if along * (u - vx) > 0.0:
-            rubbed = soil[24] * side * along / math.sqrt(along * along + ey * ey + rest)
+            rubbed = soil[FRICTION] * side * along / math.sqrt(along * along + ey * ey + rest)
             ahead += rubbed
             brake += rubbed * size[0]
     # What was pressed does not rise again: a wheel that has risen by a part of its sinkage is off it.
@@ -102,6 +108,6 @@ def wheel_force(
     state[4] = deepest
     springs = (COMPACTION + (1.0 - COMPACTION) * rebound) * deepest
     held = max(1.0 - (deepest - h) / max(springs, 1e-12), 0.0)
-    damped = held * min(max(1.0 - soil[26] * vz, 0.0), 2.0)
+    damped = held * min(max(1.0 - soil[DAMPING] * vz, 0.0), 2.0)
     inertia = dt * (YIELD + dt) * size[0] * size[0] * grip
     return ahead * damped, left * damped, up * damped, brake * damped, inertia * damped

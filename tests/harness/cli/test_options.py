@@ -125,6 +125,7 @@ TWO = "--terrain flat --rover leo:a"
         ("--seed -1", "--seed '-1' is not valid; give 0 or more"),
         ("--social-log s.csv", "--social-log is of a run with people; add --actor SPEC"),
         ("--keep-ruts", "--keep-ruts is of soil; name one with --soil"),
+        ("--soil=", "names no soil; leave it out for rigid ground"),
         ("--overwrite", "--overwrite is for the file of --record or --social-log; name one"),
         ("--extended --no-metrics", "start yours with -p extended_columns:=true"),
         ("--odom-tf wheels --odom-tf-3d", "leave out --odom-tf wheels, or --odom-tf-3d"),

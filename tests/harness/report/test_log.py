@@ -9,9 +9,10 @@ import pytest
 
 from harness.report import encounters as module
 from harness.report.encounters import Encounter, encounters
-from harness.report.log import Log, collisions, contacts, read_log
+from harness.report.log import Log, caption, collisions, contacts, describe, read_log
 from harness.report.recorder import Approach, Stretch
 from harness.report.tables import comparisons, facts, steady_text
+from rover_metrics.extended.truth_columns import truth_columns
 from tests.harness.report.made import RESULT, stretches
 
 
@@ -27,6 +28,15 @@ def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None
     }
     assert log.notes == [("calm", 2), ("rough, fast", 1), ("", 1)]
     assert read_log(None) == read_log(tmp_path / "absent.csv") == Log()
+
+
+def test_columns_of_any_wheel_are_described_as_the_data_dictionary_does() -> None:
+    columns = truth_columns(("front_left", "middle_right_2"), soil=True)
+    assert [describe(column.header) for column in columns] == list(columns)
+    assert "Between the plane of the middle right 2 wheel" in caption(
+        "True Slip Angle Middle Right 2 [rad]"
+    )
+    assert describe("Other [m]").unit == "m"
 
 
 @pytest.mark.parametrize(

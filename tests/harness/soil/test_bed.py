@@ -254,3 +254,29 @@ def test_episodes_of_an_environment_begin_on_fresh_ground_unless_ruts_are_kept()
         bed = env.unwrapped.driven.simulation.physics.bed  # type: ignore[attr-defined]
         far = bed.surface[:, bed.surface.shape[1] // 2 + 20 :]  # ahead of where it stands
         assert bool(far.min() < -0.005) is keep
+
+
+def test_an_environment_names_what_it_lacks_of_soil(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="'sinkage' is of soil; give soil in all worlds"):
+        gymnasium.make("RoverHarness/PointNav-v0", terrain="flat", reward={"sinkage": -1.0})
+    file = tmp_path / "concrete.yaml"
+    file.write_text("k_phi: 1.0e+12\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    env = gymnasium.make("RoverHarness/PointNav-v0", terrain="flat", soil=str(file))
+    with pytest.raises(UsageError, match="too stiff"):  # instead of that no start was found
+        env.reset(seed=1)
+
+
+def test_dead_motors_do_not_drive_where_they_have_no_limits_either(tmp_path: Path) -> None:
+    places = {"a": "0.2 0.2 0.1", "b": "-0.2 0.2 0.1", "c": "0.2 -0.2 0.1", "d": "-0.2 -0.2 0.1"}
+    wheels = "".join(wheel(name, place) for name, place in places.items())
+    unlimited = motors(a=9, b=9, c=9, d=9).replace(' forcerange="-5 5"', "")
+    (tmp_path / "car.xml").write_text(car(wheels, unlimited))
+    (tmp_path / "rover.yaml").write_text("wheel_width: 0.06\n")
+    for soil in ("", "firm"):
+        dead = ("motor.left:weak=0", "motor.right:weak=0")
+        ways = [
+            driven(1.5, robot=str(tmp_path), soil=soil, faults=faults).simulation.position[0]
+            for faults in ((), dead)
+        ]
+        assert ways[0] > 0.1
+        assert abs(ways[1]) < 0.01
