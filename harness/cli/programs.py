@@ -38,6 +38,7 @@ PROGRAMS = {
     "social": Program("rover_metrics.social", "how near rovers came to people, from their logs"),
     "check": Program("harness.check", "whether two runs here have the same bytes"),
     "validate": Program("harness.validate.__main__", "the simulation against physics and real wheels"),
+    "fit": Program("harness.fit.__main__", "the numbers of a rover from a recording of the real one"),
     "policy": Program("harness.gym.policy", "drive by a learnt policy, evaluate one, train one"),
     "topics": Program("harness.topics", "which topics there are, and how fast"),
     "teleop": Program("harness.teleop", "drive a rover by the keys of this terminal"),

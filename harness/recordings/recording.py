@@ -28,6 +28,8 @@ class Recording:
         currents: Of the left and the right side's motors [A].
         imu: Angular velocity [rad/s], acceleration with gravity [m/s^2]; NaN of axes without a record.
         poses: x, y [m], yaw that goes on past pi [rad].
+        torques: What the motors of the left and the right side give, 0 of one that is dragged [N m].
+        power: What the battery gives [W].
         steps: Begin and end of each commanded step [s].
     """
 
@@ -38,6 +40,8 @@ class Recording:
     currents: Series = field(default_factory=lambda: empty(3))
     imu: Series = field(default_factory=lambda: empty(7))
     poses: Series = field(default_factory=lambda: empty(4))
+    torques: Series = field(default_factory=lambda: empty(3))
+    power: Series = field(default_factory=lambda: empty(2))
     steps: Series = field(default_factory=lambda: empty(2))
 
     @property
@@ -45,7 +49,7 @@ class Recording:
         """The series that are there, by name."""
         named = {
             "commands": self.commands, "wheels": self.wheels, "currents": self.currents,
-            "imu": self.imu, "poses": self.poses,
+            "imu": self.imu, "poses": self.poses, "torques": self.torques, "power": self.power,
         }  # fmt: skip
         return {name: values for name, values in named.items() if len(values) > 1}
 

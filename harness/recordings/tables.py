@@ -23,6 +23,9 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "right_turn": ("right_wheel", "right_wheel_speed", "omega_right", "right_wheel_velocity"),
     "left_current": ("left_current", "current_left", "left_motor_current", "i_left"),
     "right_current": ("right_current", "current_right", "right_motor_current", "i_right"),
+    "left_torque": ("left_torque", "torque_left", "left_effort"),
+    "right_torque": ("right_torque", "torque_right", "right_effort"),
+    "power": ("power", "battery_power"),
     "wx": ("wx", "gyro_x", "angular_velocity_x"),
     "wy": ("wy", "gyro_y", "angular_velocity_y"),
     "wz": ("wz", "gyro_z", "angular_velocity_z", "yaw_rate"),
@@ -44,7 +47,7 @@ UNITS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1.0, "mm": 1e-3, "cm": 1e-2, "m/s": 1.0,
     "mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "rad": 1.0, "rad/s": 1.0, "deg": math.pi / 180,
     "deg/s": math.pi / 180, "rpm": math.tau / 60, "a": 1.0, "ma": 1e-3, "m/s2": 1.0, "m/s^2": 1.0,
-    "g": 9.80665,
+    "g": 9.80665, "nm": 1.0, "n m": 1.0, "w": 1.0,
 }  # fmt: skip
 UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
 OF_TURNING = ("rad/s", "deg/s", "rpm")  # a speed in these is that of a wheel's turning
@@ -179,6 +182,8 @@ def _series(table: pd.DataFrame, radius: float, path: Path) -> dict[str, Series]
         "commands": _columns(table, "v", "w"),
         "wheels": _columns(table, "left", "right"),
         "currents": _columns(table, "left_current", "right_current"),
+        "torques": _columns(table, "left_torque", "right_torque"),
+        "power": _columns(table, "power"),
         "imu": _imu(table),
         "poses": _poses(table),
         "steps": _steps(table),

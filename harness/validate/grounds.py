@@ -28,10 +28,10 @@ class Course:
     heading: float
 
 
-def flat() -> Course:
-    """Returns a level plane of 120 m x 120 m."""
-    heights = np.zeros((2 * PLANE_HALF_SIZE + 1, 2 * PLANE_HALF_SIZE + 1))
-    return Course(World("check", Heightfield(heights, PLANE_CELL), (), 0, 0.0), 0.0)
+def flat(half_size: float = PLANE_HALF_SIZE, cell: float = PLANE_CELL, heading: float = 0.0) -> Course:
+    """Returns a level plane, of 120 m x 120 m if its half size is not given [m]."""
+    count = 2 * round(half_size / cell) + 1
+    return Course(World("check", Heightfield(np.zeros((count, count)), cell), (), 0, 0.0), heading)
 
 
 def floor(seed: int, *blocks: Obstacle) -> Course:

@@ -8,14 +8,21 @@ from harness.physics.motor_power import MotorPower
 from harness.recordings.recording import Recording, Series
 from harness.robots import RoverSpec
 from harness.sensors.state import ImuSensor
-from harness.validate.grounds import flat
+from harness.validate.grounds import Course, flat
 from harness.validate.rig import TICK, Rig
 
 # How often a real rover's log has something new [ticks of 10 ms].
 WHEELS, POSES, IMU = 15, 10, 100 // HIGHEST_RATE
 
 
-def replay(rover: RoverSpec, commands: Series, end: float, *, seed: int = 0) -> Recording:
+def replay(
+    rover: RoverSpec,
+    commands: Series,
+    end: float,
+    *,
+    seed: int = 0,
+    course: Course | None = None,
+) -> Recording:
     """Drives a rover with real motors by commands and returns what it recorded.
 
     Args:
@@ -23,8 +30,9 @@ def replay(rover: RoverSpec, commands: Series, end: float, *, seed: int = 0) -> 
         commands: Times from 0 [s], v [m/s], yaw rate [rad/s]; each holds until the next.
         end: When it ends [s].
         seed: Of what shakes the IMU.
+        course: The ground; None for a level plane.
     """
-    rig = Rig(rover, flat())
+    rig = Rig(rover, flat() if course is None else course)
     simulation, radius = rig.simulation, rover.controller_radius
     motors, imu = MotorPower(simulation), ImuSensor(simulation, IMU)
     vibration = vibration_of(rover.vibration, seed)

@@ -9,6 +9,7 @@ from harness import call, check, play, robot, teleop, topics
 from harness.cli import programs
 from harness.cli.run_parser import run_parser
 from harness.course import __main__ as course
+from harness.fit import __main__ as fit
 from harness.gym import policy, policy_node
 from harness.scenario import __main__ as scenario
 from harness.tune import __main__ as tune
@@ -22,6 +23,7 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.check": check._parser,
     "harness.play": play._parser,
     "harness.validate": validate._parser,
+    "harness.fit": fit._parser,
     "harness.robot": robot._parser,
     "harness.scenario": scenario._parser,
     "harness.course": course._parser,

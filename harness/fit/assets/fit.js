@@ -1,0 +1,3 @@
+// Nothing but the plots, which plots.js draws.
+
+start(() => {});

@@ -1,0 +1,179 @@
+"""What a fit says of one number: its value with an interval, or why the recording does not tell it."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import isfinite, nan
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from harness.recordings.recording import Series
+from harness.robots import RoverSpec
+
+CERTAIN = 1.96  # standard deviations on either side: 95 %
+MOST = 6  # tries of a round
+BLOCKS = 12  # parts of a recording that count as independent of each other
+VAGUE = 0.3  # half an interval over the value, from which on it is not told
+FACTS = {"friction": "wheel_friction", "radius": "wheel_radius"}  # of the model, where tyres say nothing
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One number of a rover.
+
+    Attributes:
+        name, unit: As a table shows it.
+        key: Its place in rover.yaml, as "tyres.friction"; "" of what follows from others.
+        before: The folder's value; NaN without one.
+        after: The recording's; NaN if it does not tell it.
+        half: Half of its interval of 95 %.
+        why: Why it is not told; "" if it is.
+        scale: Of what may be 0: how uncertain it may be.
+    """
+
+    name: str
+    unit: str
+    key: str
+    before: float
+    after: float = nan
+    half: float = nan
+    why: str = ""
+    scale: float = 0.0
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the recording tells it."""
+        return not self.why
+
+    def judged(self, after: float, half: float, lack: str) -> "Estimate":
+        """Returns it with a value, or, where its interval is too wide, with what is lacking."""
+        found = replace(self, after=after, half=half)
+        if isfinite(after) and half <= max(VAGUE * abs(after), self.scale):
+            return found
+        told = f"{after:.3g} +- {half:.2g} is too vague" if isfinite(half) else "nothing tells it"
+        return replace(found, after=nan, why=f"{told}: {lack}")
+
+    def silent(self, why: str) -> "Estimate":
+        """Returns it as what nothing tells."""
+        return replace(self, why=why)
+
+
+def of(rover: RoverSpec, key: str) -> float:
+    """Returns what a rover has at a place of rover.yaml, its model's value where that says nothing."""
+    section, _, name = key.rpartition(".")
+    value = getattr(getattr(rover, section) if section else rover, name)
+    value = getattr(rover, FACTS[name]) if value is None and name in FACTS else value
+    return nan if value is None else float(value)
+
+
+def with_values(rover: RoverSpec, values: Iterable[tuple[str, float]]) -> RoverSpec:
+    """Returns a rover with other values at places of rover.yaml."""
+    for key, value in values:
+        section, _, name = key.rpartition(".")
+        more: dict[str, object] = {FACTS[name]: value} if name in FACTS else {}
+        if name == "radius":
+            more["rest_height"] = rover.rest_height + value - rover.wheel_radius
+        whole = getattr(rover, section).but(**{name: value}) if section else value
+        rover = rover.but(**{section or name: whole}, **more)
+    return rover
+
+
+def fitted(rover: RoverSpec, estimates: Iterable[Estimate]) -> RoverSpec:
+    """Returns a rover with all that was told, apart from its IMU's mount."""
+    told = (one for one in estimates if one.is_told and one.key and not one.key.startswith("imu."))
+    return with_values(rover, [(one.key, one.after) for one in told])
+
+
+def minimise(
+    residuals: Callable[[Series], Series],
+    start: Series,
+    bounds: tuple[Series, Series],
+    steps: Series,
+    rounds: int = 2,
+) -> tuple[Series, Series, float]:
+    """Returns the parameters of least residuals, the halves of their intervals, and the cost.
+
+    Residuals are over their tolerances and in the order of time; large ones count linearly. Those of
+    a block depend on each other, so the interval is that of White's sandwich over BLOCKS.
+
+    Args:
+        residuals: Of parameters.
+        start: Where to begin; clipped into the bounds.
+        bounds: Lowest and highest.
+        steps: For derivatives, so large that what is rough below them does not count.
+        rounds: Of at most MOST tries, each with new derivatives.
+    """
+    low, high = bounds
+
+    @lru_cache(maxsize=4)
+    def known(point: bytes) -> Series:
+        return residuals(np.frombuffer(point))
+
+    def values(point: Series) -> Series:
+        return known(point.tobytes())
+
+    def differences(point: Series) -> Series:
+        inward = np.where(point + steps > high, -steps, steps)
+        columns = np.array([residuals(other) for other in point + np.diag(inward)])
+        slopes: Series = ((columns - values(point)) / inward[:, None]).T
+        return slopes
+
+    point = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
+    for _ in range(rounds):
+        found = least_squares(
+            values, point, jac=_broyden(values, differences, steps), bounds=bounds, loss="soft_l1",
+            x_scale=steps, max_nfev=MOST, xtol=1e-3, ftol=1e-3,
+        )  # fmt: skip
+        point = found.x
+    weights = (1.0 + found.fun**2) ** -0.25  # roots of those of soft L1
+    halves = CERTAIN * deviations(weights[:, None] * differences(point), weights * found.fun)
+    return point, halves, float(found.cost)
+
+
+def _broyden(
+    values: Callable[[Series], Series], differences: Callable[[Series], Series], steps: Series
+) -> Callable[[Series], Series]:
+    """Returns derivatives by differences at first, then by Broyden's update: values may take long."""
+    last: list[tuple[Series, Series, Series]] = []
+
+    def slopes(point: Series) -> Series:
+        now = values(point)
+        if last:
+            before, then, found = last.pop()
+            way = (point - before) / steps**2
+            found = found + np.outer(
+                now - then - found @ (point - before), way / (way @ (point - before))
+            )
+        else:
+            found = differences(point)
+        last.append((point, now, found))
+        return found
+
+    return slopes
+
+
+def deviations(jacobian: Series, left: Series) -> Series:
+    """Returns the parameters' standard deviations, with blocks of residuals that depend on each other.
+
+    Args:
+        jacobian: Of the residuals, shape (n, parameters).
+        left: The residuals, in the order of time, shape (n,).
+    """
+    inverse = np.linalg.pinv(jacobian.T @ jacobian)
+    blocks = np.array_split(np.arange(left.size), min(BLOCKS, left.size))
+    scores = np.array([jacobian[block].T @ left[block] for block in blocks])
+    spread: Series = scores.T @ scores * (len(blocks) / max(len(blocks) - jacobian.shape[1], 1))
+    found: Series = np.sqrt(np.diag(inverse @ spread @ inverse))
+    silent = np.abs(jacobian).sum(axis=0) == 0.0
+    found[silent] = np.inf
+    return found
+
+
+def slope(x: Series, y: Series) -> tuple[float, float]:
+    """Returns y over x by least squares, and half of its interval; NaN, infinite of nothing."""
+    square = float(x @ x)
+    if not square > 0.0:
+        return nan, np.inf
+    value = float(x @ y) / square
+    return value, float(CERTAIN * deviations(x[:, None], y - value * x)[0])

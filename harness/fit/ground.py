@@ -1,0 +1,249 @@
+"""What the ground does: friction, turning and rolling resistance, drag, and the wheels' true radius.
+
+Closed forms tell the effective track and where the search begins. The search drives the rover steadily,
+as the recorded one was driven, and compares yaw rate, speed and currents.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
+
+import numpy as np
+
+from harness.fit.estimate import Estimate, minimise, of, slope, with_values
+from harness.fit.steady import Steady, window
+from harness.recordings.recording import Series
+from harness.robots import RoverSpec
+from harness.robots.model import compiled_alone
+from harness.validate.grounds import flat
+from harness.validate.replay import replay
+from harness.workers import Workers, work_off
+
+TOLERANCES = {"yaw_rate": 0.03, "ahead": 0.04}
+CURRENTS = "left_current", "right_current"
+SHARE = 0.1  # of a current, and of their median: their tolerance
+UNITS = {"yaw_rate": "rad/s", "ahead": "m/s", "left_current": "A", "right_current": "A"}
+BOUNDS = {"tyres.radius": (0.8, 1.25), "tyres.friction": (0.05, 2.0), "tyres.turning": (0.0, 0.5),
+          "tyres.rolling": (0.0, 0.6), "tyres.drag": (0.0, 0.6)}  # of the radius factors  # fmt: skip
+STEPS = {"tyres.radius": 0.03, "tyres.friction": 0.05, "tyres.turning": 0.01, "tyres.rolling": 0.01,
+         "tyres.drag": 0.02}  # for derivatives: contacts are rough  # fmt: skip
+DRAGS = 0.2, 0.7  # shares of what resists straight on that a search begins with as drag
+ALIKE = 1.05  # times the least cost: what also explains the recording
+# Half a size and cells as those of terrains [m], across which it is driven [rad]: their edges resist.
+PLANE = 20.0, 0.1, 0.5
+SETTLING, MEASURED = 0.7, 1.3  # [s] of ours, whose commands act at once
+LIGHT = 0.02  # [m], or of a load: less does not matter
+
+
+Show = Callable[[int, int], None]  # is called with what is done of what
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What came of it: estimates, and ours beside the kinds of steady driving, before and after."""
+
+    estimates: tuple[Estimate, ...]
+    before: Steady
+    after: Steady
+
+
+def track(some: Steady, rover: Steady) -> Estimate:
+    """Returns the effective track: the sides' difference over the yaw rate.
+
+    Args:
+        some: Recorded windows.
+        rover: Ours, driven alike.
+    """
+    blank = Estimate("effective track", "m", "", _track(rover)[0])
+    value, half = _track(some)
+    if not np.isfinite(value):
+        lack = "turns" if np.isfinite(some.yaw_rate).any() or not some.turns.any() else "poses or an IMU"
+        return blank.silent(f"{lack} are missing")
+    return blank.judged(value, half, "turns are too few")
+
+
+def _track(some: Steady) -> tuple[float, float]:
+    known = some.turns & np.isfinite(some.yaw_rate)
+    rate, half = slope(some.difference[known], some.yaw_rate[known])
+    return 1.0 / rate if rate else np.nan, half / rate**2 if rate else np.inf
+
+
+def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimate]]:
+    """Returns what can be sought, and what nothing tells and why."""
+    nothing = {
+        "poses are missing": not np.isfinite(some.ahead).any(),
+        "currents or torques are missing": not np.isfinite(some.left_current).any(),
+        "poses or an IMU are missing": not np.isfinite(some.yaw_rate).any(),
+    }
+    poses, forces, yaws = nothing
+    on, arcs = "driving straight on is missing", some.turns & some.drives
+    table = (
+        ("wheel radius", "m", "tyres.radius", poses, some.is_straight, on),
+        ("friction", "", "tyres.friction", forces, some.spots, "turns on the spot are missing"),
+        ("turning friction", "m", "tyres.turning", yaws, some.turns, "turns are missing"),
+        ("rolling resistance", "", "tyres.rolling", forces, some.is_straight, on),
+        ("drag", "", "tyres.drag", poses, arcs, "arcs are missing"),
+    )
+    free, mute = list[Estimate](), list[Estimate]()
+    for name, unit, key, lack, windows, missing in table:
+        scale = 0.0 if key in ("tyres.radius", "tyres.friction") else LIGHT
+        one = Estimate(name, unit, key, of(rover, key), scale=scale)
+        why = lack if nothing[lack] else "" if windows.sum() > 1 else missing
+        (mute if why else free).append(one.silent(why))
+    return free, mute
+
+
+def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show: Show) -> Ground:
+    """Returns what the ground does.
+
+    Args:
+        rover: With real actuators, where the search begins.
+        some: Recorded windows of steady driving.
+        like: Their kinds, as which ours is driven.
+        workers: Do so, from several starts at once.
+        show: Is called with what is done of what.
+    """
+    free, mute = blanks(rover, some)
+    before = driven(rover, like)
+    while free:
+        found = _search(rover, free, some, like, workers, show)
+        vague = [one for one in found if not one.is_told]
+        if not vague:
+            break
+        # The others again, for they were found together with what is not written.
+        free = [one for one, told in zip(free, found, strict=True) if told.is_told]
+        mute += vague
+    told = found if free else []
+    after = driven(with_values(rover, [(one.key, one.after) for one in told]), like)
+    return Ground((track(some, before), *told, *mute), before, after)
+
+
+def _search(
+    rover: RoverSpec,
+    free: Sequence[Estimate],
+    some: Steady,
+    like: Steady,
+    workers: Workers,
+    show: Show,
+) -> list[Estimate]:
+    """What is free, with the values that explain the recorded windows best."""
+    keys, prior = [one.key for one in free], np.array([one.before for one in free])
+    starts = [np.array([_begun(rover, some, share)[key] for key in keys]) for share in DRAGS]
+    found: dict[int, tuple[Series, Series, float]] = {}
+
+    def keep(number: int, outcome: tuple[Series, Series, float]) -> None:
+        found[number] = outcome
+        show(len(found), len(starts))
+
+    sought = partial(_sought, rover, like, tuple(keys), prior)
+    work_off(
+        dict(enumerate(starts)), sought, workers, keep,
+        name=lambda number: f"search {number}", mend="give fewer --jobs",
+    )  # fmt: skip
+    best = min(found.values(), key=lambda one: one[2])
+    others = [one[0] for one in found.values() if one[2] <= ALIKE * best[2] + 1e-3]
+    halves = np.maximum(best[1], np.ptp(others, axis=0))
+    return [
+        one.judged(value, half, "steady driving of more kinds is missing")
+        for one, value, half in zip(free, best[0].tolist(), halves.tolist(), strict=True)
+    ]
+
+
+def _sought(
+    rover: RoverSpec, like: Steady, keys: Sequence[str], prior: Series, start: Series
+) -> tuple[Series, Series, float]:
+    is_radius = np.array(keys) == "tyres.radius"
+    low, high = np.array([BOUNDS[key] for key in keys]).T * np.where(is_radius, prior, 1.0)
+    steps = np.array([STEPS[key] for key in keys]) * np.where(is_radius, prior, 1.0)
+
+    def residuals(values: Series) -> Series:
+        ours = driven(with_values(rover, zip(keys, values.tolist(), strict=True)), like)
+        return np.concatenate(list(compared(ours, like).values()))
+
+    return minimise(residuals, start, (low, high), steps)
+
+
+def compared(ours: Steady, like: Steady) -> dict[str, Series]:
+    """Returns ours less the recorded over their tolerances, by quantity, weighted."""
+    weight = np.sqrt(like.weight / like.weight.mean())
+    found = {}
+    for name, off in differences(ours, like).items():
+        known, wide = np.isfinite(off), np.full(off.size, TOLERANCES.get(name, 0.0))
+        if name in CURRENTS:
+            real: Series = getattr(like, name)
+            wide = SHARE * np.maximum(real, _middle(like.left_current + like.right_current) / 2)
+        found[name] = (weight * off)[known] / wide[known]
+    return found
+
+
+def differences(ours: Steady, like: Steady) -> dict[str, Series]:
+    """Returns ours less the recorded, by quantity; NaN of what either does not have."""
+    found = {name: getattr(ours, name) - getattr(like, name) for name in UNITS}
+    known = np.isfinite(found["ahead"])
+    found["ahead"][known] -= _mounted(found["ahead"][known], like.yaw_rate[known])
+    return found
+
+
+def _mounted(off: Series, yaw_rate: Series) -> Series:
+    """What of a speed ahead comes from poses that are to the side of the rover's middle."""
+    aside = float(off @ yaw_rate) / max(float(yaw_rate @ yaw_rate), 1e-9)
+    mounted: Series = aside * yaw_rate
+    return mounted
+
+
+def driven(rover: RoverSpec, like: Steady) -> Steady:
+    """Returns our windows of steady driving, each as one of a recording; NaN where ours is not steady.
+
+    A speed loop lets the wheels lag behind under load: ours are scaled to the recorded wheels' speeds.
+    """
+    assert rover.actuators is not None  # noqa: S101 - the command checks it
+    plain = rover.actuators.but(delay=0.0, lag=0.0, turn_limit=None, dead_band=0.0)
+    rover, span = rover.but(actuators=plain), SETTLING + MEASURED
+    begins = span * np.arange(like.left.size)
+    rates = like.difference / rover.controller_separation
+    commands, plane = np.column_stack([begins, like.mean, rates]), flat(*PLANE)
+    recorded = replay(rover, commands, span * begins.size, course=plane)
+    rows = [window(recorded, begin + SETTLING, begin + span) for begin in begins]
+    nothing = (np.nan,) * len(fields(Steady))
+    ours = Steady(*np.array([nothing if row is None else row for row in rows]).T)
+    return replace(
+        ours,
+        yaw_rate=ours.yaw_rate * np.where(like.turns, like.difference / ours.difference, 1.0),
+        ahead=ours.ahead * np.where(like.drives, like.mean / ours.mean, 1.0),
+    )
+
+
+def _begun(rover: RoverSpec, some: Steady, share: float) -> dict[str, float]:
+    """Where a search begins: by closed forms of four equal contacts with dry friction.
+
+    Straight on the motors' torque is (rolling + drag) W r; on the spot that of a side is besides
+    friction W/2 r L / sqrt(L^2 + B^2), for the contacts slide along (L, B).
+
+    Args:
+        rover: Whose motor constant, weight and size are taken.
+        some: Recorded windows.
+        share: Of the resistance straight on that is drag.
+    """
+    assert rover.actuators is not None  # noqa: S101 - the command checks it
+    straight, spots = some.is_straight, some.spots
+    model, _ = compiled_alone(rover)
+    torque = rover.actuators.motor_constant / rover.wheel_radius
+    load = float(model.body_mass.sum()) * rover.gravity / torque  # as a current
+    drawn = some.left_current + some.right_current
+    resistance = _middle(drawn[straight]) / load
+    along = rover.wheelbase / np.hypot(rover.wheelbase, rover.track)
+    friction = (_middle(drawn[spots]) / load - resistance * (1.0 - share)) / along
+    known = straight & np.isfinite(some.ahead)
+    ratio, _ = slope(some.mean[known], some.ahead[known])
+    hard, turned = rover.track + rover.wheelbase**2 / rover.track, _track(some)[0]
+    begun = {
+        "tyres.radius": rover.wheel_radius * ratio, "tyres.friction": max(friction, 0.1),
+        "tyres.turning": 0.3 * max(turned - hard, 0.0), "tyres.rolling": resistance * (1.0 - share),
+        "tyres.drag": resistance * share,
+    }  # fmt: skip
+    return {key: value if np.isfinite(value) else of(rover, key) for key, value in begun.items()}
+
+
+def _middle(values: Series) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else np.nan

@@ -1,0 +1,71 @@
+"""Constants of the motors: torque over current, and what is lost in their windings."""
+
+import numpy as np
+
+from harness.fit.estimate import CERTAIN, Estimate, deviations, of, slope
+from harness.recordings.recording import Recording, Series, at
+from harness.robots import RoverSpec
+
+SPAN = 0.5  # [s] over which torques, currents and power are means
+PARTS, STEADY = 10, 0.05  # of a span; sd of currents over the larger one's mean
+FORCES = "torques, or the battery's power, are missing"
+
+
+def motors(rover: RoverSpec, recording: Recording) -> list[Estimate]:
+    """Returns the motor constant and the resistance.
+
+    The motor constant is torque over current, where both are recorded; the battery gives
+    P = K sum(i w) + R sum(i^2) + standby, which tells both, and the resistance by K.
+    """
+    keys = "actuators.motor_constant", "actuators.resistance"
+    constant = Estimate("motor constant", "N m/A", keys[0], of(rover, keys[0]))
+    resistance = Estimate("resistance", "Ohm", keys[1], of(rover, keys[1]))
+    there = recording.series
+    if "currents" not in there:
+        return [one.silent("currents are missing") for one in (constant, resistance)]
+    if "torques" in there:
+        (currents, torques) = (_means(recording, name) for name in ("currents", "torques"))
+        value, half = slope(currents.ravel(), torques.ravel())
+        constant = constant.judged(value, half, "driving under load is missing")
+    if "power" not in there:
+        return [constant if constant.is_told and "torques" in there else constant.silent(FORCES),
+                resistance.silent("the battery's power is missing")]  # fmt: skip
+    return _by_power(rover, recording, constant, resistance)
+
+
+def _by_power(
+    rover: RoverSpec, recording: Recording, constant: Estimate, resistance: Estimate
+) -> list[Estimate]:
+    assert rover.actuators is not None  # noqa: S101 - the command checks it
+    power, currents, rims = (_means(recording, name) for name in ("power", "currents", "wheels"))
+    each = 1 if rover.actuators.one_motor_a_side else len(rover.drive.driven) // 2  # motors of a side
+    turning = np.abs(rims) / rover.controller_radius
+    work, lost = (currents * turning).sum(axis=1), (currents**2).sum(axis=1) / each
+    columns = np.column_stack([lost, np.ones(len(lost)), work])
+    wanted = power[:, 0]
+    if np.isfinite(constant.after):
+        columns, wanted = columns[:, :2], wanted - constant.after * work
+    values = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+    halves = CERTAIN * deviations(columns, wanted - columns @ values)
+    if not np.isfinite(constant.after):
+        constant = constant.judged(float(values[2]), float(halves[2]), "driving under load is missing")
+    return [
+        constant,
+        resistance.judged(float(values[0]), float(halves[0]), "large currents are missing"),
+    ]
+
+
+def _means(recording: Recording, name: str) -> Series:
+    """Means over each SPAN that currents, torques, power and wheels have in common, if it is steady."""
+    names = "currents", "torques", "power", "wheels"
+    there = {one: series for one, series in recording.series.items() if one in names}
+    begin, end = max(v[0, 0] for v in there.values()), min(v[-1, 0] for v in there.values())
+    times = np.arange(begin, end, SPAN / PARTS)
+    times = times[: times.size // PARTS * PARTS]
+    currents, values = (
+        at(there[one], times).reshape(-1, PARTS, there[one].shape[1] - 1) for one in ("currents", name)
+    )
+    most = currents.mean(axis=1).max(axis=1, keepdims=True)
+    is_steady = (currents.std(axis=1) <= STEADY * most).all(axis=1)
+    means: Series = values.mean(axis=1)[is_steady]
+    return means

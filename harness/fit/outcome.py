@@ -1,0 +1,117 @@
+"""What a fit came to: its estimates, and how far ours was from the recording and is."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.base.errors import UsageError
+from harness.fit.estimate import Estimate, fitted
+from harness.fit.ground import UNITS, Ground, differences, ground
+from harness.fit.motors import motors
+from harness.fit.mount import mount
+from harness.fit.response import difference, response
+from harness.fit.steady import Steady, kinds, steady
+from harness.recordings.recording import Recording
+from harness.robots import RoverSpec
+from harness.validate.real.commanded import step_ends
+from harness.workers import Workers
+
+HELD_BACK = 1 / 3  # of the steps, the last ones
+STEP = 6.0  # [s] of what is judged as a step where the recording names none
+FEWEST = 3  # steps that are held back
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A fit.
+
+    Attributes:
+        rover, fitted: Before and after.
+        estimates: All that was sought.
+        recording: What was fitted to.
+        like, ground: Kinds of steady driving, and ours beside them.
+        residuals: Root mean squares of ours less the recorded, before and after, by quantity and unit.
+        held: Shares of their lengths by which held-back steps ended elsewhere, before and after.
+    """
+
+    rover: RoverSpec
+    fitted: RoverSpec
+    estimates: tuple[Estimate, ...]
+    recording: Recording
+    like: Steady
+    ground: Ground
+    residuals: Mapping[tuple[str, str], Pair]
+    held: tuple[np.ndarray, np.ndarray]
+
+
+def fit(
+    rover: RoverSpec, whole: Recording, workers: Workers, show: Callable[[int, int], None]
+) -> Outcome:
+    """Fits a rover to a recording.
+
+    Args:
+        rover: With real actuators, where the search begins.
+        whole: From `reading.read`; its last steps are held back.
+        workers: Drive.
+        show: Is called with what is done of what.
+
+    Raises:
+        UsageError: The recording tells nothing.
+    """
+    recording, held = split(whole)
+    first = response(rover, recording)
+    constants = [*motors(rover, whole), *mount(rover, whole)]
+    near = fitted(rover, [*first, *constants])
+    some = steady(_drawn(recording, near))
+    like = kinds(some)
+    found = ground(near, some, like, workers, show)
+    loaded = fitted(near, found.estimates)
+    told = response(rover, recording, loaded)
+    estimates = (*told, *found.estimates, *constants)
+    if not any(one.is_told for one in estimates):
+        raise UsageError(
+            f"{whole.name} tells nothing: {'; '.join(dict.fromkeys(e.why for e in estimates))}"
+        )
+    best = fitted(loaded, told)
+    pairs = {
+        ("speed of the sides", "m/s"): (
+            _rms(difference(rover, recording)),
+            _rms(difference(best, recording)),
+        )
+    }
+    before, after = (differences(ours, like) for ours in (found.before, found.after))
+    for name, unit in UNITS.items():
+        if np.isfinite(after[name]).any():
+            pairs[name.replace("_", " "), unit] = _rms(before[name]), _rms(after[name])
+    ends = [step_ends(one, held) if held is not None else np.empty(0) for one in (rover, best)]
+    return Outcome(rover, best, estimates, recording, like, found, pairs, (ends[0], ends[1]))
+
+
+def split(whole: Recording) -> tuple[Recording, Recording | None]:
+    """Returns what is fitted to, and the last steps, held back; None without poses or steps."""
+    if "poses" not in whole.series:
+        return whole, None
+    steps = whole.steps
+    if not len(steps):
+        begins = np.arange(0.0, whole.wheels[-1, 0] - STEP, STEP)
+        steps = np.column_stack([begins, begins + STEP])
+    count = round(HELD_BACK * len(steps))
+    if count < FEWEST:
+        return whole, None
+    begin, stepped = float(steps[-count, 0]), replace(whole, steps=steps)
+    return stepped.within(-np.inf, begin), stepped.within(begin - 0.5, np.inf)
+
+
+def _drawn(recording: Recording, rover: RoverSpec) -> Recording:
+    """A recording whose currents are, where it has none, those of its torques."""
+    if "currents" in recording.series or "torques" not in recording.series:
+        return recording
+    assert rover.actuators is not None  # noqa: S101 - the command checks it
+    return replace(recording, currents=recording.torques / [1.0, *2 * [rover.actuators.motor_constant]])
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.nanmean(values**2))) if np.isfinite(values).any() else float("nan")

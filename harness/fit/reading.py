@@ -1,0 +1,107 @@
+"""CSV files or a bag of strangers -> one recording that can be fitted to, or what it lacks in a line."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from harness.base.errors import UsageError
+from harness.recordings.bags import recording_of_bag
+from harness.recordings.recording import APART, Recording, Series, lag
+from harness.recordings.tables import recording_of
+from harness.robots import RoverSpec
+
+NEEDED = "commands", "wheels"
+LONG, MOST_LOST = 1.0, 0.2  # [s] without a sample is a gap; share of the time that gaps may take
+SHORTEST = 10.0  # [s] that the series have in common
+FEWEST = 50  # samples of the wheels
+FASTEST = 50.0  # [m/s] of wheels that are in the units that they are said to be
+
+
+def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> Recording:
+    """Returns a recording on one clock that begins at 0 with the first command.
+
+    Single wrong samples (spikes, jumps of scan matching) are taken out by medians of three.
+
+    Args:
+        paths: Of CSV files that tell of the same drive, or of one bag.
+        rover: That drove.
+        topics: Of a bag, by the names of their series, where others would be taken.
+
+    Raises:
+        UsageError: It cannot be read, or lacks what a fit needs; the message says what.
+    """
+    for path in paths:
+        if not path.exists():
+            raise UsageError(f"{path} does not exist; give CSV files or a bag")
+    name = paths[0].name
+    if all(path.is_file() and ".csv" in path.name for path in paths):
+        if topics:
+            raise UsageError("--topic is for bags; a CSV file's columns go by their names")
+        found = recording_of(paths, name.split(".csv")[0], rover.controller_radius)
+    elif len(paths) > 1:
+        raise UsageError("several recordings must be CSV files of one drive; give one bag")
+    else:
+        found = recording_of_bag(paths[0], rover, topics)
+    _check(found)
+    return _begun(_aligned(found, rover))
+
+
+def _check(recording: Recording) -> None:
+    """Checks that what is needed is there, moves, overlaps and is whole."""
+    there, name = recording.series, recording.name
+    if missing := [one for one in NEEDED if one not in there]:
+        found = ", ".join(there) or "nothing that a rover's model is fitted to"
+        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {found}")
+    spans = {one: (float(v[0, 0]), float(v[-1, 0])) for one, v in there.items()}
+    begin, end = max(b for b, _ in spans.values()), min(e for _, e in spans.values())
+    told = ", ".join(f"{one} {b:.1f} to {e:.1f} s" for one, (b, e) in spans.items())
+    if end < begin:
+        raise UsageError(f"{name}: clocks are apart, series do not overlap: {told}")
+    if end - begin < SHORTEST:
+        raise UsageError(
+            f"{name}: {end - begin:.1f} s are too short, give {SHORTEST:g} s; it has {told}"
+        )
+    wheels = recording.wheels
+    if len(wheels) < FEWEST:
+        raise UsageError(f"{name}: {len(wheels)} samples of the wheels are too few; give {FEWEST}")
+    for one in set(there) - {"commands"}:
+        pauses = np.diff(there[one][:, 0])
+        lost = float(pauses[pauses > LONG].sum())
+        if lost > MOST_LOST * (end - begin):
+            raise UsageError(
+                f"{name}: gaps of {lost:.0f} s in the {one}; cut out the part that is whole"
+            )
+    speed = float(np.median(np.abs(wheels[:, 1:]).max(axis=1)))
+    if speed > FASTEST or not recording.commands[:, 1:].any():
+        reason = f"wheels turn at {speed:.0f} m/s" if speed > FASTEST else "commands are all 0"
+        raise UsageError(f"{name}: {reason}; give units in the columns' names, as left_wheel [rad/s]")
+
+
+def _aligned(recording: Recording, rover: RoverSpec) -> Recording:
+    """The recording with its IMU on the clock of the wheels, without single wrong samples."""
+    smooth = {
+        name: np.column_stack([v[:, 0], median_filter(v[:, 1:], size=(3, 1), mode="nearest")])
+        for name, v in recording.series.items()
+        if name != "commands"
+    }
+    recording = replace(recording, **smooth)  # type: ignore[arg-type]  # of series alone
+    shift = lag(recording, rover.track) if "imu" in smooth else None
+    if shift is not None and abs(shift) > APART:
+        raise UsageError(
+            f"{recording.name}: clocks are apart, the IMU turns {shift:+.2f} s after the wheels"
+        )
+    return replace(recording, imu=_moved(recording.imu, -(shift or 0.0)))
+
+
+def _begun(recording: Recording) -> Recording:
+    begin = float(recording.commands[0, 0])
+    moved = {name: _moved(values, -begin) for name, values in recording.series.items()}
+    return replace(recording, **moved, steps=recording.steps - begin)  # type: ignore[arg-type]  # as above
+
+
+def _moved(series: Series, seconds: float) -> Series:
+    moved: Series = series + np.eye(1, series.shape[1])[0] * seconds
+    return moved

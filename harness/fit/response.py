@@ -1,0 +1,128 @@
+"""How wheels follow commands: dead time, lag, what the driver makes of yaw rates; without physics."""
+
+import numpy as np
+
+from harness.fit.estimate import Estimate, minimise, of, with_values
+from harness.physics.base_controller import base_controller
+from harness.recordings.recording import Recording, Series, at
+from harness.robots import RoverSpec
+from harness.samples import Twist
+from harness.validate.real.commanded import as_driven
+from harness.validate.replay import replay
+from harness.validate.rig import TICK
+
+TOLERANCE = 0.03  # [m/s]
+STEP = 0.02  # [s], [m]: for derivatives, above a tick
+VARIES = 0.1  # [m/s], [rad/s] sd of commands that tell something
+HELD = 0.4  # [s]: logs repeat a sample no longer
+LONGEST = 1.5  # [s] that a command may take to a wheel
+BOUNDS = {
+    "actuators.delay": (0.0, 1.0),
+    "actuators.lag": (0.0, 1.0),
+    "controller_separation": (0.1, 4.0),
+    "actuators.turn_limit": (0.05, 10.0),
+}
+
+
+def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = None) -> list[Estimate]:
+    """Returns delay, lag, the separation that the driver believes, the limit of the sides' difference.
+
+    Args:
+        rover: With real actuators.
+        recording: Has commands and wheels.
+        loaded: A rover that is near to it, to take into account what load makes of the speeds of ours;
+            None for nothing.
+    """
+    moves, turns = recording.commands[:, 1:].std(axis=0) > VARIES
+    driven = as_driven(rover, recording)
+    is_clipped = bool(turns) and driven.actuators != rover.actuators
+    lacks = {
+        "actuators.delay": "" if moves or turns else "changes of the command are missing",
+        "actuators.lag": "" if moves or turns else "changes of the command are missing",
+        "controller_separation": "" if turns else "turns are missing",
+        "actuators.turn_limit": "" if is_clipped else "no command asked for more than came",
+    }
+    blank = (
+        Estimate("delay", "s", "actuators.delay", of(rover, "actuators.delay"), scale=0.02),
+        Estimate("lag", "s", "actuators.lag", of(rover, "actuators.lag"), scale=0.05),
+        Estimate("believed separation", "m", "controller_separation", rover.controller_separation),
+        Estimate("limit of the sides' difference", "m/s", "actuators.turn_limit",
+                 of(rover, "actuators.turn_limit")),
+    )  # fmt: skip
+    free = [one.key for one in blank if not lacks[one.key]]
+    if not free:
+        return [one.silent(lacks[one.key]) for one in blank]
+    lost = _lost(loaded, recording)
+    if loaded is None:
+        late = _late(driven, recording) / 2
+        loaded = with_values(driven, [("actuators.delay", late), ("actuators.lag", late)])
+    start = np.array([of(loaded, key) for key in free])
+    low, high = np.array([BOUNDS[key] for key in free]).T
+
+    def residuals(values: Series) -> Series:
+        ours = with_values(driven, zip(free, values.tolist(), strict=True))
+        return (difference(ours, recording) - lost) / TOLERANCE
+
+    values, halves, _ = minimise(residuals, start, (low, high), np.full(len(free), STEP))
+    found = dict(zip(free, zip(values.tolist(), halves.tolist(), strict=True), strict=True))
+    return [
+        one.judged(*found[one.key], "changes of the command are too few")
+        if one.key in found
+        else one.silent(lacks[one.key])
+        for one in blank
+    ]
+
+
+def difference(rover: RoverSpec, recording: Recording) -> Series:
+    """Returns ours less the recorded speeds of the sides, where those changed [m/s]."""
+    times = _news(recording.wheels)
+    return (at(controlled(rover, recording), times) - at(recording.wheels, times)).ravel()
+
+
+def _lost(rover: RoverSpec | None, recording: Recording) -> Series | float:
+    """By how much wheels of ours are slower under load than its controller wants, as `difference`."""
+    if rover is None:
+        return 0.0
+    times = _news(recording.wheels)
+    driven = replay(rover, recording.commands, float(recording.wheels[-1, 0]))
+    wanted = controlled(rover, recording)
+    own = driven.wheels[:, 0]
+    off = np.column_stack([own, at(wanted, own) - driven.wheels[:, 1:]])
+    return at(off, times).ravel()
+
+
+def controlled(rover: RoverSpec, recording: Recording) -> Series:
+    """Returns the speeds of the sides that a rover's controller wants of a recording's commands.
+
+    Returns:
+        Times [s], left and right [m/s].
+    """
+    drive, wheels = base_controller(rover, TICK), recording.wheels
+    left = np.array([name in rover.drive.left for name in rover.drive.driven])
+    ends = TICK * np.arange(1, round(wheels[-1, 0] / TICK) + 1)
+    speeds = np.empty((ends.size, left.size))
+    told = at(recording.commands, ends - TICK + 1e-9)
+    changes = np.flatnonzero(np.concatenate([[True], (np.diff(told, axis=0) != 0.0).any(axis=1)]))
+    for first, last in zip(changes, [*changes[1:], ends.size], strict=True):
+        drive.command(Twist(*told[first].tolist()))
+        speeds[first:last] = drive.ahead(int(last - first))[:, : left.size]
+    rims = speeds * rover.controller_radius
+    return np.column_stack([ends, rims[:, left].mean(axis=1), rims[:, ~left].mean(axis=1)])
+
+
+def _late(rover: RoverSpec, recording: Recording) -> float:
+    """How much later wheels do what is commanded, by the largest correlation [s]."""
+    quick = rover.but(real=False)
+    ours, wheels = controlled(quick, recording), recording.wheels
+    shifts = np.arange(0.0, LONGEST, 2 * TICK)
+    squares = [((at(ours, wheels[:, 0] - shift) - wheels[:, 1:]) ** 2).mean() for shift in shifts]
+    return float(shifts[int(np.argmin(squares))])
+
+
+def _news(series: Series) -> Series:
+    """Times at which a series says something: it has just changed, or not for as long as logs hold."""
+    changed = np.concatenate([[True], (np.diff(series[:, 1:], axis=0) != 0.0).any(axis=1)])
+    latest = np.maximum.accumulate(np.where(changed, series[:, 0], -np.inf))
+    chosen = (changed | (series[:, 0] - latest > HELD)) & (series[:, 0] >= 0.0)
+    times: Series = series[chosen, 0]
+    return times

@@ -1,0 +1,157 @@
+"""Bags -> recordings: commands, joints or wheel odometry, IMU, poses, currents, battery, by type."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_typestore
+
+from harness.base.errors import UsageError
+from harness.recordings.recording import Recording, Series
+from harness.robots import RoverSpec
+from rover_metrics.bag.bag_reader import Bag
+from rover_metrics.bag.mcap_stream import BagError
+from rover_metrics.timing import NANOSECONDS
+
+Row = tuple[float, ...]
+Take = Callable[[Any, RoverSpec], dict[str, Row]]
+TRUTH = "truth"  # in the names of topics that no real rover has
+APART = 1.0  # [s] from which on stamps are of another clock than the recorder's, and do not count
+
+
+def _twist(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401 - rosbags' classes have no types
+    twist = getattr(message, "twist", message)
+    return {"commands": (twist.linear.x, twist.angular.z)}
+
+
+def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
+    """Rims' speeds, and what motors give: torque along the speed, of a motor that is dragged none."""
+    speeds = dict(zip(message.name, message.velocity, strict=False))
+    torques = dict(zip(message.name, message.effort, strict=False))
+    tied = rover.actuators is not None and rover.actuators.one_motor_a_side
+    found: dict[str, list[float]] = {"wheels": [], "torques": []}
+    for side in (rover.drive.left, rover.drive.right):
+        if not all(name in speeds for name in side):
+            return {}
+        found["wheels"].append(rover.controller_radius * float(np.mean([speeds[n] for n in side])))
+        driven = [n for n in side if n in rover.drive.driven and n in torques]
+        given = np.array([torques[name] * np.sign(speeds[name]) for name in driven])
+        found["torques"] += [max(float(given.sum()), 0.0) if tied else float(given.clip(0.0).sum())]
+    has_efforts = all(name in torques for name in rover.drive.driven)
+    return {name: tuple(row) for name, row in found.items() if name == "wheels" or has_efforts}
+
+
+def _imu(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
+    w, a = message.angular_velocity, message.linear_acceleration
+    return {"imu": (w.x, w.y, w.z, a.x, a.y, a.z)}
+
+
+def _poses(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
+    pose = message.poses[0] if len(getattr(message, "poses", ())) else getattr(message, "pose", None)
+    pose = getattr(pose, "pose", pose)
+    if pose is None:
+        return {}
+    p, q = pose.position, pose.orientation
+    yaw = np.arctan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))
+    return {"poses": (p.x, p.y, float(yaw))}
+
+
+def _odometry(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
+    twist, half = message.twist.twist, rover.controller_separation / 2
+    apart = half * twist.angular.z
+    return {"wheels": (twist.linear.x - apart, twist.linear.x + apart)}
+
+
+def _currents(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
+    return {"currents": tuple(map(float, message.data))} if len(message.data) == 2 else {}
+
+
+def _battery(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
+    return {"power": (-message.voltage * message.current,)}
+
+
+# In the order in which they count: the type, a word that the topic's name must have, the series of it.
+TAKEN: tuple[tuple[str, str, Take], ...] = (
+    ("geometry_msgs/msg/Twist", "cmd", _twist),
+    ("geometry_msgs/msg/TwistStamped", "cmd", _twist),
+    ("sensor_msgs/msg/JointState", "", _joints),
+    ("nav_msgs/msg/Odometry", "wheel", _odometry),
+    ("nav_msgs/msg/Odometry", "odom", _odometry),
+    ("sensor_msgs/msg/Imu", "", _imu),
+    ("geometry_msgs/msg/PoseArray", "pose", _poses),
+    ("geometry_msgs/msg/PoseStamped", "", _poses),
+    ("geometry_msgs/msg/PoseWithCovarianceStamped", "", _poses),
+    ("std_msgs/msg/Float64MultiArray", "current", _currents),
+    ("sensor_msgs/msg/BatteryState", "", _battery),
+)
+
+
+def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | None = None) -> Recording:
+    """Returns what a bag says of a rover: of each series what the first row of TAKEN that has it says.
+
+    Args:
+        path: Of a rosbag2 folder, an .mcap or a .db3.
+        rover: Whose joints and wheels it tells of.
+        chosen: Topics by the names of their series, where TAKEN would take others.
+
+    Raises:
+        UsageError: It cannot be read, holds nothing of these types, or not what was chosen.
+    """
+    try:
+        with Bag(path) as bag:
+            if missing := sorted(set((chosen or {}).values()) - set(bag.topics)):
+                raise UsageError(
+                    f"{path} has no topic {missing[0]}; it has {', '.join(sorted(bag.topics))}"
+                )
+            rows = _rows(bag, rover, chosen or {})
+    except BagError as error:
+        raise UsageError(f"{path}: {error}") from error
+    series = {name: _ordered(some) for name, some in rows.items()}
+    if "poses" in series:
+        series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
+    return Recording(path.name, **series)  # type: ignore[arg-type]  # of series alone
+
+
+def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, list[Row]]:
+    """By series: stamp (NaN without one), time of recording and values of each message."""
+    store, takes = get_typestore(Stores.LATEST), dict[str, Take]()
+    for kind, word, take in TAKEN:
+        for topic in sorted(t for t, k in bag.topics.items() if k == kind and word in t):
+            if TRUTH not in topic:
+                takes.setdefault(topic, take)
+    found: dict[str, list[Row]] = {}
+    source: dict[str, str] = dict(chosen)
+    ranked = {topic: rank for rank, topic in enumerate(takes)}
+    for message in bag.messages(takes):
+        if message.topic not in takes:
+            continue
+        try:
+            read = store.deserialize_cdr(message.data, bag.topics[message.topic])
+        except (SerdeError, IndexError, AssertionError, MemoryError):
+            continue
+        header, now = getattr(read, "header", None), message.time_ns / NANOSECONDS
+        stamp = header.stamp.sec + header.stamp.nanosec / NANOSECONDS if header is not None else 0.0
+        for name, row in takes[message.topic](read, rover).items():
+            before = source.setdefault(name, message.topic)
+            if name not in chosen and ranked[message.topic] < ranked[before]:
+                source[name], found[name] = message.topic, []
+            if source[name] == message.topic:
+                found.setdefault(name, []).append((stamp or np.nan, now, *row))
+    return found
+
+
+def _ordered(rows: list[Row]) -> Series:
+    """Values by their stamps, or where those are of another clock by when they were recorded."""
+    table = np.array(rows)
+    stamps, recorded = table[:, 0], table[:, 1]
+    near = np.abs(stamps - recorded) < APART
+    times = stamps if near.mean() > 0.5 else recorded
+    whole = np.column_stack([times, table[:, 2:]])
+    whole = whole[np.isfinite(whole).all(axis=1) & (near if times is stamps else True)]
+    whole = whole[np.argsort(whole[:, 0], kind="stable")]
+    ordered: Series = (
+        whole[np.concatenate([[True], np.diff(whole[:, 0]) > 0.0])] if len(whole) else whole
+    )
+    return ordered

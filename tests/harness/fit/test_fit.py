@@ -1,0 +1,208 @@
+"""A fit against the rover that made its recording, and what a recording lacks or does not tell."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from scipy.spatial.transform import Rotation
+
+from harness.fit.__main__ import main
+from harness.fit.estimate import of, with_values
+from harness.fit.motors import motors
+from harness.fit.mount import mount
+from harness.fit.reading import read
+from harness.fit.response import controlled, response
+from harness.recordings.bags import recording_of_bag
+from harness.recordings.recording import Recording, at
+from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
+from harness.validate.grounds import flat
+from harness.validate.replay import replay
+from tests.support.complaint import complaint
+
+HUSKY = equipped(ROVERS["husky"], REAL, "")
+TRUE = {
+    "actuators.delay": 0.17, "actuators.lag": 0.2, "controller_separation": 0.9, "tyres.radius": 0.158,
+    "tyres.friction": 0.6, "tyres.turning": 0.1,
+}  # fmt: skip
+HIDDEN = TRUE | {"tyres.rolling": 0.12, "tyres.drag": 0.1}
+TWISTS = (
+    (0.0, 0.0), (0.6, 0.0), (0.0, 0.9), (-0.5, 0.4), (0.0, -0.7), (0.4, -0.8), (-0.8, 0.0), (0.3, 0.6),
+)  # fmt: skip
+STEP = 4.0  # [s]
+Capsys = pytest.CaptureFixture[str]
+
+
+def driven(rover: RoverSpec) -> Recording:
+    commands = np.array([(STEP * n, *twist) for n, twist in enumerate(TWISTS)])
+    return replay(rover, commands, STEP * len(TWISTS), course=flat(20.0, 0.1, 0.3))
+
+
+def write(recording: Recording, path: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> Path:
+    """At 20 Hz, with noise, values that are missing and single ones that are wrong, as a real log."""
+    rng, t = np.random.default_rng(4), np.arange(1, int(STEP * len(TWISTS) * 20)) / 20
+    table = pd.DataFrame({"t": t})
+    for series, names, sd in (
+        ("commands", "cmd_v cmd_w", 0.0), ("wheels", "left_speed right_speed", 0.003),
+        ("currents", "left_current right_current", 0.2), ("poses", "x y yaw", 0.005),
+    ):  # fmt: skip
+        held = at(getattr(recording, series), t + 1e-9)
+        for name, values in zip(names.split(), held.T, strict=True):
+            table[name] = values + sd * rng.normal(size=t.size)
+            if sd:
+                table.loc[rng.random(t.size) < 0.03, name] = np.nan
+    table.loc[rng.random(t.size) < 0.01, "left_speed"] += 2.0
+    change(table).to_csv(path, index=False)
+    return path
+
+
+def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.validate.replay.WHEELS", 1)  # a file that holds nothing back
+    true = with_values(HUSKY, HIDDEN.items())
+    csv, out = write(driven(true), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
+    words = [str(csv), "--robot", "husky", "--surface", "mud", "--out", str(out), "--jobs", "1"]
+    assert main(words) == 0
+    found = equipped(find_rover(str(out)), REAL, "mud")
+    assert {key: of(found, key) for key in TRUE} == pytest.approx(TRUE, rel=0.05)
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "an IMU with six axes is missing" in printed
+    assert "friction" in (out / "fit.html").read_text()
+    assert find_rover(str(out)).tyres.friction is None, "only the surface was told"
+    assert "exists already" in complaint(main, words, capsys)
+
+
+def lacking(*columns: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    return lambda table: table.drop(columns=list(columns))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lacking("cmd_v"), "has no commands; it has"),
+        (lacking("left_speed"), "has no wheels"),
+        (lacking("t"), "has no commands and no wheels"),
+        (lambda table: table.head(1), "has no commands and no wheels"),
+        (lambda table: table.head(90), "too short"),
+        (lambda table: table[(table.t < 4) | (table.t > 20)], "gaps of 16 s"),
+        (lambda table: table.assign(left_speed=table.left_speed * 1000), "units"),
+        (lambda table: table.assign(cmd_v=0.0, cmd_w=0.0), "commands are all 0"),
+        (lambda table: table.assign(x=np.nan, left_speed="far"), "has no wheels"),
+    ],
+)
+def test_a_recording_that_lacks_something_is_one_line(
+    change: Callable[[pd.DataFrame], pd.DataFrame], said: str, tmp_path: Path, capsys: Capsys
+) -> None:
+    t = np.arange(0.0, STEP * len(TWISTS), 0.05)
+    wave = np.sin(t)[:, None]
+    sides = np.column_stack([t, wave, wave])
+    poses = np.column_stack([sides, wave])
+    made = Recording("made", commands=sides, wheels=sides, currents=sides, poses=poses)
+    csv, out = write(made, tmp_path / "a.csv", change), tmp_path / "out"
+    assert said in complaint(main, [str(csv), "--robot", "husky", "--out", str(out)], capsys)
+    assert not out.exists()
+
+
+def test_arguments_that_are_wrong_are_one_line(tmp_path: Path, capsys: Capsys) -> None:
+    out = ["--out", str(tmp_path / "out")]
+    assert "does not exist" in complaint(
+        main, [str(tmp_path / "none"), "--robot", "husky", *out], capsys
+    )
+    assert "robot 'x'" in complaint(main, ["a.csv", "--robot", "x", *out], capsys)
+    words = ["a.csv", "--robot", "husky", "--topic", "speed=/x", *out]
+    assert "SERIES=TOPIC" in complaint(main, words, capsys)
+
+
+def test_clocks_that_are_apart_are_told(tmp_path: Path, capsys: Capsys) -> None:
+    made = driven(HUSKY)
+    for shift, said in ((500.0, "do not overlap"), (5.0, "s after the wheels")):
+        one, two = tmp_path / f"wheels_{shift:g}.csv", tmp_path / f"imu_{shift:g}.csv"
+        table = {
+            "t": made.wheels[:, 0],
+            "left_speed": made.wheels[:, 1],
+            "right_speed": made.wheels[:, 2],
+        }
+        v, w = at(made.commands, made.wheels[:, 0]).T
+        pd.DataFrame(table | {"cmd_v": v, "cmd_w": w}).to_csv(one)
+        names = ("wx", "wy", "wz", "ax", "ay", "az")
+        felt = {name: made.imu[:, n + 1] for n, name in enumerate(names)}
+        pd.DataFrame({"t": made.imu[:, 0] + shift} | felt).to_csv(two)
+        words = [str(one), str(two), "--robot", "husky", "--out", str(tmp_path / "out")]
+        assert said in complaint(main, words, capsys)
+
+
+def test_what_straight_driving_does_not_tell_is_said() -> None:
+    t = np.arange(0.0, 30.0, 0.05)
+    v = 0.5 * np.sign(np.sin(t))
+    made = Recording("made", commands=np.column_stack([t, v, 0 * t]), wheels=np.column_stack([t, v, v]))
+    late = {"actuators.delay": 0.25, "actuators.lag": 0.15}
+    made = replace(made, wheels=controlled(with_values(HUSKY, late.items()), made))
+    told = {one.key: one for one in response(HUSKY, made)}
+    assert {key: told[key].after for key in late} == pytest.approx(late, rel=0.02)
+    assert told["controller_separation"].why == "turns are missing"
+    assert not told["actuators.turn_limit"].is_told
+
+
+def test_the_mount_of_an_imu_is_that_of_its_forces() -> None:
+    t, (roll, pitch, yaw), (x, y) = np.arange(0.0, 60.0, 0.01), (0.03, -0.05, 0.4), (0.2, -0.1)
+    moves = (t > 10.0).astype(float)
+    v, dv = moves * np.sin(t - 10.0), moves * np.cos(t - 10.0)
+    w, dw = moves * np.sin(0.7 * (t - 10.0)), 0.7 * moves * np.cos(0.7 * (t - 10.0))
+    force = np.column_stack([dv - w**2 * x - dw * y, v * w + dw * x - w**2 * y, np.full(t.size, 9.81)])
+    turned = Rotation.from_euler("xyz", (roll, pitch, yaw)).inv()
+    rates = turned.apply(np.column_stack([0 * t, 0 * t, w]))
+    imu = np.column_stack([t, rates, turned.apply(force)])
+    found = mount(HUSKY, Recording("made", wheels=np.column_stack([t, v - w / 2, v + w / 2]), imu=imu))
+    told = {one.key: one.after for one in found}
+    assert list(told.values()) == pytest.approx([roll, pitch, yaw, x, y], abs=0.01)
+
+
+def test_torques_currents_and_power_tell_the_constants() -> None:
+    t = np.arange(0.0, 40.0, 0.1)
+    left, right, speed = 5.0 + (t // 5), 9.0 - (t // 8), 0.2 + 0.05 * (t // 4)
+    constant, resistance, standby = 2.5, 0.3, 20.0
+    turning = speed / HUSKY.controller_radius
+    power = constant * turning * (left + right) + resistance * (left**2 + right**2) + standby
+    made = Recording(
+        "made", wheels=np.column_stack([t, speed, speed]), currents=np.column_stack([t, left, right]),
+        power=np.column_stack([t, power]),
+    )  # fmt: skip
+    forces = constant * made.currents[:, 1:]
+    for one in (made, replace(made, torques=np.column_stack([t, forces]))):
+        assert [e.after for e in motors(HUSKY, one)] == pytest.approx([constant, resistance], rel=0.01)
+
+
+def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
+    store = get_typestore(Stores.LATEST)
+    types = store.types
+    header, time = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
+    vector, twist = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Twist"]
+    names = [*HUSKY.wheel_joints]
+    with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.MCAP) as writer:
+        kinds = {"/cmd_vel": "geometry_msgs/msg/Twist", "/other/cmd_vel": "geometry_msgs/msg/Twist",
+                 "/joint_states": "sensor_msgs/msg/JointState"}  # fmt: skip
+        to = {
+            topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()
+        }
+        for n in range(1, 400):
+            stamp, turn = n * 5 * 10**7, vector(0.0, 0.0, 0.2)
+            joints = types["sensor_msgs/msg/JointState"](
+                header(time(*divmod(stamp, 10**9)), ""), names, np.zeros(4),
+                np.full(4, 2.0 - 4 * (n > 200)), np.full(4, 3.0),
+            )  # fmt: skip
+            said = {"/cmd_vel": twist(vector(0.5, 0.0, 0.0), turn), "/joint_states": joints,
+                    "/other/cmd_vel": twist(vector(0.7, 0.0, 0.0), turn)}  # fmt: skip
+            for topic, message in said.items():
+                writer.write(to[topic], stamp, store.serialize_cdr(message, kinds[topic]))
+    found = recording_of_bag(tmp_path / "bag", HUSKY)
+    assert found.commands[0] == pytest.approx([0.05, 0.5, 0.2])
+    assert found.wheels[0] == pytest.approx([0.05, *[2.0 * HUSKY.controller_radius] * 2])
+    assert found.torques[0, 1:] == pytest.approx([6.0, 6.0])
+    assert found.torques[-1, 1:] == pytest.approx([0.0, 0.0]), "wheels are dragged against their motors"
+    other = read([tmp_path / "bag"], HUSKY, {"commands": "/other/cmd_vel"})
+    assert (other.commands[0, 0], other.commands[0, 1]) == pytest.approx((0.0, 0.7))
