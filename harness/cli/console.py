@@ -139,7 +139,7 @@ def next_step(results: Sequence[result.RunResult]) -> str:
             f"{program} --seed {run.run.seed + 1}; gentler ground: --difficulty 0.2; as a film: --video"
         )
     if "hazard" in kinds:
-        robot = run.rover.robot
+        robot = next(e.rover.robot for e in results if "hazard" in {m.kind for m in mishaps(e)})
         return f"did the metrics notice? Thresholds that do: {sibling('harness.tune')} --robot {robot}"
     folder = (
         "" if run.log_path is None else f"; {sibling('rover_metrics.analyze')} {run.log_path.parent}"

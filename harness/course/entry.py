@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from harness.base.documents import read_bytes, read_mapping
 from harness.base.errors import UsageError, unknown
 from harness.drivers import DRIVERS, find_driver
-from harness.drivers.base import IN_FILE, OF_POLICY
+from harness.drivers.base import OF_POLICY
 from harness.spec.value import Value, made
 
 FILE = "entry.yaml"
@@ -90,7 +90,7 @@ class Entry:
             return (BASELINES | {LEARNED: learned})[self.name]
         if self.about.policy:
             return f"{OF_POLICY}{folder / self.about.policy}"
-        return f"{IN_FILE}{folder / self.about.driver}"
+        return str(folder / self.about.driver)
 
 
 def find_entry(name: str) -> Entry:

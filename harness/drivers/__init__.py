@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from harness.base.errors import find_named
-from harness.drivers.base import IN_FILE, OF_POLICY, Driver, DriverContext, Observation, TakesGoals
+from harness.drivers.base import OF_POLICY, Driver, DriverContext, Observation, TakesGoals
 from harness.samples import Sample
 from rover_metrics.plugins import Shipped, Table
 
@@ -51,17 +51,13 @@ DRIVERS = Table[type[Driver]](
 
 
 def find_driver(name: str) -> type[Driver]:
-    """Returns the driver of that name, or of `policy:FILE` or `python:FILE:CLASS`, else UsageError."""
+    """Returns the driver of that name, or of `policy:FILE` or `FILE.py:CLASS`, else UsageError."""
     if name.startswith(OF_POLICY):
         from harness.drivers.policy import driver_of, read_policy  # noqa: PLC0415 - few have one
 
         file = Path(name.removeprefix(OF_POLICY))
         read_policy(file)
         return driver_of(file)
-    if name.startswith(IN_FILE):
-        from harness.drivers.from_file import driver_in  # noqa: PLC0415
-
-        return driver_in(name)
     return find_named("driver", name, DRIVERS)
 
 

@@ -12,7 +12,7 @@ from harness.robots import RoverSpec
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle
 
-IN_FILE, OF_POLICY = "python:", "policy:"  # of a driver's name, before that of a file
+OF_POLICY = "policy:"  # of a driver's name, before that of a file
 BACKWARDS, SLOWEST = 0.6, 0.4  # of the cruising speed, of rovers that cannot turn in place
 
 

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from harness.fit.estimate import Estimate, minimise, of, slope, with_values
-from harness.fit.steady import Steady, window
+from harness.fit.steady import LENGTH, SETTLED, Steady, window
 from harness.recordings.recording import Series
 from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
@@ -33,6 +33,7 @@ ALIKE = 1.05  # times the least cost: what also explains the recording
 PLANE = 20.0, 0.1, 0.5
 SETTLING, MEASURED = 0.7, 1.3  # [s] of ours, whose commands act at once
 LIGHT = 0.02  # [m], or of a load: less does not matter
+UNSTEADY = f"one command held for {SETTLED + LENGTH:g} s is missing"
 
 
 Show = Callable[[int, int], None]  # is called with what is done of what
@@ -56,6 +57,8 @@ def track(some: Steady, rover: Steady) -> Estimate:
     """
     blank = Estimate("effective track", "m", "", _track(rover)[0])
     value, half = _track(some)
+    if not some.left.size:
+        return blank.silent(UNSTEADY)
     if not np.isfinite(value):
         lack = "turns" if np.isfinite(some.yaw_rate).any() or not some.turns.any() else "poses or an IMU"
         return blank.silent(f"{lack} are missing")
@@ -89,6 +92,7 @@ def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimat
         scale = 0.0 if key in ("tyres.radius", "tyres.friction") else LIGHT
         one = Estimate(name, unit, key, of(rover, key), scale=scale)
         why = lack if nothing[lack] else "" if windows.sum() > 1 else missing
+        why = why if some.left.size else UNSTEADY
         (mute if why else free).append(one.silent(why))
     return free, mute
 
@@ -197,6 +201,8 @@ def driven(rover: RoverSpec, like: Steady) -> Steady:
     A speed loop lets the wheels lag behind under load: ours are scaled to the recorded wheels' speeds.
     """
     assert rover.actuators is not None  # noqa: S101 - the command checks it
+    if not like.left.size:
+        return like
     plain = rover.actuators.but(delay=0.0, lag=0.0, turn_limit=None, dead_band=0.0)
     rover, span = rover.but(actuators=plain), SETTLING + MEASURED
     begins = span * np.arange(like.left.size)

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.version import __version__
-from harness.drivers.base import IN_FILE, OF_POLICY
+from harness.drivers.base import OF_POLICY
 from harness.robots import ROVERS
 from harness.robots.reading import content_of
 from harness.scenario.baseline import path_of
@@ -103,7 +103,7 @@ def _files_of(run: Run) -> Iterator[Path]:
     """What a run may read: world, soil, people, targets, policy and the rover's folder."""
     world, driver = run.world, run.rover.driver
     yield from (Path(world.terrain), Path(driver.removeprefix(OF_POLICY)))
-    yield Path(driver.removeprefix(IN_FILE).rpartition(":")[0])
+    yield Path(driver.rpartition(":")[0])
     yield from soil_files(world.soil)
     yield from (Path(actor.file) for actor in world.actors)
     yield from (Path(file) for target in world.targets for file in target.files)

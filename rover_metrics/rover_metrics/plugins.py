@@ -156,7 +156,20 @@ def _package(point: EntryPoint) -> str:
 
 def _in_file(name: str) -> Any:  # noqa: ANN401 - whatever the file has there
     path, _, wanted = name.rpartition(":")
-    return getattr(_module(Path(path).resolve()), wanted)
+    module = _module(Path(path).resolve())
+    if wanted in vars(module):
+        return vars(module)[wanted]
+    raise LookupError(f"no {wanted or 'name'} there; it has {', '.join(_own(module)) or 'nothing'}")
+
+
+def _own(module: ModuleType) -> list[str]:
+    """Names of what a module makes itself: its classes and functions, and values, but no modules."""
+    return [
+        name
+        for name, value in vars(module).items()
+        if not (name.startswith("_") or isinstance(value, ModuleType))
+        and (not hasattr(value, "__qualname__") or value.__module__ == module.__name__)
+    ]
 
 
 @cache

@@ -108,7 +108,7 @@ def test_scenarios_and_environments_take_plugins(
     [
         (["--terrain", f"{PARTS}:Weave"], "is not a subclass of harness.world.terrain.Terrain"),
         (["--driver", "none.py:Mine"], "drivers: 'none.py:Mine' cannot be loaded: FileNotFoundError"),
-        (["--driver", f"{PARTS}:Mine"], "has no attribute 'Mine'"),
+        (["--driver", f"{PARTS}:Mine"], "REGOLITH, Weave, Tilt"),
         (["--columns", "none"], "columns 'none' does not exist; available: none"),
     ],
 )

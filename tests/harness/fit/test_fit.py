@@ -37,8 +37,9 @@ STEP = 4.0  # [s]
 Capsys = pytest.CaptureFixture[str]
 
 
-def driven(rover: RoverSpec) -> Recording:
-    commands = np.array([(STEP * n, *twist) for n, twist in enumerate(TWISTS)])
+def driven(rover: RoverSpec, step: float = STEP) -> Recording:
+    twists = TWISTS * round(STEP / step)
+    commands = np.array([(step * n, *twist) for n, twist in enumerate(twists)])
     return replay(rover, commands, STEP * len(TWISTS), course=flat(20.0, 0.1, 0.3))
 
 
@@ -75,6 +76,12 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
     assert "friction" in (out / "fit.html").read_text()
     assert find_rover(str(out)).tyres.friction is None, "only the surface was told"
     assert "exists already" in complaint(main, words, capsys)
+
+
+def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, capsys: Capsys) -> None:
+    csv, out = write(driven(HUSKY, 1.0), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
+    assert main([str(csv), "--robot", "husky", "--out", str(out), "--jobs", "1"]) == 0
+    assert "one command held for 3.5 s is missing" in " ".join(capsys.readouterr().out.split())
 
 
 def lacking(*columns: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
