@@ -34,7 +34,7 @@ ALIKE = 1.05  # times the least cost: what also explains the recording
 PLANE = 20.0, 0.1, 0.5
 SETTLING, MEASURED = 0.7, 1.3  # [s] of ours, whose commands act at once
 LIGHT = 0.02  # [m], or of a load: less does not matter
-UNSTEADY = f"one command held for {SETTLED + LENGTH:g} s is missing"
+NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
 
 
 Show = Callable[[int, int], None]  # is called with what is done of what
@@ -59,7 +59,7 @@ def track(some: Steady, rover: Steady) -> Estimate:
     blank = Estimate("effective track", "m", "", _track(rover)[0])
     value, half = _track(some)
     if not some.left.size:
-        return blank.silent(UNSTEADY)
+        return blank.silent(NEVER_HELD)
     if not np.isfinite(value):
         lack = "turns" if np.isfinite(some.yaw_rate).any() or not some.turns.any() else "poses or an IMU"
         return blank.silent(f"{lack} are missing")
@@ -93,7 +93,7 @@ def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimat
         scale = 0.0 if key in ("tyres.radius", "tyres.friction") else LIGHT
         one = Estimate(name, unit, key, of(rover, key), scale=scale)
         why = lack if nothing[lack] else "" if windows.sum() > 1 else missing
-        why = why if some.left.size else UNSTEADY
+        why = why if some.left.size else NEVER_HELD
         (mute if why else free).append(one.silent(why))
     return free, mute
 
