@@ -58,9 +58,9 @@ def write_folder(
 
 
 def _change(path: Path, rover: RoverSpec, told: dict[str, float], source: str, surface: str) -> None:
-    yaml = YAML()
-    yaml.width = 100
-    values: Any = yaml.load(path.read_text(encoding="utf-8"))
+    document = YAML()
+    document.width = 100
+    values: Any = document.load(path.read_text(encoding="utf-8"))
     values["model"] = rover.model_path.name
     for key, value in told.items():
         section, _, name = key.rpartition(".")
@@ -74,7 +74,7 @@ def _change(path: Path, rover: RoverSpec, told: dict[str, float], source: str, s
         values["imu"] = _imu(rover, told)
     values.yaml_set_start_comment(f"Fitted by rover-harness {__version__} to {source}.\n")
     with path.open("w", encoding="utf-8") as file:
-        yaml.dump(values, file)
+        document.dump(values, file)
 
 
 def _section(values: Any, section: str, surface: str) -> Any:  # noqa: ANN401 - as ruamel's

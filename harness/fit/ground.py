@@ -21,6 +21,7 @@ from harness.workers import Workers, work_off
 
 TOLERANCES = {"yaw_rate": 0.03, "ahead": 0.04}
 CURRENTS = "left_current", "right_current"
+UNSTEADY = 10.0  # tolerances by which ours is off where it does not drive steadily
 SHARE = 0.1  # of a current, and of their median: their tolerance
 UNITS = {"yaw_rate": "rad/s", "ahead": "m/s", "left_current": "A", "right_current": "A"}
 BOUNDS = {"tyres.radius": (0.8, 1.25), "tyres.friction": (0.05, 2.0), "tyres.turning": (0.0, 0.5),
@@ -168,11 +169,12 @@ def compared(ours: Steady, like: Steady) -> dict[str, Series]:
     weight = np.sqrt(like.weight / like.weight.mean())
     found = {}
     for name, off in differences(ours, like).items():
-        known, wide = np.isfinite(off), np.full(off.size, TOLERANCES.get(name, 0.0))
+        known, wide = np.isfinite(getattr(like, name)), np.full(off.size, TOLERANCES.get(name, 0.0))
         if name in CURRENTS:
             real: Series = getattr(like, name)
             wide = SHARE * np.maximum(real, _middle(like.left_current + like.right_current) / 2)
-        found[name] = (weight * off)[known] / wide[known]
+        scaled = np.where(np.isfinite(off), off / wide, UNSTEADY)
+        found[name] = (weight * scaled)[known]
     return found
 
 
