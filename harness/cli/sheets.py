@@ -2,13 +2,13 @@
 
 import argparse
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.files import check_target, write_whole
 from harness.base.version import __version__
-from rover_metrics.sheet.render import csv_text
+from rover_metrics.sheet.render import csv_of
 from rover_metrics.sheet.sheet import Sheet
 
 FILES = {
@@ -18,10 +18,11 @@ FILES = {
 }
 
 
-def add_files(parser: argparse.ArgumentParser) -> None:
-    """Adds the options that name the files."""
-    for name, about in FILES.items():
-        parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"{about}; default: none")
+def add_files(parser: argparse.ArgumentParser, names: Collection[str] = FILES.keys()) -> None:
+    """Adds the options that name the files, or those of some `names`."""
+    for name in names:
+        about = f"{FILES[name]}; default: none"
+        parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=about)
 
 
 def files_of(options: argparse.Namespace) -> dict[str, Path]:
@@ -34,17 +35,15 @@ def files_of(options: argparse.Namespace) -> dict[str, Path]:
 
 def write_sheets(files: Mapping[str, Path], heading: str, sheets: Sequence[Sheet]) -> None:
     """Writes tables into the files that are asked for; UsageError if one cannot be written."""
-    rows = {
-        sheet.title: [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]
-        for sheet in sheets
-    }
     if "json" in files:
+        rows = {
+            sheet.title: [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]
+            for sheet in sheets
+        }
         text = json.dumps(rows, indent=2, ensure_ascii=False) + "\n"
         write_whole(files["json"], text, "the tables", UsageError)
     if "csv" in files:
-        records = [{"table": title} | row for title, table in rows.items() for row in table]
-        text = csv_text(records, list(dict.fromkeys(name for record in records for name in record)))
-        write_whole(files["csv"], text, "the tables", UsageError)
+        write_whole(files["csv"], csv_of(sheets), "the tables", UsageError)
     if "page" in files:
         from harness.page.shell import fill  # noqa: PLC0415 - most do without
 

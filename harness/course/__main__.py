@@ -18,6 +18,7 @@ if __name__ == "__main__":
 
 from harness.base.interrupt import StopRequest
 from harness.base.loading import loading
+from harness.cli.sheets import add_files
 from harness.course.entry import BASELINES, LEARNED
 from harness.course.tracks import SEEDS, TRACKS
 from harness.workers import add_options
@@ -69,6 +70,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--out", type=Path, default=OUT, metavar="DIR", help="gets ENTRY.json (default: %(default)s)"
     )
+    run.add_argument("--overwrite", action="store_true", help="replace a receipt that is there")
+    add_files(run)
     run.set_defaults(do="run")
     verify = commands.add_parser("verify", help="drive a random tenth of a receipt again")
     verify.add_argument("receipt", type=Path, metavar="RECEIPT", help="what `run` wrote")
@@ -79,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     board.add_argument("folder", type=Path, metavar="FOLDER", help="where receipts are")
     about = "where to write it (default: FOLDER/board.html)"
     board.add_argument("--page", type=Path, metavar="FILE", help=about)
+    add_files(board, ("csv", "json"))
     board.set_defaults(do="board")
     for command in (run, verify):
         command.add_argument("--worlds", type=Path, metavar="FOLDER", help=WORLDS)

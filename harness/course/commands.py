@@ -9,6 +9,7 @@ from rich.console import Console
 from harness.base.errors import UsageError
 from harness.base.files import check_target, write_whole
 from harness.cli.console import counted
+from harness.cli.sheets import files_of, write_sheets
 from harness.course.board import board_of, page_of, read_folder
 from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
 from harness.course.entry import find_entry
@@ -28,7 +29,7 @@ def run(options: argparse.Namespace, console: Console) -> int:
     if options.seeds < 1 or (options.seeds > SEEDS and not (options.nonce or options.worlds)):
         raise UsageError(f"--seeds {options.seeds} is not valid; give 1 to {SEEDS}")
     cases = cases_of(tracks, entry, options.seeds, nonce=options.nonce, worlds=options.worlds)
-    target = _target(options.out, entry.name)
+    target, files = _target(options.out, entry.name, overwrite=options.overwrite), files_of(options)
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,
         counted(console, f"driving {entry.name}") as show,
@@ -36,18 +37,22 @@ def run(options: argparse.Namespace, console: Console) -> int:
         results = drive_all(cases, entry, workers, show)
     receipt = receipt_of(entry, results, options.nonce, own_worlds=options.worlds is not None)
     write_receipt(receipt, target)
+    write_sheets(files, f"Course: {entry.name}", [sheet_of(receipt)])
     console.print(*terminal((sheet_of(receipt),), console.width), sep="\n")
     console.print(f"score {receipt.score:.4f}; receipt: {target}", soft_wrap=True)
     return 0
 
 
-def _target(folder: Path, name: str) -> Path:
+def _target(folder: Path, name: str, *, overwrite: bool) -> Path:
     """The receipt's file, in a folder that is made if it is not there."""
+    file = folder / f"{''.join(c if c.isalnum() or c in '-_' else '_' for c in name)}.json"
+    if file.exists() and not overwrite:
+        raise UsageError(f"{file} exists already, not overwriting; name another --out or --overwrite")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"--out {folder} cannot be made: {error.strerror}; name another") from error
-    return folder / f"{''.join(c if c.isalnum() or c in '-_' else '_' for c in name)}.json"
+    return file
 
 
 def verify(options: argparse.Namespace, console: Console) -> int:
@@ -72,10 +77,11 @@ def verify(options: argparse.Namespace, console: Console) -> int:
 
 def board(options: argparse.Namespace, console: Console) -> int:
     """Makes a page of a folder of receipts."""
-    receipts = read_folder(options.folder)
-    page = options.page or options.folder / PAGE
+    receipts, files = read_folder(options.folder), files_of(options)
+    page = files.pop("page", options.folder / PAGE)
     check_target("--page", page)
     write_whole(page, page_of(receipts), "the page", UsageError)
+    write_sheets(files, "", [board_of(receipts)])
     console.print(*terminal((board_of(receipts),), console.width), sep="\n")
     console.print(f"leader board: {page}", soft_wrap=True)
     return 0

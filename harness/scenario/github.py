@@ -60,7 +60,7 @@ def _table(verdicts: Sequence[Verdict]) -> Sheet:
             "scenario": scenario_name(verdict.path),
             "outcome": verdict.outcome.value,
             "runs": str(len(verdict.attempts)),
-            "against its limits": "; ".join(kept_limits(verdict.attempts[0])),
+            "against its limits": "; ".join(kept_limits(verdict.attempts)),
         }
         for verdict in verdicts
     )

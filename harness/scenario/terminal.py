@@ -29,8 +29,8 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
                 _print_run(console, attempt)
         for count in filter(lambda count: count > 1, told.values()):
             console.print(f"    and {how_many(count - 1, 'more run')} for the same reason")
-        if verdict.outcome is Outcome.PASSED and len(verdict.attempts) == 1:
-            for line in kept_limits(verdict.attempts[0]):
+        if verdict.outcome is Outcome.PASSED:
+            for line in kept_limits(verdict.attempts):
                 console.print(f"    {line}", style="dim", soft_wrap=True)
     passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
@@ -42,19 +42,24 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
     console.print(text, soft_wrap=True)
 
 
-def kept_limits(attempt: Attempt) -> list[str]:
-    """Returns what each quantity came to beside its limits, e.g. "truth.tilt_deg: 12.3 deg (<= 25)"."""
-    bounds = attempt.case.scenario.bounds
+def kept_limits(attempts: Sequence[Attempt]) -> list[str]:
+    """Returns what each quantity came to beside its limits, e.g. "truth.tilt_deg: 12.3 deg (<= 25)".
+
+    Of several runs the least and the largest: "truth.tilt_deg: 9.1 to 12.3 deg (<= 25)".
+    """
+    bounds, runs = attempts[0].case.scenario.bounds, zip(*(a.measured for a in attempts), strict=False)
     return [
         f"{bound.label(name)}: {_shown(measured)} ({bound.limits})"
-        for (name, bound), measured in zip(bounds, attempt.measured, strict=False)
+        for (name, bound), measured in zip(bounds, runs, strict=False)
     ]
 
 
-def _shown(measured: Measured) -> str:
-    if measured.value is None:
+def _shown(measured: Sequence[Measured]) -> str:
+    values = sorted(each.value for each in measured if each.value is not None)
+    if not values:
         return "no value"
-    return f"{measured.value:.4g} {measured.unit}".rstrip()
+    ends = dict.fromkeys(f"{value:.4g}" for value in (values[0], values[-1]))
+    return f"{' to '.join(ends)} {measured[0].unit}".rstrip()
 
 
 def _rate(verdict: Verdict) -> str:

@@ -192,6 +192,7 @@ _NUMBERS = {"int": "a whole number", "float": "a number"}
 NEARLY = 0.75  # of 1: so alike, one option is taken for a slip of the other
 _MISTYPED = re.compile(r"invalid (int|float) value: (.*)")  # what argparse says
 _UNKNOWN = re.compile(r"unrecognized arguments: (--[^\s=]+)")  # what argparse says too
+_COMMAND = "required: COMMAND"  # and where a program of several commands is given none
 
 
 class HelpWithDefaults(argparse.HelpFormatter):
@@ -252,6 +253,9 @@ class OneLineParser(argparse.ArgumentParser):
         wrong = _MISTYPED.search(message)
         if wrong is not None:
             return f"{message[: wrong.start()]}{wrong[2]} is not valid; give {_NUMBERS[wrong[1]]}"
+        if message.endswith(_COMMAND) and self._subparsers is not None:
+            (commands,) = self._subparsers._group_actions  # noqa: SLF001 - argparse tells nowhere else
+            return f"{message} ({', '.join(commands.choices or ())})"
         unknown = _UNKNOWN.match(message)
         near = get_close_matches(unknown[1], self._option_string_actions, 1, NEARLY) if unknown else []
         return "; did you mean ".join([message, *near])

@@ -8,6 +8,7 @@ arguments.
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -26,7 +27,9 @@ except ImportError as error:
 from rover_metrics.errors import LogError, OneLineParser, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.log.files import json_safe, whole_file
 from rover_metrics.session import MetricsSession
+from rover_metrics.sheet.sheet import Sheet
 from rover_metrics.topics import CLOCK, ENERGY, SENSORS, TRUTH
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
@@ -62,6 +65,7 @@ def _replay(options: argparse.Namespace) -> int:
     labelled = (*(f"note: {note}" for note in playback.notes), *(f"warning: {w}" for w in warnings))
     for line in (*labelled, *problems):
         print(f"replay: {line}", file=sys.stderr)
+    _write_files(options, playback, log, [*playback.notes, *warnings, *problems])
     return code or int(bool(problems or (options.require_all and warnings)))
 
 
@@ -100,6 +104,26 @@ def _print_summary(playback: Playback, log: CsvLog) -> None:
     print(f"{log.rows} rows in {log.path}")
 
 
+def _write_files(options: argparse.Namespace, playback: Playback, log: CsvLog, said: list[str]) -> None:
+    """Writes what came of it for --json, and the page of the log for --page."""
+    topics = {topic: vars(count) for topic, count in sorted(playback.counts.items())}
+    if options.json is not None:
+        counts = {"rows": log.rows, "distance": playback.metrics.total_distance}
+        counts |= {"collisions": playback.metrics.total_collisions}
+        told = {"log": str(log.path), "time": playback.time_source.value, **counts, "topics": topics}
+        with whole_file(options.json) as part:
+            part.write_text(json.dumps(json_safe(told | {"said": said}), indent=2), encoding="utf-8")
+    if options.page is not None:
+        from rover_metrics.analysis.command import page_of_log  # noqa: PLC0415 - pandas takes a second
+
+        rows = (
+            {"topic": topic} | {n: f"{v:,}" for n, v in one.items()} for topic, one in topics.items()
+        )
+        recording = Sheet.of(rows, f"Messages of {options.bag.name}", findings=tuple(said))
+        with whole_file(options.page) as part:
+            part.write_text(page_of_log(log.path, [recording]), encoding="utf-8")
+
+
 def _warnings(playback: Playback) -> list[str]:
     """What a whole recording does not have; a line each."""
     return [f"{reason}; name another with --remap" for reason in playback.missing] + [
@@ -136,6 +160,9 @@ def parser() -> argparse.ArgumentParser:
         help=f"file, or folder for a metrics_log_*.csv; default: {DEFAULT_LOG_DIR}/",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace the file of -o")
+    page = "write a page about the log: pictures, statistics, messages of the recording"
+    parser.add_argument("--page", type=Path, metavar="FILE.html", help=page)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write what came of it")
     parser.add_argument(
         "--require-all",
         action="store_true",

@@ -21,7 +21,7 @@ if __name__ == "__main__":
     begin_program("social")
 
 from rover_metrics.analysis.program import (
-    add_json,
+    add_documents,
     different,
     hand_over,
     inside,
@@ -37,6 +37,7 @@ from rover_metrics.analysis.social.metrics import RISK_DISTANCE, WINDOW_GOALS
 from rover_metrics.analysis.social.sheets import social_sheets
 from rover_metrics.log.files import json_safe, whole_file
 from rover_metrics.number import whole
+from rover_metrics.sheet.render import csv_of
 
 
 class GroupError(RoverMetricsError):
@@ -63,6 +64,9 @@ def _run(options: argparse.Namespace) -> int:
 
         with whole_file(options.page) as part:
             part.write_text(render(groups, sheets), encoding="utf-8")
+    if options.csv is not None:
+        with whole_file(options.csv) as part:
+            part.write_text(csv_of(sheets), encoding="utf-8", newline="")
     told = "" if options.page is None else f"page: {options.page}"
     hand_over(options.json, lambda: _as_json(groups, compared), sheets, told)
     return code
@@ -143,8 +147,8 @@ def _parser() -> argparse.ArgumentParser:
     add("--risk-distance", type=positive, default=RISK_DISTANCE, metavar="M", help=about)
     about = "of the intervals, between 0 and 1"
     add("--confidence-level", type=level, default=0.95, metavar="P", help=about)
-    add("--page", type=Path, metavar="FILE.html", help="write a page with pictures and tables")
-    add_json(parser)
+    add("--csv", type=Path, metavar="FILE", help="write the rows of the tables as CSV")
+    add_documents(parser)
     return parser
 
 

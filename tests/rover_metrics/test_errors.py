@@ -130,6 +130,14 @@ def test_a_wrong_word_is_told_with_the_mend(words: str, told: str, capsys: Capsy
     assert capsys.readouterr().err == f"harness.x: {told}\n"
 
 
+def test_a_program_of_many_commands_names_them(capsys: Capsys) -> None:
+    parser = OneLineParser(prog="python -m harness.x")
+    parser.add_subparsers(required=True, metavar="COMMAND").add_parser("check")
+    with pytest.raises(SystemExit):
+        parser.parse_args([])
+    assert "(check)" in capsys.readouterr().err
+
+
 def test_garbage_is_collected_from_the_work_on() -> None:
     code = "import gc; from rover_metrics.errors import begin_program, run_program\n"
     code += "begin_program('name'); print(gc.isenabled(), run_program('name', gc.isenabled))"

@@ -1,6 +1,7 @@
 """Recordings of every kind, whole and damaged, through the command replay. No ROS."""
 
 import csv
+import json
 import os
 import subprocess
 import sys
@@ -306,6 +307,17 @@ def test_existing_file_is_replaced_only_on_request(tmp_path: Path, capsys: Capsy
     for wrong, told in ((bag, "is the recording itself"), (pipe, "is no file; name another")):
         assert told in complaint(main, [str(bag), "-o", str(wrong), "--overwrite"], capsys)
     assert pipe.is_fifo()
+
+
+@pytest.mark.parametrize("seconds", [4.5, 0.5])
+def test_what_came_of_it_is_a_page_and_json_too(seconds: float, tmp_path: Path) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive(seconds))
+    page, told = tmp_path / "a.html", tmp_path / "a.json"
+    rows = replay(bag, "--page", str(page), "--json", str(told))
+    said = json.loads(told.read_text())
+    assert (said["rows"], said["topics"]["/scan"]["used"]) == (len(rows), round(seconds * 10))
+    assert ("<svg" in page.read_text()) == bool(rows)
+    assert "/imu/data" in page.read_text()
 
 
 def test_without_a_name_the_log_goes_where_the_nodes_go(

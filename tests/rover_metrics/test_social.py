@@ -1,5 +1,6 @@
 """`python -m rover_metrics.social` as its user sees it."""
 
+import csv
 import json
 import re
 from pathlib import Path
@@ -90,6 +91,13 @@ def test_mistakes_are_told_in_one_line(
         ["--risk-distance", "1_0"],
     ):
         assert "is not valid; give a" in complaint(social.main, ["log.csv", *wrong], capsys)
+
+
+def test_the_tables_are_rows_behind_their_titles(logs: Path, tmp_path: Path) -> None:
+    assert social.main([str(logs), "--csv", str(tmp_path / "t.csv")]) == 0
+    with (tmp_path / "t.csv").open(newline="") as file:
+        tables = [row["table"] for row in csv.DictReader(file)]
+    assert {"Runs of fast", "Runs of slow", "Groups"} <= {*tables}
 
 
 def test_a_folder_is_read_with_those_below_it(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -27,6 +27,7 @@ UNITS = {  # EPSG's numbers: name, length [m]
     9003: ("US survey foot", 1200.0 / 3937.0),
     9036: ("kilometre", 1000.0),
 }
+MOST_DEGREES = 1e-3  # of a pixel, if nothing says what its unit is: metres so small are no ground
 MOST_SKEW = math.radians(0.5)  # of rows and columns that count as at right angles
 SMALLEST_TURN = 0.05  # [deg] that is noted
 SIZE_UNKNOWN = "it does not say how large it is"
@@ -59,6 +60,8 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
     """Returns what the tags of a page say; UsageError if rows and columns are not at right angles."""
     keys: Mapping[str, Any] = page.geotiff_tags or {}
     affine = _affine(page)
+    if not keys and _are_degrees(affine):
+        keys = {"GTModelTypeGeoKey": GEOGRAPHIC}
     if keys.get("GTModelTypeGeoKey") == GEOGRAPHIC:
         return _projected(affine, keys, page)
     if keys.get("GTModelTypeGeoKey") == GEOCENTRIC:
@@ -69,6 +72,13 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
     if affine is None:
         return Grid()
     return _placed(affine, keys, page)
+
+
+def _are_degrees(affine: Affine | None) -> bool:
+    """Whether coordinates that no key explains are longitudes and latitudes."""
+    if affine is None or np.abs(affine[:, :2]).max() > MOST_DEGREES:
+        return False
+    return bool((np.abs(affine[:, 2]) <= (180.0, NEAREST_POLE)).all())
 
 
 def _projected(affine: Affine | None, keys: Mapping[str, Any], page: tifffile.TiffPage) -> Grid:

@@ -26,6 +26,7 @@ MOST_BYTES = 2**28  # of a file: twice what the most pixels of 64 bits take
 MOST_HEADER = 10_000  # bytes of an array's header: numpy's own bound, which it asks too late
 FEWEST_PIXELS = 8  # along either side
 LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
+UNTAGGED = -9999.0  # [m]: marks it too, even if no tag says so
 METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
@@ -68,6 +69,7 @@ def read_raster(path: Path, cell: float | None = None) -> Raster:
         raise UsageError(f"terrain {path} is damaged or cut short: {reason}") from error
     largest = LARGEST_HEIGHT if raster.in_metres else np.inf
     missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > largest)
+    missing |= raster.in_metres & (raster.values == UNTAGGED)
     raster.values[missing] = np.nan
     if missing.all():
         raise UsageError(f"terrain {path} holds no height at all: every value is NaN or no-data")

@@ -15,10 +15,9 @@ from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file
-from harness.world.solid import Color, Plane, Solid
+from harness.world.solid import Color, Primitive, Solid
 
 MOST_SOLIDS = 20_000
-GROUND = Plane((0.0, 0.0, 1.0), (100.0, 100.0))  # of a list of models
 MOST_INCLUDES = 2_000
 EARTH = "0 0 -9.8"  # SDF's default
 
@@ -45,7 +44,9 @@ class Document:
     # names of those that were left out; `missing` says what else was, and why
     plugins: dict[str, None] = field(default_factory=dict)
     missing: dict[str, None] = field(default_factory=dict)
-    added: str = ""  # what was put in, and why
+    # whether its models stand in no <world> and are put on a plane if they bring no ground; not one mesh
+    # alone, which may be the ground in another unit
+    is_loose: bool = False
     movable: list[str] = field(default_factory=list)  # names of the models that Gazebo would let fall
     includes: int = 0  # how many there were
 
@@ -57,8 +58,7 @@ class Document:
             ("not static, but nothing moves here", self.movable),
         )
         lists = (f"{what}: {', '.join(names)}" for what, names in left if names)
-        added = (self.added,) if self.added else ()
-        return (*added, *(f"left out: {name}" for name in self.missing), *lists)
+        return (*(f"left out: {name}" for name in self.missing), *lists)
 
 
 def read_document(path: Path, resources: Resources) -> Document:
@@ -136,9 +136,10 @@ class _Reading:
             )
         self._document.gravity = -gravity[2]
         self._scope(world, Frames("world"), place)
-        if models is not None and not any(isinstance(s.shape, Plane) for s in self._document.solids):
-            self._document.solids.append(Solid("ground_plane", GROUND, IDENTITY))
-            self._document.added = "its models stand in no world: put on a level plane"
+        if world is root:
+            several = models is not None or sum(item.tag in ("model", "include") for item in root) > 1
+            plain = all(isinstance(solid.shape, Primitive) for solid in self._document.solids)
+            self._document.is_loose = several or plain
 
     def _root(self, path: Path) -> Element:
         root = read_xml(path)

@@ -44,7 +44,7 @@ def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
         notes = [*document.notes]
         if document.actors:
             notes.append(f"actors: {', '.join(person.name for person in document.actors)}")
-        world = assembled(document.solids, spec, rover, seed, notes)
+        world = assembled(document.solids, spec, rover, seed, notes, is_loose=document.is_loose)
     except UsageError as error:
         message = str(error)
         for prefix in (f"{path}: ", f"mesh {path}: ", f"{path} "):
@@ -55,7 +55,13 @@ def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
 
 
 def assembled(
-    solids: Sequence[Solid], spec: WorldSpec, rover: RoverNeeds, seed: int, notes: list[str]
+    solids: Sequence[Solid],
+    spec: WorldSpec,
+    rover: RoverNeeds,
+    seed: int,
+    notes: list[str],
+    *,
+    is_loose: bool = False,
 ) -> World:
     """Returns the world of some solids; UsageError if nothing of it can be driven.
 
@@ -65,9 +71,10 @@ def assembled(
         rover: What the rover needs of the world.
         seed: Of the world, which has no randomness of its own.
         notes: What is known of it; takes what was done.
+        is_loose: Whether solids without a ground are put on a level plane.
     """
     kinds = Kinds(spec, rover.clearance, [solid.name for solid in solids])
-    parts = partition(solids, notes, spec.mesh_unit, spec.mesh_up)
+    parts = partition(solids, notes, spec.mesh_unit, spec.mesh_up, is_loose=is_loose)
     grid = chosen_grid(map_bounds(parts), spec.terrain_cell)
     whole = joined(parts.ground)
     surface = surface_of(whole, grid, parts.plane, notes)

@@ -25,6 +25,7 @@ from harness.world.solids.surface import ROUNDING, Bounds
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
 LARGEST_PLANE = 150.0  # [m] of a plane without end that is mapped
+GROUND = Plane((0.0, 0.0, 1.0), (100.0, 100.0))  # of models that stand in no world
 MARGIN = 5.0  # [m] of it around what stands on it
 MOST_SAMPLES = 513  # of a heightmap, along a side
 BOX = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)]) * 2.0 - 1.0
@@ -51,7 +52,9 @@ class Partition:
     hashes: dict[Path, str] = field(default_factory=dict)  # SHA-256 of the files that were read
 
 
-def partition(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "") -> Partition:
+def partition(
+    solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "", *, is_loose: bool = False
+) -> Partition:
     """Returns what is ground and what stands on it; UsageError if a file is unusable or none is ground.
 
     Args:
@@ -59,6 +62,7 @@ def partition(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str
         notes: Takes what was done.
         unit: Of meshes; "" is as their files say.
         up: The axis of meshes that is up; "" is as their files say.
+        is_loose: Whether solids without a ground are put on a level plane.
     """
     parts, candidates = Partition(), list[tuple[Solid, Mesh]]()
     for solid in solids:
@@ -84,8 +88,15 @@ def partition(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str
         else:
             parts.standing.append((solid, mesh))
     if not parts.ground and parts.plane is None:
-        raise UsageError(_groundless(solids, candidates))
+        _put_on_plane(parts, notes, "" if is_loose and solids else _groundless(solids, candidates))
     return parts
+
+
+def _put_on_plane(parts: Partition, notes: list[str], refused: str) -> None:
+    if refused:
+        raise UsageError(refused)
+    _add_plane(parts, Solid("ground_plane", GROUND, np.eye(4)), GROUND)
+    notes.append("its models stand in no world: put on a level plane")
 
 
 def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -> str:

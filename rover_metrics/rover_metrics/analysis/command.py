@@ -13,13 +13,16 @@ from rover_metrics.analysis.logs.header import Skipped, UnreadableLog, read_head
 from rover_metrics.analysis.logs.log import TimeAxis
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import ALL, METRICS, Metric, choose
+from rover_metrics.analysis.options import parse
 from rover_metrics.analysis.outcome import analyse
-from rover_metrics.analysis.output import prepare_folder, save_all
+from rover_metrics.analysis.output import page_of, prepare_folder, save_all
 from rover_metrics.analysis.pairing import PairingError, Pairs, pair
 from rover_metrics.analysis.program import different, hand_over, inside, read_each
 from rover_metrics.analysis.study import Member, Options, Study, labels
 from rover_metrics.analysis.tables import sheets
 from rover_metrics.errors import counted
+from rover_metrics.log.files import whole_file
+from rover_metrics.sheet.sheet import Sheet
 
 SOCIAL = "social_log"  # how the names of logs begin that `social` reads
 
@@ -35,9 +38,19 @@ def analyze(options: argparse.Namespace) -> int:
     wanted = {"as_csv": options.csv, "as_latex": options.latex, "outliers": options.save_outliers}
     files = save_all(study, result, options.output, **wanted)
     told = f"{counted(len(files), 'file')} in {options.output}" if files else ""
+    if options.page is not None:
+        with whole_file(options.page) as part:
+            part.write_text(page_of(study, result), encoding="utf-8")
+        told = "; ".join([*filter(None, [told]), f"page: {options.page}"])
     complete = replace(result, files=tuple(map(str, files)))
     hand_over(options.json, complete.to_json, sheets(result), told)
     return code
+
+
+def page_of_log(path: Path, more: Sequence[Sheet]) -> str:
+    """Returns the page of one log as `analyze LOG --page` writes it, and `more` tables."""
+    study, _, _ = _read(parse([str(path)]))
+    return page_of(study, analyse(study), more)  # of no rows: the other tables alone
 
 
 def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from rover_metrics.analysis.logs.log import AXES, DEFAULT_GAP
 from rover_metrics.analysis.metric import ALL, METRICS
 from rover_metrics.analysis.pairing import PAIRINGS
-from rover_metrics.analysis.program import add_json, level, positive
+from rover_metrics.analysis.program import add_documents, level, positive
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
 from rover_metrics.errors import OneLineParser
@@ -140,4 +140,4 @@ def _add_output(parser: argparse.ArgumentParser) -> None:
     )
     add("--csv", action="store_true", help="write every number to CSV files in the output folder")
     add("--latex", action="store_true", help="write the tables for LaTeX (booktabs) there, one a file")
-    add_json(parser)
+    add_documents(parser)

@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rover_metrics.analysis.outcome import Result
+from rover_metrics.analysis.page import page
 from rover_metrics.analysis.plots.aggregate import draw_aggregate
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
@@ -21,9 +22,10 @@ from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables import sheets
 from rover_metrics.core.columns import Field
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import RoverMetricsError, counted
 from rover_metrics.log.files import whole_file
 from rover_metrics.sheet.render import csv_text, latex
+from rover_metrics.sheet.sheet import Sheet
 
 _LONGEST_NAME = 60  # letters of a file name
 OUTLIER = ("Log", "Path", "Timestamp", "Metric", "Value", "Unit")  # columns of outliers.csv
@@ -74,6 +76,13 @@ def save_all(
     except OSError as error:
         raise OutputError(folder, error) from error
     return files
+
+
+def page_of(study: Study, result: Result, more: Iterable[Sheet] = ()) -> str:
+    """Returns a page of the plots, the tables and `more` tables."""
+    drawn = ((name.replace("_", " "), figure, "") for name, figure in _figures(study, result) if figure)
+    logs = counted(len(result.logs), "log")
+    return page("Logs of rovers", f"{logs}: {', '.join(result.groups)}", drawn, [*sheets(result), *more])
 
 
 def _figures(study: Study, result: Result) -> Iterator[tuple[str, Figure | None]]:

@@ -36,8 +36,10 @@ positive = partial(_number, below=math.inf, wanted="above 0")
 level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """Adds --json [FILE.json], whose value `hand_over` takes."""
+def add_documents(parser: argparse.ArgumentParser) -> None:
+    """Adds --page FILE.html, and --json [FILE.json], whose value `hand_over` takes."""
+    about = "write a page with pictures and tables"
+    parser.add_argument("--page", type=Path, metavar="FILE.html", help=about)
     about = "write everything as JSON; without a FILE.json, print that instead of the tables"
     parser.add_argument("--json", nargs="?", const=PRINTED, type=_json_file, metavar="FILE", help=about)
 
@@ -54,7 +56,7 @@ def hand_over(
     """Prints tables and a last line, and writes everything to a file; or prints that instead.
 
     Args:
-        target: Of `add_json`.
+        target: Of --json.
         as_json: Returns everything.
         sheets: The tables.
         last: The line; "" for none.

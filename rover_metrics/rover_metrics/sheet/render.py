@@ -88,6 +88,16 @@ def csv_text(records: Sequence[Mapping[str, Any]], names: Sequence[str] = ()) ->
     return text.getvalue()
 
 
+def csv_of(sheets: Iterable[Sheet]) -> str:
+    """Returns the rows of all tables, each behind the title of its table; columns by their titles."""
+    records = [
+        {"table": sheet.title, **dict(zip(sheet.titles, row, strict=False))}
+        for sheet in sheets
+        for row in sheet.rows
+    ]
+    return csv_text(records, list(dict.fromkeys(name for record in records for name in record)))
+
+
 def latex(sheet: Sheet) -> str:
     """Returns a `table` environment without the spare columns, to be read by LaTeX's input."""
     sheet = sheet.narrow()

@@ -69,7 +69,12 @@ def own_entry(folder: Path, said: str = "driver: mine.py:Mine\nlock: requirement
 def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Path, kept: Path) -> None:
     entry = own_entry(tmp_path / "own")
     words = ["--track", "rocky", "--seeds", "2", "--jobs", "1", "--out", str(tmp_path)]
-    assert main(["run", str(entry), *words]) == 0
+    files = ["--json", str(tmp_path / "t.json"), "--page", str(tmp_path / "t.html")]
+    assert main(["run", str(entry), *words, *files]) == 0
+    (row,) = json.loads((tmp_path / "t.json").read_text())["own"]
+    assert (row["track"], row["runs"]) == ("rocky", "2")
+    assert "rocky" in (tmp_path / "t.html").read_text()
+    assert main(["run", str(entry), *words]) == 2  # hours may have gone into what is there
     receipt, baseline = read_receipt(tmp_path / "own.json"), read_receipt(kept)
     assert receipt.tracks["rocky"] == baseline.tracks["rocky"]
     assert receipt.entry_hash != baseline.entry_hash

@@ -1,5 +1,6 @@
 """What GitHub is told of scenarios, and what a terminal says of those that pass."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -58,3 +59,6 @@ def test_a_scenario_that_passes_tells_each_value_beside_its_limit(
     assert [line.split(": ")[0].strip() for line in told[1:3]] == ["truth.tilt_deg", "truth.speed"]
     assert told[1].endswith(" deg (<= 25)")
     assert told[2].endswith(" m/s (<= 5)")
+    file.write_text(EXPECT.replace("LIMIT", "5").replace("flat", "rocky"))
+    assert main([str(file), "--seeds", "2", "--jobs", "1", "--out", str(tmp_path / "runs")]) == 0
+    assert re.search(r"truth\.tilt_deg: [\d.]+ to [\d.]+ deg \(<= 25\)", capsys.readouterr().out)

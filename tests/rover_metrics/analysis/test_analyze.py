@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import resource
 import runpy
 import subprocess
@@ -72,6 +73,15 @@ def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> N
     assert (len(metrics), metrics["VORT"]["n"]) == (11, 10)
     assert log["per_metre"] == {"TC": pytest.approx(4.0), "SM": pytest.approx(400.0)}
     assert (log["rows"], log["duration"], log["episodes"]) == (71, 70.0, 1)
+
+
+def test_a_page_has_the_pictures_and_the_tables(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
+    page = tmp_path / "a.html"
+    code, out, _ = run(write_log(lines=31), "-m", "CV", "-p", "time_series", "--page", page)
+    assert (code, f"page: {page}" in out) == (0, True)
+    written = page.read_text()
+    assert (written.count("<svg"), written.count("<table")) == (1, 1)
+    assert not re.search(r"""(?:src|href)=["']https?:""", written)
 
 
 def test_two_groups_are_compared(

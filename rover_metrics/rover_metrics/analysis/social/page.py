@@ -1,37 +1,18 @@
-"""A page about runs among people: one HTML file with tables and pictures, nothing from the network."""
+"""A page about runs among people: its pictures, and what they show."""
 
-import io
-import re
 from collections.abc import Iterable, Mapping
-from html import escape
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
-from rover_metrics.analysis.plots.style import DPI, MARKERS, STYLE, WIDTH, look, shortened
+from rover_metrics.analysis.page import page
+from rover_metrics.analysis.plots.style import MARKERS, WIDTH, look, shortened
 from rover_metrics.analysis.social.comparison import METRICS, Group
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE, ZONES
 from rover_metrics.sheet.sheet import Sheet
 
 FARTHEST = 6.0  # [m] on the axis of distances
 LONGEST = 24  # letters of a group's name
-CSS = """
-:root { color-scheme: light; }
-body { margin: 0 auto; padding: 1rem; max-width: 84rem; font: 1rem/1.45 system-ui, sans-serif;
-  background: #f4f5f6; color: #1b1f24; }
-section { margin-top: 1rem; padding: 0.75rem; overflow-x: auto; background: #fff;
-  border: 1px solid #e3e7eb; border-radius: 0.5rem; }
-h1 { margin: 0; font-size: 1.6rem; } h2 { margin: 0 0 0.5rem; font-size: 1.1rem; }
-table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.15rem 0.6rem; border-bottom: 1px solid #e3e7eb; text-align: right; }
-th { vertical-align: bottom; } tbody th { font-weight: 400; } td, tbody th { white-space: nowrap; }
-th:first-child { text-align: left; }
-.hint { margin: 0.5rem 0 0; color: #57606a; font-size: 0.875rem; }
-svg { width: 100%; height: auto; }
-"""
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 def render(groups: Mapping[str, Group], sheets: Iterable[Sheet]) -> str:
@@ -45,41 +26,8 @@ def render(groups: Mapping[str, Group], sheets: Iterable[Sheet]) -> str:
             f"Grey: the rover, each second; coloured: with somebody nearer than {PERSONAL_SPACE:g} m.",
         ),
     )
-    with mpl.rc_context({**STYLE, "svg.hashsalt": "social"}):  # same logs, same bytes
-        drawn = [
-            f"<section><h2>{title}</h2>{_svg(draw(groups), title)}<p class=hint>{hint}</p></section>"
-            for title, draw, hint in pictures
-        ]
-    return "\n".join(
-        [
-            "<!doctype html>",
-            '<html lang="en"><head><meta charset="utf-8">',
-            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>Rover and people</title><style>{CSS}</style></head><body>",
-            f"<h1>Rover and people: {escape(', '.join(groups))}</h1><main>",
-            *drawn,
-            *map(_table, sheets),
-            "</main></body></html>\n",
-        ]
-    )
-
-
-def _svg(figure: Figure, title: str) -> str:
-    for text in figure.findobj(Text):
-        text.set_parse_math(False)  # a $ in the name of a group is a $
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", dpi=DPI, metadata={"Date": None})
-    drawn = buffer.getvalue()
-    body = drawn[drawn.index("<svg") :]
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    return body.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
-
-
-def _table(sheet: Sheet) -> str:
-    odd = "".join(f"<p class=hint>odd: {escape(finding)}</p>" for finding in sheet.findings)
-    caption = f"<p class=hint>{escape(sheet.caption)}</p>"
-    return f"<section><h2>{escape(sheet.title)}</h2>{odd}{sheet.__html__()}{caption}</section>"
+    drawn = ((title, draw(groups), hint) for title, draw, hint in pictures)
+    return page("Rover and people", f"Rover and people: {', '.join(groups)}", drawn, sheets)
 
 
 def draw_windows(groups: Mapping[str, Group]) -> Figure:

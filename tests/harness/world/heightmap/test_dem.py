@@ -192,7 +192,7 @@ def test_missing_heights_are_filled_and_counted(tmp_path: Path) -> None:
     [
         *(("-9999", -9999.005, True), ("-9999", -9998.98, False), ("0", 0.0, True), ("0", 1e-9, False)),
         *((None, gone, True) for gone in (20_001.0, -20_001.0, math.inf, -math.inf, math.nan)),
-        (None, -20_000.0, False),
+        *((None, -20_000.0, False), (None, -9999.0, True)),
     ],
 )
 def test_missing_is_what_the_tag_says_and_what_is_beyond_any_mountain(

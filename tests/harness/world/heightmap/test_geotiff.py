@@ -135,6 +135,10 @@ def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
     np.testing.assert_allclose(raster.pixel, (0.788468, 1.111317), rtol=1e-5)  # type: ignore[arg-type]
     assert raster.in_metres
     assert raster.notes == ("its pixels are degrees: projected about its middle, 45, -70",)
+    untold = read(tmp_path, scale=(1e-5, 1e-5, 0), tie=tie)  # as metres it is no ground
+    assert (untold.pixel, untold.notes) == (raster.pixel, raster.notes)
+    for scale, where in ((1e-2, tie), (1e-5, (0.0, 0.0, 0.0, 500.0, 45.0, 0.0))):
+        assert read(tmp_path, scale=(scale, scale, 0), tie=where).pixel == pytest.approx((scale, scale))
 
 
 @pytest.mark.parametrize(

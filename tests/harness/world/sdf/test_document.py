@@ -280,11 +280,23 @@ def test_includes_that_double_themselves_are_bounded(
             assert len(read_document(tmp_path / "0.sdf", Resources()).solids) == 32
 
 
-def test_models_without_a_root_stand_on_a_plane(tmp_path: Path) -> None:
-    collision = "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>"
-    model = "<model name='{}'><static>1</static><link name='l'>" + collision + "</link></model>"
-    (tmp_path / "a.sdf").write_text("<?xml version='1.0'?>\n" + model.format("a") + model.format("b"))
-    document = read_document(tmp_path / "a.sdf", Resources([]))
-    assert [solid.name for solid in document.solids] == ["a::l::c", "b::l::c", "ground_plane"]
-    assert document.notes[0] == "its models stand in no world: put on a level plane"
-    assert document.files == [tmp_path / "a.sdf"]
+def test_models_in_no_world_are_loose_but_one_mesh_alone(tmp_path: Path) -> None:
+    collision = "<collision name='c'><geometry>{}</geometry></collision>"
+    box, mesh = "<box><size>1 1 1</size></box>", "<mesh><uri>m.obj</uri></mesh>"
+    (tmp_path / "m.obj").touch()
+    for text, solids, is_loose in (
+        ("<?xml version='1.0'?>\n{box}{mesh}", 2, True),
+        ("{mesh}", 1, True),
+        ("<sdf>{box}{mesh}</sdf>", 2, True),
+        ("<sdf>{box}</sdf>", 1, True),
+        ("<sdf>{mesh}</sdf>", 1, False),
+        ("<sdf><world name='w'>{box}{box}</world></sdf>", 2, False),
+    ):
+        models = {
+            name: f"<model name='{name}'><link name='l'>{collision.format(shape)}</link></model>"
+            for name, shape in (("box", box), ("mesh", mesh))
+        }
+        (tmp_path / "a.sdf").write_text(text.format(**models))
+        document = read_document(tmp_path / "a.sdf", Resources([]))
+        assert (len(document.solids), document.is_loose) == (solids, is_loose), text
+        assert document.files == [tmp_path / "a.sdf"]

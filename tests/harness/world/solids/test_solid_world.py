@@ -123,6 +123,20 @@ def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
     assert half[0] * half[1] == pytest.approx(15.0 * 10.0, rel=0.1)
 
 
+def test_models_that_stand_in_no_world_are_put_on_a_plane(tmp_path: Path) -> None:
+    path = tmp_path / "loose.sdf"
+    path.write_text(f"<sdf>{cube('low', '5 0 -0.45 0 0 0')}{cube('high', '0 5 0.2 0 0 0')}</sdf>")
+    world = of_file(path)
+    assert kinds(world) == ["ROCK", "HAZARD"]
+    assert np.unique(world.ground.heights).tolist() == [0.0]
+    assert any("plane" in note for note in world.notes)
+    own = write_mesh(tmp_path / "t.obj", flat(0.5, 15.0, 10.0))  # brings its ground: no plane at 0
+    path.write_text(
+        f"<sdf>{cube('low', '5 0 0.6 0 0 0')}{solid('m', f'<mesh><uri>{own}</uri></mesh>')}</sdf>"
+    )
+    assert np.unique(of_file(path).ground.heights).tolist() == [0.5]
+
+
 @pytest.mark.parametrize(
     ("body", "said"),
     [
