@@ -26,23 +26,16 @@ TICK = TICK_NS / NANOSECONDS  # [s]
 
 @plain_value
 class Battery:
-    """State of charge; names are those of sensor_msgs/BatteryState.
-
-    Attributes:
-        current: Negative while it discharges [A].
-        charge: What is left [A h].
-        energy: Taken since the start [W h].
-        motor_currents: Of the left and the right side [A].
-    """
+    """State of charge; names are those of sensor_msgs/BatteryState."""
 
     stamp_ns: int
     sensor: str
     voltage: float
-    current: float
-    charge: float
+    current: float  # negative while it discharges [A]
+    charge: float  # what is left [A h]
     percentage: float
-    energy: float
-    motor_currents: tuple[float, float]
+    energy: float  # taken since the start [W h]
+    motor_currents: tuple[float, float]  # of the left and the right side [A]
 
 
 class BatteryOptions(SensorOptions):

@@ -41,17 +41,11 @@ class GnssFix:
 
 @dataclass(frozen=True)
 class GnssClass:
-    """A class of receivers.
+    """A class of receivers."""
 
-    Attributes:
-        horizontal: Errors to the east and to the north [m].
-        vertical: How many times larger they are upwards.
-        fix: What it says of its fixes.
-    """
-
-    horizontal: AxisErrors
-    vertical: float
-    fix: int
+    horizontal: AxisErrors  # errors to the east and to the north [m]
+    vertical: float  # how many times larger they are upwards
+    fix: int  # what it says of its fixes
 
     @property
     def covariance(self) -> tuple[float, ...]:

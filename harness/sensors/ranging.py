@@ -20,17 +20,14 @@ MOST_RAYS = 500_000  # in a reading
 
 @plain_value
 class RangeReading:
-    """What an optional lidar or depth camera has read at once, in its frame.
-
-    Attributes:
-        ranges: Float32, shape (n,): how often each of the directions fits between sensor and surface; of
-            a lidar the distance, of a camera the depth [m]. REP-117 coded.
-        on_obstacle: Whether it was an obstacle that a ray met and not the ground, shape (n,).
-    """
+    """What an optional lidar or depth camera has read at once, in its frame."""
 
     stamp_ns: int
     sensor: str
+    # float32, shape (n,): how often each of the directions fits between sensor and surface; of a
+    # lidar the distance, of a camera the depth [m]. REP-117 coded
     ranges: NDArray[np.float32]
+    # whether it was an obstacle that a ray met and not the ground, shape (n,)
     on_obstacle: NDArray[np.bool_]
 
 

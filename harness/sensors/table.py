@@ -36,60 +36,45 @@ ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not w
 
 @dataclass(frozen=True)
 class Topic:
-    """Where the samples of a sensor are published; keep-last.
+    """Where the samples of a sensor are published; keep-last."""
 
-    Attributes:
-        name: Relative to the namespace of the run.
-        message_type: E.g. "sensor_msgs/msg/Imu". Unless harness.messages.fillers has one of it, its
-            fields are filled from those of the sample that have the same names.
-        best_effort: Whether it is offered best effort instead of reliable.
-        depth: How many messages may wait.
-        latched: Whether who comes later gets the last ones too (transient local); else volatile.
-        option: The field of the sensor's options that must be true for the topic to be there, if any.
-        on_demand: Whether messages are made only while somebody listens or records.
-    """
-
-    name: str
+    name: str  # relative to the namespace of the run
+    # e.g. "sensor_msgs/msg/Imu". Unless harness.messages.fillers has one of it, its fields are
+    # filled from those of the sample that have the same names
     message_type: str
-    best_effort: bool = False
-    depth: int = 10
+    best_effort: bool = False  # whether it is offered best effort instead of reliable
+    depth: int = 10  # how many messages may wait
+    # whether who comes later gets the last ones too (transient local); else volatile
     latched: bool = False
+    # the field of the sensor's options that must be true for the topic to be there, if any
     option: str = ""
-    on_demand: bool = False
+    on_demand: bool = False  # whether messages are made only while somebody listens or records
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorRow:
-    """One sensor.
+    """One sensor."""
 
-    Attributes:
-        sample: What it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
-            `sensor` too.
-        factory: The Sensor class, or "module:Class", which is loaded by whoever makes one.
-        topics: Where the sample is published, in this order; options complete the names.
-        rate: Samples a second of simulation time, of every rover or by rover [Hz], or of its options.
-        frame: Frame of the messages' headers, of every rover or by rover, or of its options.
-        fault: Its name in --fault, and in --sensors; None if no fault touches it.
-        measured: The fields of the sample that faults of values change.
-        attitude: The fields that faults of values change with ATTITUDE behind the sensor's name.
-        options: The options of an optional one; None if every rover has it.
-        given: The options of one that is carried.
-        noise: What corrupts it in this run, for what its messages tell of their errors.
-        summary: A line for lists and the docs.
-    """
-
+    # what it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
+    # `sensor` too
     sample: type[Sample]
+    # the Sensor class, or "module:Class", which is loaded by whoever makes one
     factory: str | type[Sensor]
-    topics: tuple[Topic, ...]
+    topics: tuple[Topic, ...]  # where the sample is published, in this order; options complete the names
+    # samples a second of simulation time, of every rover or by rover [Hz], or of its options
     rate: int | Callable[[RoverSpec], int] = 0
+    # frame of the messages' headers, of every rover or by rover, or of its options
     frame: str | Callable[[RoverSpec], str] = ""
-    fault: str | None = None
-    measured: tuple[str, ...] = ()
+    fault: str | None = None  # its name in --fault, and in --sensors; None if no fault touches it
+    measured: tuple[str, ...] = ()  # the fields of the sample that faults of values change
+    # the fields that faults of values change with ATTITUDE behind the sensor's name
     attitude: tuple[str, ...] = ()
+    # the options of an optional one; None if every rover has it
     options: type[SensorOptions] | None = None
-    given: SensorOptions | None = None
+    given: SensorOptions | None = None  # the options of one that is carried
+    # what corrupts it in this run, for what its messages tell of their errors
     noise: NoisePreset | None = None
-    summary: str = ""
+    summary: str = ""  # a line for lists and the docs
 
     @property
     def source(self) -> Source:

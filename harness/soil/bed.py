@@ -31,54 +31,31 @@ Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights [m
 
 @dataclass(frozen=True)
 class SoilWheel:
-    """A wheel in the model.
+    """A wheel in the model."""
 
-    Attributes:
-        body: Of the wheel.
-        joint: About which it turns.
-        root: Body of the rover.
-        radius: [m].
-        width: [m].
-        grousers: 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm.
-        to_left: Whether the joint's axis points to the rover's left, else to the right.
-        load: Share of the rover's weight [N].
-    """
-
-    body: int
-    joint: int
-    root: int
-    radius: float
-    width: float
-    grousers: float
-    to_left: bool
-    load: float
+    body: int  # of the wheel
+    joint: int  # about which it turns
+    root: int  # body of the rover
+    radius: float  # [m]
+    width: float  # [m]
+    grousers: float  # 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm
+    to_left: bool  # whether the joint's axis points to the rover's left, else to the right
+    load: float  # share of the rover's weight [N]
 
 
 @dataclass(frozen=True)
 class Ground:
-    """A grid of heights that MuJoCo has too.
+    """A grid of heights that MuJoCo has too."""
 
-    Attributes:
-        heights: Without ruts [m], shape (rows, columns).
-        corner: x, y of the first one [m].
-        cell: Distance of two [m].
-        field: MuJoCo's, a view of the same shape, of 0 to 1.
-        base: Height of its 0 [m].
-        relief: Height of its 1 above that [m].
-        solid: Heights that what is no wheel meets [m].
-        solid_cell: Distance of two of those [m].
-        patches: Which soil lies at each of the solid heights, uint8 of their shape.
-    """
-
-    heights: Doubles
-    corner: tuple[float, float]
-    cell: float
-    field: NDArray[np.float32]
-    base: float
-    relief: float
-    solid: Doubles
-    solid_cell: float
-    patches: NDArray[np.uint8]
+    heights: Doubles  # without ruts [m], shape (rows, columns)
+    corner: tuple[float, float]  # x, y of the first one [m]
+    cell: float  # distance of two [m]
+    field: NDArray[np.float32]  # MuJoCo's, a view of the same shape, of 0 to 1
+    base: float  # height of its 0 [m]
+    relief: float  # height of its 1 above that [m]
+    solid: Doubles  # heights that what is no wheel meets [m]
+    solid_cell: float  # distance of two of those [m]
+    patches: NDArray[np.uint8]  # which soil lies at each of the solid heights, uint8 of their shape
 
 
 class Bed:

@@ -15,23 +15,15 @@ STANDING_S, STANDING = 1.0, 0.05  # a stop: so long [s], so little path meanwhil
 
 @dataclass(frozen=True)
 class Mark:
-    """A way point in the world's metres.
+    """A way point in the world's metres."""
 
-    Attributes:
-        place: x, y [m]; of a gate its middle.
-        radius: How near is near enough [m].
-        within: How long it may take [s].
-        gate: Its two posts, which are to be passed between; None of a plain place.
-        is_solid: Whether something stands there, so that nobody can be at the very place.
-        stop: Whether only who stands there has reached it.
-    """
-
-    place: Where
-    radius: float
-    within: float = math.inf
+    place: Where  # x, y [m]; of a gate its middle
+    radius: float  # how near is near enough [m]
+    within: float = math.inf  # how long it may take [s]
+    # its two posts, which are to be passed between; None of a plain place
     gate: tuple[Where, Where] | None = None
-    is_solid: bool = False
-    stop: bool = False
+    is_solid: bool = False  # whether something stands there, so that nobody can be at the very place
+    stop: bool = False  # whether only who stands there has reached it
 
     def is_reached(self, before: Where, now: Where) -> bool:
         """Returns whether who went straight from one place to another [m] has reached it."""
@@ -110,23 +102,15 @@ class Standstill:
 
 @dataclass
 class RouteProgress:
-    """Which way points somebody has reached or missed; `observe` is told where it is, step by step.
+    """Which way points somebody has reached or missed; `observe` is told where it is, step by step."""
 
-    Attributes:
-        marks: Of the route.
-        any_order: Whether the nearest one left is next, instead of the next in order.
-        limit: After which all are missed that are left [s].
-        reached: Numbers of way points, in the order in which they were.
-        current: The way point to go to; None when none is left.
-        done_s: When the last one was reached, if none was missed [s]; NaN before.
-    """
-
-    marks: tuple[Mark, ...]
-    any_order: bool = False
-    limit: float = math.inf
+    marks: tuple[Mark, ...]  # of the route
+    any_order: bool = False  # whether the nearest one left is next, instead of the next in order
+    limit: float = math.inf  # after which all are missed that are left [s]
+    # numbers of way points, in the order in which they were
     reached: list[int] = field(default_factory=list)
-    current: int | None = None
-    done_s: float = math.nan
+    current: int | None = None  # the way point to go to; None when none is left
+    done_s: float = math.nan  # when the last one was reached, if none was missed [s]; NaN before
     _left: list[int] = field(init=False)
     _since_s: float = 0.0
     _before: Where | None = None

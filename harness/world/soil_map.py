@@ -26,17 +26,12 @@ LARGEST_MAP = 2**28  # [bytes]
 
 @dataclass(frozen=True, eq=False)
 class Soils:
-    """The soils of a ground.
+    """The soils of a ground."""
 
-    Attributes:
-        kinds: Which there are.
-        patches: Which of them lies at each vertex of the ground, uint8 of shape (rows, columns).
-        keeps_ruts: Whether ruts stay when all rovers are put back.
-    """
-
-    kinds: tuple[Soil, ...]
+    kinds: tuple[Soil, ...]  # which there are
+    # which of them lies at each vertex of the ground, uint8 of shape (rows, columns)
     patches: NDArray[np.uint8]
-    keeps_ruts: bool = False
+    keeps_ruts: bool = False  # whether ruts stay when all rovers are put back
 
     @property
     def leaves_ruts(self) -> bool:

@@ -30,22 +30,15 @@ IMU = re.compile(r"(^|_)imu(_|$)", re.IGNORECASE)
 
 @dataclass
 class Equipment:
-    """What was added to a model.
+    """What was added to a model."""
 
-    Attributes:
-        guesses: What nobody states, by the key of rover.yaml or the part of the model it is of.
-        lidar: The link that carries the lidar; empty if there is none.
-        imu: The link that carries the IMU; empty if there is none.
-        driven: The wheels with motors.
-        steering_rate: How fast the mean steered wheel turns [rad/s].
-        beliefs: What the URDF says of its controller, by the keys of rover.yaml.
-    """
-
+    # what nobody states, by the key of rover.yaml or the part of the model it is of
     guesses: dict[str, str] = field(default_factory=dict)
-    lidar: str = ""
-    imu: str = ""
-    driven: tuple[str, ...] = ()
-    steering_rate: float = STEERING_SPEED
+    lidar: str = ""  # the link that carries the lidar; empty if there is none
+    imu: str = ""  # the link that carries the IMU; empty if there is none
+    driven: tuple[str, ...] = ()  # the wheels with motors
+    steering_rate: float = STEERING_SPEED  # how fast the mean steered wheel turns [rad/s]
+    # what the URDF says of its controller, by the keys of rover.yaml
     beliefs: dict[str, float] = field(default_factory=dict)
 
 

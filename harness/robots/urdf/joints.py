@@ -15,23 +15,16 @@ NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
 
 @dataclass(frozen=True)
 class Joints:
-    """The joints that matter; left ones front to rear, then right ones.
+    """The joints that matter; left ones front to rear, then right ones."""
 
-    Attributes:
-        left: Joints of the left wheels.
-        right: Joints of the right wheels.
-        steering: Of the left and the right front wheel, if those two are steered and no other.
-        held: Steering joints that are held straight, since no controller here steers so many.
-        radius: Of each wheel [m].
-        backwards: Wheels and steering whose axes point the other way.
-    """
-
-    left: tuple[str, ...]
-    right: tuple[str, ...]
+    left: tuple[str, ...]  # joints of the left wheels
+    right: tuple[str, ...]  # joints of the right wheels
+    # of the left and the right front wheel, if those two are steered and no other
     steering: tuple[str, ...]
+    # steering joints that are held straight, since no controller here steers so many
     held: tuple[str, ...]
-    radius: dict[str, float]
-    backwards: tuple[str, ...]
+    radius: dict[str, float]  # of each wheel [m]
+    backwards: tuple[str, ...]  # wheels and steering whose axes point the other way
 
     @property
     def wheels(self) -> tuple[str, ...]:

@@ -37,19 +37,12 @@ QUAD = np.array([(0, 1, 2), (0, 2, 3)])
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """A picture on triangles, which is seen and not touched.
+    """A picture on triangles, which is seen and not touched."""
 
-    Attributes:
-        vertices: In the world [m], shape (v, 3).
-        faces: Numbers of vertices, shape (f, 3), counter-clockwise from outside.
-        picture: Where in the image each vertex is, right and down, 0 to 1, shape (v, 2).
-        image: RGB, shape (height, width, 3).
-    """
-
-    vertices: Points
-    faces: NDArray[np.int64]
-    picture: Points
-    image: NDArray[np.uint8]
+    vertices: Points  # in the world [m], shape (v, 3)
+    faces: NDArray[np.int64]  # numbers of vertices, shape (f, 3), counter-clockwise from outside
+    picture: Points  # where in the image each vertex is, right and down, 0 to 1, shape (v, 2)
+    image: NDArray[np.uint8]  # RGB, shape (height, width, 3)
 
 
 Made = tuple[Bodies, tuple[Skin, ...]]
