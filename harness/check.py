@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.check")
@@ -23,7 +23,6 @@ from rich.console import Console
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
-from harness.base.loading import loading
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE

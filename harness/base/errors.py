@@ -44,15 +44,9 @@ class Diverged(RunFailed):
 
 
 def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
-    """Returns the value of that name.
+    """Returns the value of a name among those available; UsageError, which lists them, if there is none.
 
-    Args:
-        kind: What it is, for the message.
-        name: As the user gave it.
-        available: All there are, by name.
-
-    Raises:
-        UsageError: There is none of that name; the message lists the names.
+    The kind is what the message calls it.
     """
     if name not in available:
         raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available) or 'none'}")

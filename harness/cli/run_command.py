@@ -12,10 +12,10 @@ from pathlib import Path
 
 from rich.console import Console
 
+from harness.base.edge import loading
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.files import BESIDE, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
-from harness.base.loading import loading
 from harness.base.opengl import keep_opengl_out
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, run_options, with_name

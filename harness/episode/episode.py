@@ -56,8 +56,8 @@ from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import EXACT, PRESETS, SensorNoise
 from harness.sensors.optional import Installation, SensorOptions
-from harness.sensors.people import PeopleSensor
 from harness.sensors.rays.bundle import Surroundings
+from harness.sensors.state import PeopleSensor
 from harness.sensors.suite import SensorSuite
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.fit")
@@ -20,7 +20,6 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
-from harness.base.loading import loading
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser

@@ -63,7 +63,7 @@ class Sensor:
         raise NotImplementedError
 
     def observe(self, sums: "NDArray[np.float64]") -> None:
-        """Takes clock ticks that have just been simulated into account; each is told of once.
+        """Takes clock ticks that have just been simulated into account, each once.
 
         Args:
             sums: MuJoCo's sensor values, summed over the steps of each of them, shape (ticks, sensors).

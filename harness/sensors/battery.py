@@ -102,25 +102,10 @@ class BatterySensor(OptionalSensor[BatteryOptions]):
         current = _current(self._power / count, open_voltage, pack.resistance)
         one, other = (self._currents / count).tolist()
         self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
-        told = (
-            open_voltage - pack.resistance * current,
-            -current,
-            left * self._capacity / pack.nominal,
-            left,
-        )
-        voltage, current, charge, percentage = (
-            float(np.float32(value)) for value in told
-        )  # its message's
-        return Battery(
-            self._simulation.time_ns,
-            self.name,
-            voltage=voltage,
-            current=current,
-            charge=charge,
-            percentage=percentage,
-            energy=self._taken - self._begun,
-            motor_currents=(one, other),
-        )
+        voltage, charge = open_voltage - pack.resistance * current, left * self._capacity / pack.nominal
+        rounded = (float(np.float32(value)) for value in (voltage, -current, charge, left))
+        now, used = self._simulation.time_ns, self._taken - self._begun
+        return Battery(now, self.name, *rounded, energy=used, motor_currents=(one, other))
 
 
 def _current(power: float, open_voltage: float, resistance: float) -> float:

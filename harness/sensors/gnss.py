@@ -20,23 +20,16 @@ FIX, GROUND_BASED = 0, 2  # sensor_msgs/NavSatStatus: STATUS_FIX, STATUS_GBAS_FI
 
 @plain_value
 class GnssFix:
-    """Position of the antenna on WGS-84; names and codes are those of sensor_msgs/NavSatFix.
-
-    Attributes:
-        latitude, longitude: Degrees, north and east positive.
-        altitude: Above the ellipsoid [m].
-        position_covariance: East, north, up by rows [m^2]; zeros if the type says unknown.
-        fix: The status of NavSatStatus.
-    """
+    """Position of the antenna on WGS-84; names and codes are those of sensor_msgs/NavSatFix."""
 
     stamp_ns: int
     sensor: str
-    latitude: float
-    longitude: float
-    altitude: float
-    position_covariance: tuple[float, ...]
+    latitude: float  # [deg], north positive
+    longitude: float  # [deg], east positive
+    altitude: float  # above the ellipsoid [m]
+    position_covariance: tuple[float, ...]  # east, north, up by rows [m^2]; zeros if unknown
     position_covariance_type: int
-    fix: int
+    fix: int  # the status of NavSatStatus
 
 
 @dataclass(frozen=True)

@@ -16,21 +16,21 @@ from harness import samples
 from harness.base.sim_time import HIGHEST_RATE, period_ticks
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
-from harness.sensors.barometer import BarometerOptions, Pressure
+from harness.sensors.barometer import BarometerOptions, BarometerSensor, Pressure
 from harness.sensors.base import EpisodeParts, Sensor
-from harness.sensors.battery import Battery, BatteryOptions
-from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.sensors.battery import Battery, BatteryOptions, BatterySensor
+from harness.sensors.camera.sensor import CameraOptions, CameraSensor, CameraState
 from harness.sensors.depth import DepthOptions
-from harness.sensors.gnss import GnssFix, GnssOptions
-from harness.sensors.height_scan import HeightScan, HeightScanOptions
+from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
+from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
-from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
+from harness.sensors.magnetometer import MagneticField, MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import SensorOptions
-from harness.sensors.ranging import RangeReading
+from harness.sensors.ranging import RangeReading, RangeSensor
 from rover_metrics.plugins import Table
 
-RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
+POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
 
 
@@ -90,11 +90,7 @@ class SensorRow:
         return self.frame if isinstance(self.frame, str) else self.frame(rover)
 
     def make(self, parts: EpisodeParts, rate: int) -> Sensor | None:
-        """Returns the sensor of an episode, of a rate [Hz]; None if the episode lacks a part of it.
-
-        Raises:
-            UsageError: The period is no whole number of clock ticks.
-        """
+        """Returns the sensor of an episode, of a rate [Hz]; None if the episode lacks a part of it."""
         kind: Any = resolve_name(self.factory) if isinstance(self.factory, str) else self.factory
         made: Sensor | None = None
         if self.given is None:
@@ -182,7 +178,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        factory=RANGE_SENSOR,
+        factory=RangeSensor,
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         fault="lidar2d",
         measured=("ranges",),
@@ -191,7 +187,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        factory=RANGE_SENSOR,
+        factory=RangeSensor,
         topics=(Topic("points", POINT_CLOUD),),
         fault="lidar3d",
         measured=("ranges",),
@@ -200,7 +196,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        factory=RANGE_SENSOR,
+        factory=RangeSensor,
         topics=(
             Topic("image", "sensor_msgs/msg/Image"),
             Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
@@ -213,7 +209,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=CameraState,
-        factory="harness.sensors.camera.sensor:CameraSensor",
+        factory=CameraSensor,
         topics=(
             Topic("image_raw", "sensor_msgs/msg/Image", on_demand=True),
             Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
@@ -224,7 +220,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=GnssFix,
-        factory="harness.sensors.gnss:GnssSensor",
+        factory=GnssSensor,
         topics=(Topic("fix", "sensor_msgs/msg/NavSatFix"),),
         fault="gnss",
         measured=("latitude", "longitude", "altitude"),
@@ -233,7 +229,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=MagneticField,
-        factory="harness.sensors.magnetometer:MagnetometerSensor",
+        factory=MagnetometerSensor,
         topics=(Topic("mag", "sensor_msgs/msg/MagneticField"),),
         fault="magnetometer",
         measured=("magnetic_field",),
@@ -242,7 +238,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Pressure,
-        factory="harness.sensors.barometer:BarometerSensor",
+        factory=BarometerSensor,
         topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
         fault="barometer",
         measured=("fluid_pressure",),
@@ -251,7 +247,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Battery,
-        factory="harness.sensors.battery:BatterySensor",
+        factory=BatterySensor,
         topics=(
             Topic("battery_state", "sensor_msgs/msg/BatteryState"),
             Topic("motor_currents", "std_msgs/msg/Float64MultiArray"),
@@ -263,7 +259,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=HeightScan,
-        factory="harness.sensors.height_scan:HeightScanSensor",
+        factory=HeightScanSensor,
         topics=(Topic("grid_map", "grid_map_msgs/msg/GridMap", option="grid_map"),),
         fault="height_scan",
         measured=("heights",),

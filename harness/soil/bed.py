@@ -105,8 +105,8 @@ class Bed:
         self._spins = np.array([spin[:3] for spin in spins], np.int64)
         self._inertias = np.array([spin[3:] for spin in spins])
         self._held = model, data  # their memory is written to for as long as the bed is registered
-        self._told = self._tell(model, data)
-        _register(data, self._told, self)
+        self._passed = self._to_pass(model, data)
+        _register(data, self._passed, self)
 
     @property
     def lift(self) -> Doubles:
@@ -142,8 +142,8 @@ class Bed:
         self._ground.field[:] = self._fresh
         self.states[:, UNPLACED] = 0.0
 
-    def _tell(self, model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-        """What the kernel is told, with the arrays whose addresses that holds kept alive."""
+    def _to_pass(self, model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+        """What the kernel is passed, with the arrays whose addresses that holds kept alive."""
         ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         self._near = near, model.geom_aabb[near].copy()
         own = [self._numbers, self._sizes, self._bodies, self._spins, self._inertias]
@@ -151,13 +151,13 @@ class Bed:
         arrays = dict(zip(OWN, own, strict=True))
         for name in MUJOCO:
             arrays[name] = getattr(data if hasattr(data, name) else model, name)
-        told = np.zeros(1, BED)
+        passed = np.zeros(1, BED)
         for name, array in arrays.items():
-            told[name] = (array.ctypes.data, *array.shape, 1)[:3]
+            passed[name] = (array.ctypes.data, *array.shape, 1)[:3]
         numbers = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
         for name, number in zip(NUMBERS, (*numbers, ground.solid_cell), strict=True):
-            told[name] = number
-        return told
+            passed[name] = number
+        return passed
 
 
 def _spin(model: mujoco.MjModel, wheel: SoilWheel) -> tuple[float, ...]:
@@ -179,7 +179,7 @@ _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of 
 _callback: list[object] = []  # as long as MuJoCo may call it
 
 
-def _register(data: mujoco.MjData, told: np.ndarray, bed: Bed) -> None:
+def _register(data: mujoco.MjData, passed: np.ndarray, bed: Bed) -> None:
     """Lets MuJoCo press the wheels of a bed whenever it steps that state, as long as the bed lives."""
     if not _callback:
         _callback.append(_compiled(_table.ctypes.data))
@@ -187,7 +187,7 @@ def _register(data: mujoco.MjData, told: np.ndarray, bed: Bed) -> None:
     if not free.size:
         raise UsageError(f"more than {MOST_BEDS} simulations with soil in a process; use several")
     row = int(free[0])
-    _table[row] = data._address, told.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
+    _table[row] = data._address, passed.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
     mujoco.set_mjcb_control(_callback[0].ctypes)  # type: ignore[attr-defined]  # numba has no types
     weakref.finalize(bed, _table[row].fill, 0)
 

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.tune")
@@ -20,7 +20,6 @@ from rich.console import Console
 
 from harness.base.files import write_whole
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.base.loading import loading
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
 from harness.workers import add_options, workers_of

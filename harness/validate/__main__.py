@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.validate")
@@ -22,7 +22,6 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.files import check_target
-from harness.base.loading import loading
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import ObstacleKind, bottom, top
 from harness.world.occupancy import HEADROOM, RESOLUTION, covered, middles
-from harness.world.statistics import WINDOW, RoughnessMap, box_means, reach
+from harness.world.statistics import WINDOW, RoughnessMap, averaged, steepness
 from harness.world.world import World
 
 Cells = NDArray[np.float64]
@@ -85,10 +85,7 @@ def _raise(layer: Cells, window: Any, cells: NDArray[np.bool_], least: float) ->
 
 def _slope(ground: Heightfield, window: float) -> Field:
     """The slope at each vertex of the ground averaged over a window [rad]."""
-    inset = reach(ground, window)
-    smooth = box_means(np.pad(ground.heights, inset, mode="edge"), inset)
-    along_y, along_x = np.gradient(smooth, ground.cell)
-    return np.asarray(np.arctan(np.hypot(along_x, along_y)))
+    return np.asarray(np.arctan(steepness(averaged(ground, window), ground.cell)))
 
 
 def _steps(ground: Heightfield, slope: float) -> Field:

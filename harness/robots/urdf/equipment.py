@@ -63,7 +63,9 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     workshop.fit_steering()
     equipment = workshop.equipment
     for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
-        if link := _link(spec, pattern):
+        # of several links that are called so the last, which others carry
+        links = [body.name for body in spec.bodies if pattern.search(body.name)]
+        if link := next(reversed(links), ""):
             setattr(equipment, name, link)
             spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
         else:
@@ -185,9 +187,3 @@ def _beliefs(robot: ET.Element) -> dict[str, float]:
             if value > 0:
                 matches.setdefault(key, value / 2 if "iameter" in element.tag else value)
     return matches
-
-
-def _link(spec: mujoco.MjSpec, pattern: re.Pattern[str]) -> str:
-    """The link whose name says what it carries; of several the last, which others carry."""
-    matches = [body.name for body in spec.bodies if pattern.search(body.name)]
-    return matches[-1] if matches else ""

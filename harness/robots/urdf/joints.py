@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, unknown
-from harness.robots.model import at_origin, by_side, extent
+from harness.robots.model import at_origin, body_box, by_side
 
 ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis
 NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
@@ -52,7 +52,7 @@ def find_joints(
     for name in (*left, *right):
         if name not in names:
             raise UsageError(f"{where}: {unknown('hinge', name, names)}")
-    boxes = {name: _box(model, data, j) for name, j in names.items()}
+    boxes = {name: body_box(model, data, model.jnt_bodyid[j]) for name, j in names.items()}
     wheels = [*left, *right] or _rolling(model, data, names, boxes)
     on_left, on_right = by_side({name: boxes[name].mean(axis=0) for name in wheels})
     left, right = left or on_left, right or on_right
@@ -99,13 +99,6 @@ def _rolling(
     lowest = min((boxes[name] for name in rolling), key=lambda box: box[0][2])
     reach = lowest[0][2] + NEAR_GROUND * np.ptp(lowest[:, 2]) / 2
     return [name for name in rolling if boxes[name][0][2] <= reach]
-
-
-def _box(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> NDArray[np.float64]:
-    """Lowest and highest x, y, z of what collides and is fixed to a joint's body, shape (2, 3) [m]."""
-    body = model.jnt_bodyid[joint]
-    fixed = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_contype > 0)
-    return np.array(extent(model, data, np.flatnonzero(fixed).tolist()))
 
 
 def _steering_above(model: mujoco.MjModel, data: mujoco.MjData, wheel: int) -> int | None:

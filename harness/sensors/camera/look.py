@@ -10,7 +10,6 @@ from functools import partial
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_BODIES
 from harness.physics.stage import OBSTACLE_COLORS, Quality, dress
@@ -32,22 +31,15 @@ def dress_for_cameras(spec: mujoco.MjSpec, quality: Quality) -> None:
     _add_grain(spec)
 
 
-def _add_texture(
-    spec: mujoco.MjSpec, name: str, kind: mujoco.mjtTexture, pixels: NDArray[np.uint8]
-) -> None:
-    height, width, channels = pixels.shape
-    texture = spec.add_texture(name=name, type=kind, width=width, height=height, nchannel=channels)
-    texture.data = pixels.tobytes()
-
-
 def _add_grain(spec: mujoco.MjSpec) -> None:
     """Gives all obstacles grain in their own colours: those with colours of a file less than rocks."""
     noise = partial(fractal, np.random.default_rng(2), seamless=True)
     grain = noise((ROCK_PIXELS,) * 2, cell=1 / ROCK_PIXELS, longest=1 / 4, shortest=1 / 100, hurst=0.3)
     for name, (_, contrast) in SURFACES.items():
         shade = np.clip(0.7 * (1.0 + contrast * grain), 0.0, 1.0)[..., None]
-        pixels = (255.0 * shade * np.ones(3)).astype(np.uint8)
-        _add_texture(spec, name, mujoco.mjtTexture.mjTEXTURE_CUBE, pixels)
+        size = {"width": ROCK_PIXELS, "height": ROCK_PIXELS, "nchannel": 3}
+        texture = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_CUBE, **size)
+        texture.data = (255.0 * shade * np.ones(3)).astype(np.uint8).tobytes()
     for body in OBSTACLE_BODIES.values():
         for geom in spec.body(body).geoms:
             is_rock = any(np.allclose(geom.rgba, color) for color in OBSTACLE_COLORS.values())

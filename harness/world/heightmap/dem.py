@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter
 
 from harness.base.errors import UsageError
 from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, SMALLEST_MAP, WorldSpec
-from harness.world.heightfield import Field, Heightfield, filled, resampled
+from harness.world.heightfield import Field, Heightfield, filled, finest_cell, resampled
 from harness.world.heightmap.detail import detailed
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
@@ -21,7 +21,6 @@ from harness.world.terrain import HEIGHT_DECIMALS
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
-MOST_VERTICES = 1500 * 1500
 MOST_MISSING = 0.5  # share of heights that may be filled in
 SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is noted
 START_REACH = 0.4  # [m] around the start that must not be steeper
@@ -58,12 +57,7 @@ def _ground(raster: Raster, spec: WorldSpec, seed: int, notes: list[str]) -> Hei
         notes.append(note)
     heights = np.round(ground.heights - ground.heights.min(), HEIGHT_DECIMALS) + 0.0
     ground = replace(ground, heights=heights)
-    width, depth = (2 * half for half in ground.half_size)
-    rows, columns = heights.shape
-    notes.append(
-        f"{width:.4g} m along x, {depth:.4g} m along y, {columns} x {rows} heights "
-        f"{ground.cell:.4g} m apart, relief {np.ptp(heights):.4g} m"
-    )
+    notes.append(f"{ground.describe()}, relief {np.ptp(heights):.4g} m")
     return ground
 
 
@@ -132,7 +126,7 @@ def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> t
 
 def _finest(width: float, depth: float) -> float:
     """The smallest cells [m] that a map of a size [m] can be simulated in."""
-    return max(FINEST_CELL, math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1))
+    return max(FINEST_CELL, finest_cell(width, depth))
 
 
 def _start(ground: Heightfield, notes: list[str]) -> Start:

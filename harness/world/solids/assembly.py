@@ -79,12 +79,9 @@ def assembled(
     whole = joined(parts.ground)
     surface = surface_of(whole, grid, parts.plane, notes)
     ground = surface.ground
-    width, depth = (2 * half for half in ground.half_size)
-    notes.append(
-        f"{width:.4g} m along x, {depth:.4g} m along y, {grid.columns} x {grid.rows} heights "
-        f"{grid.cell:.4g} m apart, relief {np.ptp(ground.heights[surface.has_floor]):.4g} m, "
-        f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
-    )
+    relief = np.ptp(ground.heights[surface.has_floor])
+    middle = f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
+    notes.append(f"{ground.describe()}, relief {relief:.4g} m, {middle}")
     obstacles = _obstacles(parts, whole, surface, kinds, notes)
     world = World(
         Path(spec.terrain).name,

@@ -19,12 +19,7 @@ def _codes() -> dict[str, str]:
 
 
 def cells(dictionary: str, marker: int) -> NDArray[np.bool_]:
-    """Returns which cells of a marker are white, shape (n + 2, n + 2); its border is black.
-
-    Args:
-        dictionary: One of harness.spec.target.DICTIONARIES.
-        marker: Its id.
-    """
+    """Returns which cells of the marker of an id are white, shape (n + 2, n + 2); its border is not."""
     _, n = DICTIONARIES[dictionary]
     digits = -(-n * n // 4)
     codes = _codes()
@@ -34,6 +29,7 @@ def cells(dictionary: str, marker: int) -> NDArray[np.bool_]:
     return np.pad(np.array(bits, bool).reshape(n, n), 1)
 
 
+@lru_cache(maxsize=64)
 def face_image(dictionary: str, marker: int) -> NDArray[np.uint8]:
     """Returns a marker in a white margin of one cell, as URC prints it: RGB, shape (p, p, 3)."""
     white = np.pad(cells(dictionary, marker), 1, constant_values=True)

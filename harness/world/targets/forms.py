@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -19,10 +18,8 @@ Vector3 = tuple[float, float, float]
 Bodies = tuple[Obstacle, ...]
 
 SUNK = 0.1  # [m] of everything that stands, below the ground at its middle
-POLE, BOARD = (
-    0.025,
-    0.01,
-)  # [m] radius of a marker's pole, half the thickness of a board of one or two faces
+# [m] Radius of a marker's pole, half the thickness of a board of one or two faces.
+POLE, BOARD = 0.025, 0.01
 LIFT = 0.002  # [m] of a skin off its body, so that the body does not show through
 WHITE, WOOD = (0.85, 0.85, 0.85, 1.0), (0.45, 0.31, 0.16, 1.0)
 ORANGE, BLUE = (0.95, 0.35, 0.05, 1.0), (0.12, 0.35, 0.75, 1.0)
@@ -68,11 +65,6 @@ def pole(place: Place, radius: float, height: float, color: Color) -> Obstacle:
     return upright("cylinder", (radius, 0.5 * (height + SUNK)), place, -SUNK, color)
 
 
-@lru_cache(maxsize=64)
-def _image(dictionary: str, marker: int) -> NDArray[np.uint8]:
-    return face_image(dictionary, marker)
-
-
 def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
     """Returns a pole with a prism at its top whose sides carry a marker: three in URC 2023."""
     edge, count = face_edge(options.dictionary, options.size), options.faces
@@ -88,7 +80,7 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
         right = np.array([-normal[1], normal[0], 0.0])  # of who looks at it
         across = CORNERS[:, :1] * right + CORNERS[:, 1:] * np.array([0.0, 0.0, 1.0])
         corners = middle + (inner + LIFT) * normal + 0.5 * edge * across
-        skins.append(Skin(corners, QUAD, IMAGE, _image(options.dictionary, marker)))
+        skins.append(Skin(corners, QUAD, IMAGE, face_image(options.dictionary, marker)))
     foot = options.height - 0.5 * edge
     if count == 3:
         rim = np.concatenate([skin.vertices for skin in skins]) - middle
@@ -99,11 +91,6 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
         thickness = BOARD if count < 3 else 0.5 * edge
         head = upright("box", (thickness, 0.5 * edge, 0.5 * edge), place, foot, WHITE)
     return (pole(place, POLE, foot, WOOD), head), tuple(skins)
-
-
-def aruco(options: TargetOptions, place: Place) -> Made:
-    """Returns a post with the marker of `id`."""
-    return marker_post(options, place, options.id)
 
 
 def post(options: TargetOptions, place: Place) -> Made:
@@ -139,7 +126,7 @@ def bottle(_: TargetOptions, place: Place) -> Made:
 
 
 FORMS: dict[str, Callable[[TargetOptions, Place], Made]] = {
-    "aruco": aruco,
+    "aruco": lambda options, place: marker_post(options, place, options.id),
     "post": post,
     "mallet": mallet,
     "bottle": bottle,

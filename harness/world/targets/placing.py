@@ -44,11 +44,7 @@ class Target:
 
 
 def target_names(specs: Sequence[TargetSpec]) -> tuple[str, ...]:
-    """Returns the name of each target; those without one are called after their kinds, e.g. post2.
-
-    Raises:
-        UsageError: Two have the same name, or there are too many.
-    """
+    """Returns each target's name, its kind and a number without one; UsageError if two are the same."""
     if len(specs) > MOST_TARGETS:
         raise UsageError(f"{len(specs)} targets are too many; give at most {MOST_TARGETS}")
     names: list[str] = []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.physics.simulation import Simulation
-from harness.sensors.people import PeopleSensor
+from harness.sensors.state import PeopleSensor
 
 
 def test_people_are_told_of_thirty_times_in_each_second(

@@ -8,8 +8,7 @@ from harness.physics.simulation import Simulation
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.depth import DepthOptions
 from harness.sensors.noise import WHITE, NoisePreset
-from harness.sensors.range_sensor import RangeSensor
-from harness.sensors.ranging import RangeReading
+from harness.sensors.ranging import RangeReading, RangeSensor
 from harness.sensors.rays.bundle import Surroundings
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation

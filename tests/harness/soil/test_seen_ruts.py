@@ -12,8 +12,7 @@ from harness.physics.simulation import Simulation
 from harness.sensors.depth import DepthOptions
 from harness.sensors.height_scan import HeightScanOptions, HeightScanSensor
 from harness.sensors.lidars import CloudLidarOptions
-from harness.sensors.range_sensor import RangeSensor
-from harness.sensors.ranging import RangeOptions
+from harness.sensors.ranging import RangeOptions, RangeSensor
 from harness.sensors.rays.bundle import Surroundings
 from harness.spec.run import Run
 from tests.harness.sensors.installed import installation
