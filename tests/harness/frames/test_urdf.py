@@ -49,7 +49,10 @@ def parse(urdf: str, folder: Path) -> Any:  # noqa: ANN401 - it has no types
     return yourdfpy.URDF.load(str(file), build_scene_graph=True, load_meshes=False)
 
 
-@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD], ids=lambda rover: rover.name)
+both = pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD], ids=lambda rover: rover.name)
+
+
+@both
 def test_mujoco_reads_back_masses_joints_and_how_the_rover_moves(rover: RoverSpec) -> None:
     """Mass, centre and joint-space inertia of the moving parts hold all of masses, axes and inertias."""
     model, data, angles = posed(rover, seed=1)
@@ -94,6 +97,22 @@ def spin(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
         total += turn @ np.diag(model.body_inertia[body]) @ turn.T
         total += model.body_mass[body] * (centre @ centre * np.eye(3) - np.outer(centre, centre))
     return total
+
+
+@both
+def test_yourdfpy_finds_links_where_mujoco_has_them(rover: RoverSpec, tmp_path: Path) -> None:
+    _, data, angles = posed(rover, seed=2)
+    frames = rover_frames(rover)
+    urdf = parse(write_urdf(frames), tmp_path)
+    assert urdf.validate()
+    assert urdf.base_link == rover.odometry_child_frame
+    urdf.update_cfg(angles)
+    for link in frames.links:
+        now, at_rest = np.eye(4), np.eye(4)  # the frame moves with its body as it lies in it at rest
+        for pose, state in ((now, data), (at_rest, frames.data)):
+            pose[:3, 3], pose[:3, :3] = state.xpos[link.body], state.xmat[link.body].reshape(3, 3)
+        expected = now @ np.linalg.inv(at_rest) @ link.in_base
+        assert urdf.get_transform(link.name, urdf.base_link) == pytest.approx(expected, abs=EXACT)
 
 
 def test_shapes_colours_meshes_and_a_slide(tmp_path: Path) -> None:

@@ -202,7 +202,7 @@ def test_a_rover_is_measured_as_by_hand(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-def test_a_shipped_rover_says_what_is_measured(rover: RoverSpec) -> None:
+def test_a_shipped_rover_is_measured_as_it_says(rover: RoverSpec) -> None:
     measured = Measures(rover).derived()
     for key in ("rest_height", "wheelbase", "track", "lidar_height", "footprint"):
         assert measured[key] == pytest.approx(getattr(rover, key), abs=2e-3), key
