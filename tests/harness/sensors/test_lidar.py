@@ -1,5 +1,6 @@
 """The lidar against mj_multiRay over the whole scene, and what its ranges say (REP-117)."""
 
+import math
 from itertools import cycle, islice
 
 import mujoco
@@ -7,9 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec, scan_points
 from tests.harness.sensors.mujoco_rays import meets
+from tests.support.rovers import LEO
 
 Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]
@@ -185,3 +188,25 @@ def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
         short = Lidar(model, LidarSpec(beams=720, range_max=float(farthest)), "lidar", others)
         seen = np.where(expected <= farthest, expected, np.inf)
         np.testing.assert_allclose(short.scan(data), seen, atol=TOLERANCE)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5, math.pi])
+def test_a_lidar_that_is_turned_looks_where_its_yaw_says(yaw: float) -> None:
+    """By default backwards."""
+    spec = LidarSpec(beams=7, angle_max=3.0)
+    bearings = spec.bearings(yaw) if yaw < math.pi else spec.bearings()
+    assert np.exp(1j * bearings) == pytest.approx(np.exp(1j * (np.arange(-3.0, 3.5) + yaw)))
+    assert np.abs(bearings).max() <= math.pi
+
+
+def test_beams_of_a_scan_end_where_the_lidar_saw_something() -> None:
+    # The lidar looks backwards: its middle beams go to where the rover comes from.
+    ranges = np.array([np.inf, 2.0, np.inf], dtype=np.float32)
+    north = (0.0, 0.0, math.sin(math.pi / 4), math.cos(math.pi / 4))
+    placed = PlacedScan(LaserScan(0, ranges), Pose(0, (1.0, 1.0, 0.0), north))
+    assert scan_points(placed, LEO) == pytest.approx(np.array([[1.0, 1.0 + 0.174 - 2.0]]), abs=1e-3)
+    on_its_left_side = (-math.sin(math.pi / 4), 0.0, 0.0, math.cos(math.pi / 4))
+    placed = PlacedScan(LaserScan(0, ranges), Pose(0, (1.0, 1.0, 0.0), on_its_left_side))
+    height = 0.79783  # of the lidar over the origin of the model frame
+    expected = np.array([[1.0 + 0.174 - 2.0, 1.0 + height]])
+    assert scan_points(placed, LEO) == pytest.approx(expected, abs=1e-3)

@@ -50,17 +50,6 @@ def values(samples: Sequence[Sample]) -> bytes:
 
 
 @each
-def test_a_sensor_reads_at_its_rate_from_the_first_period_on(row: SensorRow) -> None:
-    rate = RUN.rover.imu_rate if row.sample is Imu else row.rate_on(LEO)
-    stamps = [sample.stamp_ns for sample in readings()[row.source]]
-    expected = [round(n * 1e9 / rate) for n in range(1, round(0.5 * rate) + 1)]
-    if row.sample is Transforms:  # with every other sample
-        others = {s.stamp_ns for kind, some in readings().items() if kind != Transforms for s in some}
-        expected = sorted(others)
-    assert stamps == expected
-
-
-@each
 def test_its_frame_is_one_of_the_rovers_and_its_rate_divides_the_clock(row: SensorRow) -> None:
     for rover in ROVERS.values():
         mounts = [row.given.frames(rover) for row in ROWS if row.given is not None]

@@ -1,6 +1,6 @@
 """Pose, true odometry and joint states against MuJoCo's own account of a state written by hand.
 
-And the IMU: means over a window, its mounting, and what it reads on a slope and in free fall.
+And the IMU: means over a window, its mounting, what it reads on a slope; how often people are told of.
 """
 
 import math
@@ -13,7 +13,13 @@ from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
-from harness.sensors.state import GroundTruthSensor, ImuSensor, JointSensor, PoseSensor
+from harness.sensors.state import (
+    GroundTruthSensor,
+    ImuSensor,
+    JointSensor,
+    PeopleSensor,
+    PoseSensor,
+)
 from tests.support.rovers import LEO
 
 MakeSimulation = Callable[..., Simulation]
@@ -139,3 +145,20 @@ def test_at_rest_on_a_slope_it_reads_gravity_upwards_in_its_own_frame(
     across = math.hypot(*reading.linear_acceleration[:2])
     assert across == pytest.approx(9.8 * math.sin(slope), abs=0.2)
     assert reading.angular_velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
+
+
+def test_people_are_told_of_thirty_times_in_each_second(
+    make_simulation: Callable[..., Simulation],
+) -> None:
+    simulation = make_simulation(actors=("g=1,1/1,-1", "x=0,1"))
+    assert simulation.crowd is not None
+    sensor = PeopleSensor(simulation, simulation.crowd)
+    due = [tick for tick in range(1, 301) if sensor.due(tick)]
+    assert len(due) == 90
+    assert all(abs(tick / 100 - (n + 1) / 30) < 0.01 for n, tick in enumerate(due))
+    simulation.tick()
+    told = sensor.read()
+    assert told.stamp_ns == simulation.time_ns
+    assert np.array(told.position) == pytest.approx(np.array([[1.0, 0.99, 0.875], [0.0, 1.0, 0.875]]))
+    half = np.sqrt(0.5)
+    assert told.orientation[0] == pytest.approx((0.0, 0.0, -half, half))
