@@ -22,6 +22,7 @@ BEHIND = (-0.9, 0.0, 0.6)
 TURN = np.array(
     [[-math.cos(0.6), 0.0, -math.sin(0.6)], [0.0, -1.0, 0.0], [-math.sin(0.6), 0.0, math.cos(0.6)]]
 )
+SPREAD = {"lowest": -0.5, "highest": 0.5, "angle_min": -0.5, "angle_max": 0.5}
 OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -50,18 +51,7 @@ def heights(
     ("options", "axes"),
     [
         (DepthOptions(name="depth", width=80, height=60), TURN @ OPTICAL),
-        (
-            CloudLidarOptions(
-                name="cloud",
-                rings=60,
-                lowest=-0.5,
-                highest=0.5,
-                columns=90,
-                angle_min=-0.5,
-                angle_max=0.5,
-            ),
-            TURN,
-        ),
+        (CloudLidarOptions(name="cloud", rings=60, **SPREAD, columns=90), TURN),
     ],
 )
 def test_points_of_depth_images_and_clouds_lie_on_the_bed(
