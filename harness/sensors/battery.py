@@ -103,9 +103,10 @@ class BatterySensor(OptionalSensor[BatteryOptions]):
         one, other = (self._currents / count).tolist()
         self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
         voltage, charge = open_voltage - pack.resistance * current, left * self._capacity / pack.nominal
-        rounded = (float(np.float32(value)) for value in (voltage, -current, charge, left))
+        as_sent = np.array((voltage, -current, charge, left), np.float32).tolist()
+        voltage, current, charge, left = as_sent
         now, used = self._simulation.time_ns, self._taken - self._begun
-        return Battery(now, self.name, *rounded, energy=used, motor_currents=(one, other))
+        return Battery(now, self.name, voltage, current, charge, left, used, (one, other))
 
 
 def _current(power: float, open_voltage: float, resistance: float) -> float:

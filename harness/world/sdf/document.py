@@ -103,8 +103,10 @@ class _Call:
 
     def pose(self, frames: Frames) -> tuple[Transform, str]:
         """The pose of its origin, and in which frame; the include's comes before its own."""
-        by_include = self.include is not None and self.include.find("pose") is not None
-        pose, reference = read_pose(self.include if by_include else self.model, self.name)
+        source = self.include
+        if source is None or source.find("pose") is None:
+            source = self.model
+        pose, reference = read_pose(source, self.name)
         placement = text_of(self.include, "placement_frame", self.model.get("placement_frame", ""))
         return pose @ inverse(frames.find(placement)), reference
 

@@ -23,8 +23,8 @@ FORTH_AND_BACK = ((0.5, 0.3, 0.0), (5.0, 0.0, 0.0), (5.5, -0.3, 0.0))
 
 
 def driven(duration: float, **fields: object) -> Episode:
-    given = {"terrain": "flat", "robot": "leo", "driver": "cmd_vel", "soil": "dry_sand"}
-    given |= {"commands": FORTH}
+    words = {"terrain": "flat", "robot": "leo", "driver": "cmd_vel", "soil": "dry_sand"}
+    given = {"commands": FORTH, **words}
     episode = Episode(Run.of(duration=duration, **(given | fields)))
     for _ in episode.batches():
         pass

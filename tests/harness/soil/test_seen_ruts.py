@@ -22,7 +22,10 @@ BEHIND = (-0.9, 0.0, 0.6)
 TURN = np.array(
     [[-math.cos(0.6), 0.0, -math.sin(0.6)], [0.0, -1.0, 0.0], [-math.sin(0.6), 0.0, math.cos(0.6)]]
 )
-SPREAD = {"lowest": -0.5, "highest": 0.5, "angle_min": -0.5, "angle_max": 0.5}
+CLOUD = CloudLidarOptions.model_validate(
+    {"name": "cloud", "rings": 60, "lowest": -0.5, "highest": 0.5, "columns": 90}
+    | {"angle_min": -0.5, "angle_max": 0.5}
+)
 OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -51,7 +54,7 @@ def heights(
     ("options", "axes"),
     [
         (DepthOptions(name="depth", width=80, height=60), TURN @ OPTICAL),
-        (CloudLidarOptions(name="cloud", rings=60, **SPREAD, columns=90), TURN),
+        (CLOUD, TURN),
     ],
 )
 def test_points_of_depth_images_and_clouds_lie_on_the_bed(
