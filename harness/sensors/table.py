@@ -16,15 +16,23 @@ from harness import samples
 from harness.base.sim_time import HIGHEST_RATE, period_ticks
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
-from harness.sensors.barometer import BarometerOptions, BarometerSensor, Pressure
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.battery import Battery, BatteryOptions, BatterySensor
 from harness.sensors.camera.sensor import CameraOptions, CameraSensor, CameraState
+from harness.sensors.chips import (
+    BarometerOptions,
+    BarometerSensor,
+    GnssFix,
+    GnssOptions,
+    GnssSensor,
+    MagneticField,
+    MagnetometerOptions,
+    MagnetometerSensor,
+    Pressure,
+)
 from harness.sensors.depth import DepthOptions
-from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
-from harness.sensors.magnetometer import MagneticField, MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import SensorOptions
 from harness.sensors.ranging import RangeReading, RangeSensor

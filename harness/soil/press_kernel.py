@@ -12,8 +12,7 @@ from numba.core import cgutils
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
-from harness.soil.near import let_near_touch
-from harness.soil.prints import Frame, Grids, Pair, heap, level, press_down
+from harness.soil.prints import Frame, Grids, Pair, heap, let_near_touch, level, press_down
 from harness.soil.rim import Doubles
 from harness.soil.wheel_force import REBOUND, UNPLACED, wheel_force
 

@@ -7,7 +7,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.spec.value import made
 from harness.spec.world import WorldSpec
-from harness.world.solids.kinds import Kinds
+from harness.world.solids.pieces import Kinds
 
 NAMES = ("wall::link::top", "wall::link::base", "stone_1::link::c", "stone_2::link::c")
 
