@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,12 +10,14 @@ from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
+from harness.spec.value import made as checked_of
+from harness.spec.world import WorldSpec
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, Shape, bottom, top
 from harness.world.solid import Primitive, Solid
 from harness.world.solids import pieces
 from harness.world.solids.mesh_file import Mesh
-from harness.world.solids.pieces import obstacle_of, obstacles_of
+from harness.world.solids.pieces import Kinds, obstacle_of, obstacles_of
 from tests.harness.world.solids.shapes import at, both, box
 
 HEIGHTS = np.zeros((41, 41))
@@ -190,3 +193,34 @@ def test_its_kind_is_that_of_its_top_above_the_lowest_ground_below_it(
     w, x, y, z = obstacle.quaternion
     assert w >= 0.0, "of the two that mean this turn"
     assert Rotation.from_quat([x, y, z, w]).as_matrix() == pytest.approx(thing.pose[:3, :3])
+
+
+SOLIDS = ("wall::link::top", "wall::link::base", "stone_1::link::c", "stone_2::link::c")
+
+
+def kinds_of(**fields: Any) -> Kinds:  # noqa: ANN401 - of several fields
+    return Kinds(checked_of(WorldSpec, fields), 0.125, SOLIDS)
+
+
+@pytest.mark.parametrize(("rock_height", "limit"), [(None, 0.125), (0.0, 0.0), (0.5, 0.5)])
+def test_what_is_no_higher_than_the_limit_is_a_rock(rock_height: float | None, limit: float) -> None:
+    found = kinds_of(rock_height=rock_height)
+    assert (found.limit, found.clearance) == (limit, 0.125)
+    for rule in (found.by_height, found.of("wall::link::top")):
+        assert [rule(height).name for height in (limit, limit + 1e-6)] == ["ROCK", "HAZARD"]
+
+
+def test_names_outrule_heights_and_hazards_outrule_rocks() -> None:
+    found = kinds_of(rock=("stone_?", "*::top"), hazard=("stone_2", "wall::link::base"))
+    for height in (0.0, 9.0):
+        assert [found.of(name)(height).name for name in SOLIDS] == ["ROCK", "HAZARD", "ROCK", "HAZARD"]
+        assert found.of("sand::link::c")(height) is found.by_height(height)
+
+
+def test_a_pattern_that_fits_nothing_is_refused_with_the_models_that_there_are() -> None:
+    with pytest.raises(UsageError, match=r"^--rock: solid 'Stone_1' .* did you mean 'stone_1'\?$"):
+        kinds_of(rock=("stone_1", "Stone_1"))
+    with pytest.raises(
+        UsageError, match=r"^--hazard: solid 'link' .*; available: wall, stone_1, stone_2$"
+    ):
+        kinds_of(hazard=("link",))
