@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas
-from harness.physics.scene import OBSTACLE_BODIES
 from harness.physics.stage import (
     FARTHEST,
     NEAREST,
@@ -29,6 +28,7 @@ from harness.physics.stage import (
     dress,
     visible_groups,
 )
+from harness.physics.world_geoms import OBSTACLE_BODIES
 from harness.robots.model import ROOT_ID
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraState
 from harness.sensors.camera.views import Assembly, View
