@@ -167,11 +167,7 @@ def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
 
 
 def _run(options: argparse.Namespace) -> Run:
-    """The episode to repeat; with noise, so that every random generator takes part.
-
-    Raises:
-        UsageError: An option is not valid.
-    """
+    """The run to repeat, with noise so that every random generator takes part; or UsageError."""
     from harness.episode.assembly import check
 
     given = {name: getattr(options, name) for name in ("terrain", "robot", "seed", "duration")}

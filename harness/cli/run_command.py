@@ -38,11 +38,7 @@ OUTSIDE = ("SIGTERM", HANGUP)  # whoever ends a run by these waits for no pictur
 
 
 def run_command(given: argparse.Namespace, ros_args: Sequence[str]) -> int:
-    """Does what words of the command line ask for, as `parsed` has them; returns the exit code.
-
-    Raises:
-        HarnessError: An option is not valid, or the run cannot be made.
-    """
+    """Does what the options of a command line ask for; returns the exit code."""
     console = PlainConsole()
     if given.list:
         print_choices(console)
@@ -126,11 +122,7 @@ def _write_page(
 
 
 def _social(options: RunOptions) -> list[SocialRecorder]:
-    """Returns what keeps the social log of each rover among people; empty without any.
-
-    Raises:
-        UsageError: One cannot be written there.
-    """
+    """What keeps the social log of each rover among people, none without; UsageError if it cannot."""
     names, file = actor_names(options.run.world), options.files.social_log
     if file is not None:
         check_target("--social-log", file, ".csv")

@@ -86,11 +86,7 @@ class EpisodeResult:
 
 
 def attempt(case: Case, *, entry: Entry) -> EpisodeResult:
-    """Drives an episode and returns how it went.
-
-    Raises:
-        UsageError: The entry or the world is not valid.
-    """
+    """Drives an episode and returns how it went; UsageError if entry or world are not valid."""
     with TemporaryDirectory(prefix="rover-course-") as scratch:
         folder = Path(scratch)
         unpack(entry, folder)

@@ -13,8 +13,7 @@ from harness.cli.sheets import files_of, write_sheets
 from harness.course.board import board_of, page_of, read_folder
 from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
 from harness.course.entry import find_entry
-from harness.course.receipt import read_receipt, receipt_of, write_receipt
-from harness.course.sheets import sheet_of
+from harness.course.receipt import read_receipt, receipt_of, sheet_of, write_receipt
 from harness.course.tracks import SEEDS, TRACKS, find_track
 from harness.workers import workers_of
 from rover_metrics.sheet.render import terminal

@@ -94,11 +94,7 @@ class Entry:
 
 
 def find_entry(name: str) -> Entry:
-    """Returns the baseline of that name, or the entry of a folder.
-
-    Raises:
-        UsageError: There is neither, or the folder's files are not those of an entry.
-    """
+    """Returns the baseline of that name, or the entry of a folder; UsageError if it is neither."""
     if name in (*BASELINES, LEARNED):
         return Entry(name)
     folder = Path(name)

@@ -123,8 +123,7 @@ class Referee:
                     self._energy += power * (sample.stamp_ns - self._joints_ns) / NANOSECONDS
                     self._joints_ns = sample.stamp_ns
                 elif isinstance(sample, Pose):
-                    upright = max(-1.0, min(1.0, rotation.upright(sample.orientation)))
-                    self._tilts.append(math.acos(upright))
+                    self._tilts.append(rotation.tilt(sample.orientation))
                 elif isinstance(sample, ActorPoses):
                     self._people = sample
 

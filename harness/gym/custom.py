@@ -133,11 +133,7 @@ class Own:
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:
-    """Returns what is asked for by values, or by the names of plug-ins or FILE.py:NAME.
-
-    Raises:
-        UsageError: There is no such plug-in, or a value is not what it should be.
-    """
+    """Returns what values ask for, or the names of plug-ins or FILE.py:NAME; UsageError if one is wrong."""
     sights = {} if observe is None else {_short(observe): _named("observe_fn", observe, OBSERVATIONS)}
     return Own(_named("reward_fn", reward, REWARDS), _checked(terminate), sights)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
-from harness.scenario.names import MapQuantity
+from harness.scenario.names import HeardQuantity
 from harness.scenario.series import Series
 from harness.sensors.message_types import GRID_MAP
 from harness.world.grading import Cells, GradedMap
@@ -85,7 +85,7 @@ def _yaw(q: Any) -> float:  # noqa: ANN401
     return rotation.yaw((q.x, q.y, q.z, q.w)) if any((q.x, q.y, q.z, q.w)) else 0.0
 
 
-def map_series(quantity: MapQuantity, grids: Sequence[Grid], truth: GradedMap) -> Series:
+def map_series(quantity: HeardQuantity, grids: Sequence[Grid], truth: GradedMap) -> Series:
     """Returns a quantity of each map that was heard, NaN where no cell counts."""
     times = np.array([grid.stamp_ns for grid in grids]) / NANOSECONDS
     values = np.array([share(quantity.what, grid, truth) for grid in grids], dtype=float)

@@ -14,7 +14,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import GroundTruth
 from harness.scenario import trajectory
-from harness.scenario.names import OF_POSES, TF, TF_STATIC, PoseQuantity
+from harness.scenario.names import OF_POSES, TF, TF_STATIC, HeardQuantity
 from harness.scenario.series import Series
 from rover_metrics.topics import stamp_ns
 
@@ -76,7 +76,7 @@ class TruePath:
                 self.poses.append((sample.x, sample.y, sample.yaw))
 
 
-def pose_series(quantity: PoseQuantity, heard: Mapping[str, Sequence[Row]], truth: TruePath) -> Series:
+def pose_series(quantity: HeardQuantity, heard: Mapping[str, Sequence[Row]], truth: TruePath) -> Series:
     """Returns what a quantity came to, in one value at the end; without any, and why.
 
     Args:

@@ -14,7 +14,7 @@ from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
 from harness.scenario.arrivals import Arrivals, Reader
-from harness.scenario.names import AGE, TopicQuantity, check_messages
+from harness.scenario.names import AGE, HeardQuantity, check_messages
 from harness.sensors.message_types import read_message
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]
@@ -38,7 +38,7 @@ class Subscriptions:
     def __init__(
         self,
         bridge: Bridge,
-        wanted: Mapping[str, Sequence[TopicQuantity]],
+        wanted: Mapping[str, Sequence[HeardQuantity]],
         inputs: Collection[str],
         readers: Mapping[str, Reader],
         *,

@@ -6,7 +6,15 @@ from rich.console import Console
 
 from harness.base.errors import how_many
 from harness.scenario.case import scenario_name
-from harness.scenario.verdict import Attempt, Measured, Outcome, Verdict, outcome_of, reasons_of
+from harness.scenario.verdict import (
+    Attempt,
+    Measured,
+    Outcome,
+    Verdict,
+    outcome_of,
+    passed_of,
+    reasons_of,
+)
 
 _STYLES = {
     Outcome.PASSED: "green",
@@ -32,14 +40,10 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
         if verdict.outcome is Outcome.PASSED:
             for line in kept_limits(verdict.attempts):
                 console.print(f"    {line}", style="dim", soft_wrap=True)
-    passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
     simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
     speed = f", {simulated / wall:.0f}x real time a process" if wall else ""
-    text = (
-        f"{passed} of {how_many(len(verdicts), 'scenario')} passed: {how_many(len(runs), 'run')}{speed}"
-    )
-    console.print(text, soft_wrap=True)
+    console.print(f"{passed_of(verdicts)}: {how_many(len(runs), 'run')}{speed}", soft_wrap=True)
 
 
 def kept_limits(attempts: Sequence[Attempt]) -> list[str]:

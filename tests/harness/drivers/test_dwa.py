@@ -9,10 +9,9 @@ from scipy.sparse import lil_array
 from scipy.sparse.csgraph import shortest_path
 
 from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base_local_planner import MOVED, OF_PATH, Turns, path_from, place_costs
 from harness.drivers.dwa import Dwa
 from harness.drivers.local_map import CELL, SIDE, LocalMap, MapOptions
-from harness.drivers.map_grid import OF_PATH, path_from, place_costs
-from harness.drivers.turns import MOVED, Turns
 from harness.robots import find_rover
 from harness.sensors.lidar_spec import LidarSpec
 

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.scenario import trajectory
 from harness.scenario.case import plan
-from harness.scenario.names import pose_quantity
+from harness.scenario.names import POSE, heard_quantity
 from harness.scenario.poses import Row, TruePath, chained, pose_series, rows_of
 
 Poses = trajectory.Poses
@@ -110,13 +110,13 @@ def test_what_cannot_be_measured_says_why() -> None:
     pose = SimpleNamespace(position=place, orientation=turn)
     message = SimpleNamespace(header=SimpleNamespace(stamp=stamp, frame_id="map"), pose=pose)
     truth = TruePath([0.5, 1.5], [(0.0, 0.0, 0.0)] * 2)
-    asked = pose_quantity("pose./slam/pose.ate")
+    asked = heard_quantity("pose./slam/pose.ate", POSE)
     assert asked is not None
     assert "1 of 1 poses" in pose_series(asked, {"/slam/pose": [*rows_of(message)]}, truth).nothing
     assert "no pose" in pose_series(asked, {}, truth).nothing
     place.x = 0.0
     for name, words in (("nees", "no covariance"), ("rpe_1m", "shorter")):
-        asked = pose_quantity(f"pose./slam/pose.{name}")
+        asked = heard_quantity(f"pose./slam/pose.{name}", POSE)
         assert asked is not None
         assert words in pose_series(asked, {"/slam/pose": [*rows_of(message)]}, truth).nothing
 

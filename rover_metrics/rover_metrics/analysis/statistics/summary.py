@@ -64,9 +64,14 @@ def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) ->
         summary = replace(summary, bootstrap_interval=bootstrap, block_length=length)
     if kind is not Kind.FLAG:
         return _with_spread(summary, values, t_interval(values, mean, confidence))
-    ones = scipy.stats.binomtest(round(mean / 100 * values.size), values.size)
-    wilson = ones.proportion_ci(confidence, method="wilson")  # never a point, never beyond 0 to 1
-    return replace(summary, interval=(100 * float(wilson.low), 100 * float(wilson.high)))
+    low, high = wilson(round(mean / 100 * values.size), values.size, confidence)
+    return replace(summary, interval=(100 * low, 100 * high))
+
+
+def wilson(ones: int, count: int, confidence: float) -> Interval:
+    """Returns the interval of a share by Wilson's method: never a point, never beyond 0 to 1."""
+    interval = scipy.stats.binomtest(ones, count).proportion_ci(confidence, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def summarise_independent(values: Floats, kind: Kind, confidence: float) -> Summary:
