@@ -72,7 +72,7 @@ def flags_of(*classes: type[BaseModel]) -> dict[str, str]:
 
 
 def from_flags(cls: type[V], given: argparse.Namespace, **others: object) -> V:
-    """Returns a value of the options given and other fields; UsageError names the flag of a wrong one."""
+    """Returns a value of given options and other fields; UsageError names the flag of a wrong one."""
     flags = flags_of(cls)
     values = {name: value for name, value in vars(given).items() if name in flags}
     return made(cls, values | others, name=lambda name: flags.get(name, name))

@@ -95,7 +95,11 @@ def check_origin(receipt: Receipt, entry: Entry) -> None:
 
 
 def drawn(receipt: Receipt, seed: int, worlds: Path | None = None) -> list[Case]:
-    """Returns a random tenth of a receipt's episodes, at least one a track; UsageError if a world lacks."""
+    """Returns a random tenth of a receipt's episodes, one of each track or more.
+
+    Raises:
+        UsageError: A world is not among those that are given.
+    """
     rng = random.Random(seed)  # noqa: S311 - whoever verifies chooses the seed
     cases: list[Case] = []
     for name, track in receipt.tracks.items():

@@ -64,7 +64,7 @@ for _vector, _id in _VECTORS.items():
 
 def __getattr__(name: str) -> object:
     if name in _VECTORS:
-        from harness.gym.processes import vector
+        from harness.gym.processes import vector  # noqa: PLC0415 - which one environment does without
 
         return partial(vector, ENVIRONMENTS[_VECTORS[name]])
     if name not in _PLACES:

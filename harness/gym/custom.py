@@ -133,7 +133,7 @@ class Own:
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:
-    """Returns what values ask for, or the names of plug-ins or FILE.py:NAME; UsageError if one is wrong."""
+    """Returns what values or names of plug-ins or FILE.py:NAME ask for; UsageError if one is wrong."""
     sights = {} if observe is None else {_short(observe): _named("observe_fn", observe, OBSERVATIONS)}
     return Own(_named("reward_fn", reward, REWARDS), _checked(terminate), sights)
 
