@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
+from harness.base.errors import HarnessError, needing_ros
 from harness.base.files import BESIDE, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.base.loading import loading
@@ -147,12 +147,8 @@ def _loaded(options: RunOptions) -> Drive:
         from harness.episode.direct import run_direct  # noqa: PLC0415
 
         return run_direct
-    try:
+    with needing_ros(", or run with --direct, which needs none"):
         from harness.ros.session import run_through_ros  # noqa: PLC0415
-    except ImportError as error:
-        raise UsageError(
-            f"ROS 2 is not importable ({error}); {INSTALL_ROS}, or run with --direct, which needs none"
-        ) from error
     return run_through_ros
 
 

@@ -66,12 +66,12 @@ def verify(options: argparse.Namespace, console: Console) -> int:
         counted(console, f"driving {len(cases)} episodes again") as show,
     ):
         again = drive_all(cases, entry, workers, show)
-    found = differences(receipt, again)
-    for line in found:
+    lines = differences(receipt, again)
+    for line in lines:
         console.print(line, soft_wrap=True)
-    said = f"{len(found)} figures differ" if found else "every figure is the same"
-    console.print(f"{len(cases)} episodes driven again (--seed {seed}): {said}", soft_wrap=True)
-    return int(bool(found))
+    verdict = f"{len(lines)} figures differ" if lines else "every figure is the same"
+    console.print(f"{len(cases)} episodes driven again (--seed {seed}): {verdict}", soft_wrap=True)
+    return int(bool(lines))
 
 
 def board(options: argparse.Namespace, console: Console) -> int:

@@ -101,13 +101,13 @@ class Dwa(Beeline):
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The cost of each twist, inf for those that touch, and that of a place ahead of its end [m]."""
         plans = np.repeat(twists[:, None], STEPS, axis=1)
-        found = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
-        beyond = np.maximum(found[:, ROOM] - self._inscribed, 0.0)
+        outcomes = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
+        beyond = np.maximum(outcomes[:, ROOM] - self._inscribed, 0.0)
         # About exp, the same bits everywhere.
         fading = 1.0 + FADING * beyond * (1.0 + 0.5 * FADING * beyond)
-        cost = found[:, END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
-        cost[(found[:, ROOM] <= 0.0) | np.isinf(found[:, FARTHEST])] = np.inf
-        return cost, found[:, AHEAD]
+        cost = outcomes[:, END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
+        cost[(outcomes[:, ROOM] <= 0.0) | np.isinf(outcomes[:, FARTHEST])] = np.inf
+        return cost, outcomes[:, AHEAD]
 
     def _is_escaping(self, observation: Observation) -> bool:
         """Whether it has not backed up far enough to go ahead again."""

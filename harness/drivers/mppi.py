@@ -45,11 +45,11 @@ class Mppi(Dwa):
 
     def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:  # noqa: ARG002
         plans = self._noisy()
-        found = self._rolled(observation, plans, STEP, NEAR, LOOKED_AHEAD)
+        outcomes = self._rolled(observation, plans, STEP, NEAR, LOOKED_AHEAD)
         turned = np.add.reduce(np.abs(plans[:, :, 1]), axis=1)
-        cost = NEARNESS * found[:, CLOSE] + 0.02 * STEP * turned
-        cost += np.minimum(found[:, AHEAD], TOUCH) + 0.2 * np.minimum(found[:, NEAREST], TOUCH)
-        self._plan = blended(plans, cost + TOUCH * (found[:, ROOM] <= 0.0))
+        cost = NEARNESS * outcomes[:, CLOSE] + 0.02 * STEP * turned
+        cost += np.minimum(outcomes[:, AHEAD], TOUCH) + 0.2 * np.minimum(outcomes[:, NEAREST], TOUCH)
+        self._plan = blended(plans, cost + TOUCH * (outcomes[:, ROOM] <= 0.0))
         speed, rate = self._plan[0].tolist()
         return Twist(speed, rate)
 

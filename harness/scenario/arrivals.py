@@ -84,8 +84,8 @@ def topic_series(
     own = heard[quantity.topic]
     times = np.array(own.times)
     nothing = f"nothing was heard on {quantity.topic}" if not len(times) else "there is no value"
-    unit, _ = OF_TOPICS.get(quantity.what, ("", ""))
-    match quantity.what:
+    unit, _ = OF_TOPICS.get(quantity.measure, ("", ""))
+    match quantity.measure:
         case "count":
             return Series(times / NANOSECONDS, np.ones(len(times)), is_tally=True)
         case "rate":

@@ -64,9 +64,9 @@ def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Att
     live = options.live
     if _is_of_truth(case) and not options.keep and live.live is None:
         watch = Watch(case)
-        found = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
-        if found.passed:
-            return found
+        judged = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
+        if judged.passed:
+            return judged
         # What is left of a run that fails takes all sensors: the same drive once more.
     watch = Watch(case, compare=options.compare)
     stop, ros = StopRequest(), RosOptions(log_dir=own)
@@ -75,10 +75,10 @@ def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Att
         (result,) = run_direct(case.run, (outputs,), ros, stop, None, helm)
     if helm is not None and (note := helm.note(case.run)):  # of whoever steered, not of the scenario
         return Attempt(case, error=note.removeprefix(", "))
-    found = watch.judged(result, {})
-    if found.passed and not options.keep:
-        return found
-    return replace(found, kept=watch.keep(result, folder, next(iter(found.breaches), "")))
+    judged = watch.judged(result, {})
+    if judged.passed and not options.keep:
+        return judged
+    return replace(judged, kept=watch.keep(result, folder, next(iter(judged.breaches), "")))
 
 
 def _is_of_truth(case: Case) -> bool:
@@ -102,7 +102,7 @@ def _through_ros(case: Case, folder: Path, options: AttemptOptions, own: Path) -
             raise
         except HarnessError as error:
             return Attempt(case, error=str(error), kept=trial.keep(folder, str(error)))
-        found = trial.findings
-        if found.passed and not options.keep:
-            return found
-        return replace(found, kept=trial.keep(folder, next(iter(found.breaches), "")))
+        judged = trial.findings
+        if judged.passed and not options.keep:
+            return judged
+        return replace(judged, kept=trial.keep(folder, next(iter(judged.breaches), "")))

@@ -118,15 +118,15 @@ _WORDS = {"end": "at the end", "mean": "mean", "p95": "95th percentile", "share"
 def title_of(name: str, bound: Bound) -> str:
     """Returns what the values of a bound are called."""
     quantity = heard_quantity(name)
-    if quantity is not None and quantity.what == COUNT:
+    if quantity is not None and quantity.measure == COUNT:
         return f"{name}{_window(bound)}"
     if bound.over in _WORDS:
-        what = _WORDS[bound.over]
+        measure = _WORDS[bound.over]
     elif bound.min is not None and bound.max is not None:
-        what = "nearest to a limit"
+        measure = "nearest to a limit"
     else:
-        what = "highest" if bound.min is None else "lowest"
-    return f"{bound.label(name)}, {what}{_window(bound)}"
+        measure = "highest" if bound.min is None else "lowest"
+    return f"{bound.label(name)}, {measure}{_window(bound)}"
 
 
 def _window(bound: Bound) -> str:

@@ -60,18 +60,18 @@ class HeardQuantity(NamedTuple):
 
     Attributes:
         topic: Where they are heard; /tf of frames.
-        what: One of OF_TOPICS or a path into messages, of OF_POSES or of OF_MAPS.
+        measure: One of OF_TOPICS or a path into messages, of OF_POSES or of OF_MAPS.
         frames: Parent and child, of transforms.
     """
 
     topic: str
-    what: str
+    measure: str
     frames: tuple[str, str] | None = None
 
     @property
     def path(self) -> str | None:
         """The path into messages of a topic; None of a measure."""
-        return None if self.what in OF_TOPICS else self.what
+        return None if self.measure in OF_TOPICS else self.measure
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -81,10 +81,10 @@ class HeardQuantity(NamedTuple):
 
 def heard_quantity(name: str, kind: str = TOPIC) -> HeardQuantity | None:
     """Returns the quantity of a name; None if it is none of that kind: TOPIC, POSE or MAP."""
-    found = FORMS[kind].fullmatch(name)
-    if found is None:
+    match = FORMS[kind].fullmatch(name)
+    if match is None:
         return None
-    parts = found.groupdict()
+    parts = match.groupdict()
     frames = (parts["parent"], parts["child"]) if parts.get("parent") else None
     return HeardQuantity(parts["topic"] or TF, parts["what"], frames)
 
@@ -94,19 +94,19 @@ def check_heard(name: str) -> str | None:
     kind = next(kind for kind in FORMS if name.startswith(kind))
     quantity = heard_quantity(name, kind)
     if quantity is None:
-        what, hint = HINTS[kind]
-        return f"quantity '{name}' is {what}; give {hint}"
+        problem, hint = HINTS[kind]
+        return f"quantity '{name}' is {problem}; give {hint}"
     return check_messages(quantity, OWN.get(quantity.topic, "")) if kind == TOPIC else None
 
 
 def check_messages(quantity: HeardQuantity, type_name: str) -> str | None:
     """Returns why messages of a type, "" for any, lack a topic's quantity; None if they have it."""
-    if quantity.what == AGE:
+    if quantity.measure == AGE:
         if check_path(type_name, "header.stamp.sec") is not None:
             return f"messages of {quantity.topic} have no stamp, so no age ({type_name})"
         return None
     problem = None if quantity.path is None else check_path(type_name, quantity.path)
     if problem is None:
         return None
-    measures = "" if "." in quantity.what else f"; measures: {', '.join(OF_TOPICS)}"
+    measures = "" if "." in quantity.measure else f"; measures: {', '.join(OF_TOPICS)}"
     return f"{quantity.topic}: {problem}{measures}"

@@ -197,11 +197,11 @@ def names() -> tuple[str, ...]:
 
 def quantity_of(name: str) -> Quantity | None:
     """Returns the quantity of the truth of that name, of a target too; None if it is none."""
-    found = OF_TARGET.fullmatch(name)
-    if found is None:
+    match = OF_TARGET.fullmatch(name)
+    if match is None:
         return QUANTITIES.get(name)
-    target = found["name"]
-    if found["what"] == "distance":
+    target = match["name"]
+    if match["what"] == "distance":
         return Quantity("m", "To the target, in the plane.", lambda m: m.mission.distances[target])
     return Quantity(
         "m",

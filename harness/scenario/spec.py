@@ -258,9 +258,9 @@ class Scenario(RunKeys):
         targets = given.get("targets", ())
         if name.startswith(TARGETS) and not targets:
             return "it needs targets, e.g. targets: [aruco]"
-        found, known = OF_TARGET.fullmatch(name), target_names(targets)
-        if found is not None and found["name"] not in known:
-            return unknown("target", found["name"], known)
+        match, known = OF_TARGET.fullmatch(name), target_names(targets)
+        if match is not None and match["name"] not in known:
+            return unknown("target", match["name"], known)
         return None
 
     def _problem_of_event(self, event: Event) -> str | None:
@@ -275,12 +275,12 @@ class Scenario(RunKeys):
 def _problem_of_topic(name: str, bound: Bound) -> str | None:
     """What is wrong with a bound because of the topic's quantity that it is of."""
     quantity = heard_quantity(name)
-    what = "" if quantity is None else quantity.what
-    if what == LATENCY and bound.of is None:
+    measure = "" if quantity is None else quantity.measure
+    if measure == LATENCY and bound.of is None:
         return "a latency needs the topic of the input, e.g. of: /scan"
-    if what != LATENCY and bound.of is not None:
+    if measure != LATENCY and bound.of is not None:
         return "'of' belongs to the latency of a topic"
-    if what == COUNT and bound.over not in ("always", "end"):
+    if measure == COUNT and bound.over not in ("always", "end"):
         return f"a count is one number; leave out 'over: {bound.over}'"
     return None
 

@@ -29,13 +29,13 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
     """Prints each scenario, and of each run that is not as it should be why, and the command for it."""
     for verdict in verdicts:
         _line(console, verdict.outcome, scenario_name(verdict.path) + _rate(verdict))
-        told: dict[str, int] = {}  # what keeps runs from being driven, and how many of them
+        errors: dict[str, int] = {}  # what keeps runs from being driven, and how many of them
         for attempt in verdict.attempts:
             if attempt.error is not None:
-                told[attempt.error] = told.get(attempt.error, 0) + 1
-            if outcome_of(attempt) is not Outcome.PASSED and told.get(attempt.error or "", 1) == 1:
+                errors[attempt.error] = errors.get(attempt.error, 0) + 1
+            if outcome_of(attempt) is not Outcome.PASSED and errors.get(attempt.error or "", 1) == 1:
                 _print_run(console, attempt)
-        for count in filter(lambda count: count > 1, told.values()):
+        for count in filter(lambda count: count > 1, errors.values()):
             console.print(f"    and {how_many(count - 1, 'more run')} for the same reason")
         if verdict.outcome is Outcome.PASSED:
             for line in kept_limits(verdict.attempts):

@@ -233,8 +233,8 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         others = launches.count(None)
 
         def unnamed() -> list[str]:
-            found = sorted(self._trial.nodes.names().difference(named))
-            return [name for name in found if not name.rpartition("/")[2].startswith(TOOLS)]
+            names = sorted(self._trial.nodes.names().difference(named))
+            return [name for name in names if not name.rpartition("/")[2].startswith(TOOLS)]
 
         def missing() -> list[str]:
             absent = [name for name in named if name not in self._trial.nodes.names()]
