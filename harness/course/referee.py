@@ -23,17 +23,7 @@ SAME_PLACE = RESOLUTION  # [m] the rover moves between two looks for hazards
 
 @dataclass(frozen=True)
 class Drive:
-    """What an episode came to, unrounded.
-
-    Attributes:
-        ending: "reached", "contact", "tipped", "time", or why the drive ended by itself.
-        goals: How many were reached.
-        time: From the clock's start to the end [s].
-        energy: Work of the wheels' motors, braking counted as driving [J].
-        risk_s: Time with a hazard or a person nearer than RISK_DISTANCE [s].
-        tilt_p95: 95th percentile of the tilt over time [rad].
-        truth: Totals of the drive.
-    """
+    """What an episode came to, unrounded: fields of an EpisodeResult, and the totals of the drive."""
 
     ending: str
     goals: int
