@@ -5,7 +5,7 @@ The drive is in harness.ros.session (through ROS) and harness.episode.direct (wi
 
 import argparse
 import importlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -75,7 +75,12 @@ def _command(options: RunOptions, console: Console) -> int:
         if stop.name not in OUTSIDE:
             drawing.begin(_log(results[0], outputs[0]))  # beside the page, on another processor
         for result, recorder in zip(results, recorders, strict=False):
-            _write_page(result, recorder, dict(_others(results, recorders, result)), console)
+            others = {
+                other.rover.name: each.track
+                for other, each in zip(results, recorders, strict=True)
+                if other is not result
+            }
+            _write_page(result, recorder, others, console)
         _draw(drawing, _log(results[0], outputs[0]), stop, console)
         if recorders or drawing.wanted:
             console.print(f"next: {next_step(results)}", soft_wrap=True)
@@ -95,15 +100,6 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
     failure = result.failure or (wrong[0].text if wrong else None)
     columns = output.settings.extended.column_names
     return replace(result, report=named, params=options.params, columns=columns, failure=failure)
-
-
-def _others(
-    results: Sequence[RunResult], recorders: Sequence[RunRecorder], own: RunResult
-) -> Iterator[tuple[str, Sequence[Stretch]]]:
-    """What was recorded of the other rovers, by their names."""
-    for other, recorder in zip(results, recorders, strict=True):
-        if other is not own:
-            yield other.rover.name, recorder.track
 
 
 def _write_page(
