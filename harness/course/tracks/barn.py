@@ -67,9 +67,9 @@ class Barn(Track):
         run = self.run(
             terrain=str(file), start=START, route=to(GOAL, NEAR), seed=case.seed, lidar_beams=960
         )
-        length = case.world.length or Planner(world_of(run), find_rover(self.robot)).length(
-            (PLACE, GOAL)
-        )
+        length = case.world.length
+        if length is None:
+            length = Planner(world_of(run), find_rover(self.robot)).length((PLACE, GOAL))
         return self.asked(run, length, REFERENCE_SPEED)
 
 
