@@ -19,6 +19,7 @@ from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.physics.ahead import Ahead, Aside, has_second_core
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
+from harness.physics.passed_over import obstacles_of
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene, soil_ground
 from harness.physics.soil import soil_bed
@@ -93,7 +94,8 @@ class Physics:
             Rover(scene, self.data, contacts, parked, self.bed)
             for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
         )
-        self._span = Span(self.model, self.data, np.concatenate([rover.motors for rover in self.rovers]))
+        motors = np.concatenate([rover.motors for rover in self.rovers])
+        self._span = Span(self.model, self.data, motors, obstacles_of(scenes, self.data))
         bounds = self.ground.bounds(EDGE_MARGIN)
         self._span.fence = np.array([[rover.scene.qpos_at, *bounds] for rover in self.rovers])
         begin = 0

@@ -163,8 +163,11 @@ def build_scenes(
     if dress is not None:
         _add_skins(spec, world)
         dress(spec)
+    else:  # what stands still is not put in its place again in each step
+        spec.option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     with warnings.catch_warnings(action="ignore"):  # of options of the other rovers' models
         model = spec.compile()
+    model.tree_sleep_policy[:] = int(mujoco.mjtSleepPolicy.mjSLEEP_NEVER)
     for rover, prefix, root in zip(rovers, prefixes, roots, strict=True):
         resist_rolling(model, rover, prefix, model.body(root).id)
     return tuple(
