@@ -35,11 +35,7 @@ class Drive:
 
 
 class Referee:
-    """Takes the batches of an episode until it is over.
-
-    Args:
-        task: What is asked.
-        world: Where.
+    """Takes the batches of an episode, a task in its world, until it is over.
 
     Attributes:
         ending: Why the episode is over; "" while it goes on.

@@ -32,12 +32,7 @@ class MissionState(NamedTuple):
 
 
 class MissionAccount:
-    """Follows a rover through its mission.
-
-    Args:
-        targets: Of its world.
-        progress: On its route, which nobody has begun.
-    """
+    """Follows a rover through its mission: the targets of its world, and a route that begins."""
 
     def __init__(self, targets: Sequence[Target], progress: RouteProgress) -> None:
         self._targets, self._progress = targets, progress
