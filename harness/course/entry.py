@@ -78,7 +78,7 @@ class Entry:
         return digest.hexdigest()
 
     def driver(self, track: str, folder: Path) -> str:
-        """Returns the name of its driver on a track, as harness.drivers finds it in a folder of its files."""
+        """Returns the name of its driver on a track, as harness.drivers finds it in its folder."""
         if self.about is None:
             policy = str(files("harness.course").joinpath(POLICIES, f"{track}.npz"))
             learned = OF_POLICY + policy if Path(policy).is_file() else "goal"
