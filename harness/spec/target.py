@@ -93,7 +93,8 @@ class TargetSpec:
     """A target as a text asks for it.
 
     Attributes:
-        text, name: As given; the name "" for that of its kind, with a number among several.
+        text: As it was given.
+        name: As given; "" for that of its kind, with a number among several.
         kind: A key of KINDS.
         options: What else is said of it.
         file: Of a mesh; else "".
