@@ -74,11 +74,10 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     if "page" in files:
         write_whole(files.pop("page"), (options.out / REPORT).read_text(encoding="utf-8"), "the page")
     write_sheets(files, "Thresholds", list(map(sheet_of, studies)))
-    verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
-    lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
-    for robot, verdict in lacks:
+    unsupported = [(each.name, one) for each in studies for one in each.verdicts if one.lack is not None]
+    for robot, verdict in unsupported:
         complain("harness.tune", f"{robot}: no value for {verdict.name}, {verdict.lack}")
-    return 1 if lacks else 0
+    return 1 if unsupported else 0
 
 
 def _command(robots: Sequence[str], options: argparse.Namespace) -> str:

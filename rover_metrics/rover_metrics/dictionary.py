@@ -3,7 +3,6 @@
 python -m rover_metrics.dictionary
 """
 
-import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
@@ -38,16 +37,10 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    _parser().parse_args(arguments)
+    about = "Prints what the columns of a log and the thresholds mean, as Markdown."
+    OneLineParser(prog="python -m rover_metrics.dictionary", description=about).parse_args(arguments)
     print(dictionary(), end="")
     return 0
-
-
-def _parser() -> argparse.ArgumentParser:
-    return OneLineParser(
-        prog="python -m rover_metrics.dictionary",
-        description="Prints what the columns of a log and the thresholds mean, as Markdown.",
-    )
 
 
 def dictionary() -> str:

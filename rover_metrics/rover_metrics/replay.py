@@ -27,7 +27,7 @@ except ImportError as error:
 from rover_metrics.errors import LogError, OneLineParser, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
-from rover_metrics.log.files import json_safe, whole_file
+from rover_metrics.log.files import json_safe, write_whole
 from rover_metrics.session import MetricsSession
 from rover_metrics.sheet.sheet import Sheet
 from rover_metrics.topics import CLOCK, ENERGY, SENSORS, TRUTH
@@ -108,11 +108,12 @@ def _write_files(options: argparse.Namespace, playback: Playback, log: CsvLog, s
     """Writes what came of it for --json, and the page of the log for --page."""
     topics = {topic: vars(count) for topic, count in sorted(playback.counts.items())}
     if options.json is not None:
-        counts = {"rows": log.rows, "distance": playback.metrics.total_distance}
-        counts |= {"collisions": playback.metrics.total_collisions}
-        told = {"log": str(log.path), "time": playback.time_source.value, **counts, "topics": topics}
-        with whole_file(options.json) as part:
-            part.write_text(json.dumps(json_safe(told | {"said": said}), indent=2), encoding="utf-8")
+        metrics = playback.metrics
+        counts = {"log": str(log.path), "time": playback.time_source.value, "rows": log.rows}
+        counts |= {"distance": metrics.total_distance, "collisions": metrics.total_collisions}
+        write_whole(
+            options.json, json.dumps(json_safe(counts | {"topics": topics, "said": said}), indent=2)
+        )
     if options.page is not None:
         from rover_metrics.analysis.command import page_of_log  # noqa: PLC0415 - pandas takes a second
 
@@ -120,8 +121,7 @@ def _write_files(options: argparse.Namespace, playback: Playback, log: CsvLog, s
             {"topic": topic} | {n: f"{v:,}" for n, v in one.items()} for topic, one in topics.items()
         )
         recording = Sheet.of(rows, f"Messages of {options.bag.name}", findings=tuple(said))
-        with whole_file(options.page) as part:
-            part.write_text(page_of_log(log.path, [recording]), encoding="utf-8")
+        write_whole(options.page, page_of_log(log.path, [recording]))
 
 
 def _warnings(playback: Playback) -> list[str]:

@@ -83,9 +83,8 @@ class Collected:
             nearest = metrics.clearance if math.isfinite(footprint) else math.inf
             near = float(np.count_nonzero(np.isneginf(scan.ranges)))
             _, speed, *_, contact = self._states[-1]
-            self._scan_rows.append(
-                (scan.stamp_ns // 1_000_000, nearest, near, footprint, contact, speed)
-            )
+            stamp_ms = scan.stamp_ns // 1_000_000
+            self._scan_rows.append((stamp_ms, nearest, near, footprint, contact, speed))
 
     def placed_scans(self) -> list[PlacedScan]:
         """Returns each scan with the pose nearest to it in time, at most 10 ms away."""
@@ -142,15 +141,14 @@ def event_rows(
         scans: Its scans in order.
         speeds: True forward speed at each of them [m/s], shape (n,).
         world: Where it took place.
-        rover: Who drove.
+        rover: That drove.
     """
     stamps = np.array([placed.scan.stamp_ns for placed in scans])
     hazards = [event for event in events if event.kind == "hazard"]
     rows = np.zeros(len(hazards), EVENT)
     for row, event in zip(rows, hazards, strict=True):
-        first, last = np.searchsorted(
-            stamps, (event.start_ns - BEFORE_NS, event.start_ns + AFTER_NS)
-        ).tolist()
+        around = event.start_ns - BEFORE_NS, event.start_ns + AFTER_NS
+        first, last = np.searchsorted(stamps, around).tolist()
         before = max(int(np.searchsorted(stamps, event.start_ns)) - 1, 0)
         row["start_s"], row["end_s"] = event.start_ns / NANOSECONDS, event.end_ns / NANOSECONDS
         row["zone"] = _zone(event.point, rover)

@@ -87,16 +87,13 @@ def zones(study: CollisionStudy) -> Sheet:
     values = {"default": study.default.events.value}
     values |= {one.name: one.events.value for one in study.detectors}
     names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
-    seen = (
-        (
-            f"{row.zone}, seen",
-            str(row.contacts),
-            *(_share(n, row.contacts) for n in row.detected.values()),
-        )
-        for row in study.zones
-    )
-    unseen = ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
-    return Sheet(("Contact", "number", *names), (*seen, *unseen))
+    rows: list[tuple[str, ...]] = []
+    for row in study.zones:
+        of = row.contacts
+        shares = (f"{n} ({100 * n / of:.0f} %)" if of else str(n) for n in row.detected.values())
+        rows.append((f"{row.zone}, seen", str(of), *map(unbroken, shares)))
+    rows += ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
+    return Sheet(("Contact", "number", *names), tuple(rows))
 
 
 def speeds(study: GroundStudy) -> Sheet:
@@ -153,7 +150,3 @@ def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
         for number in (score.value, score.low, score.high)
     )
     return f"{value} {unbroken('(no interval)' if score.low is None else f'({low} to {high})')}"
-
-
-def _share(part: int, whole: int) -> str:
-    return unbroken(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)

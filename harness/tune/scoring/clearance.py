@@ -33,17 +33,11 @@ FEWEST_HEAD_ON = 5
 
 @dataclass(frozen=True, slots=True)
 class Braking:
-    """A stop from top speed on level ground.
+    """A stop from top speed on level ground."""
 
-    Attributes:
-        speed: Top speed, measured [m/s].
-        distance: From the command to the standstill [m].
-        time: From the command to the standstill [s].
-    """
-
-    speed: float
-    distance: float
-    time: float
+    speed: float  # top speed, measured [m/s]
+    distance: float  # from the command to the standstill [m]
+    time: float  # from the command to the standstill [s]
 
     @property
     def stopping_distance(self) -> float:
@@ -61,18 +55,12 @@ class Braking:
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceStudy:
-    """The safe clearance of one robot, and the sum that makes it.
-
-    Attributes:
-        overhang: From the lidar to the front end [m].
-        braking: The measured stop.
-        margin: Added [m].
-    """
+    """The safe clearance of one robot, and the sum that makes it."""
 
     verdict: Verdict
-    overhang: float
-    braking: Braking
-    margin: float
+    overhang: float  # from the lidar to the front end [m]
+    braking: Braking  # as measured
+    margin: float  # added [m]
 
 
 def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceStudy:

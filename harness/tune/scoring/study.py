@@ -20,17 +20,11 @@ MATERIAL = 0.05  # of a score: a smaller difference is real, but no default is w
 
 @dataclass(frozen=True, kw_only=True)
 class Driven:
-    """What was driven.
+    """What was driven."""
 
-    Attributes:
-        endings: Episodes by how they ended; those that diverged are not scored.
-        seconds: Simulated time that is scored [s].
-        path_length: True path that is scored [m].
-    """
-
-    endings: Mapping[Ending, int]
-    seconds: float
-    path_length: float
+    endings: Mapping[Ending, int]  # episodes by how they ended; those that diverged are not scored
+    seconds: float  # simulated time that is scored [s]
+    path_length: float  # true path that is scored [m]
 
     def text(self) -> str:
         """Returns time, path and endings in one line."""

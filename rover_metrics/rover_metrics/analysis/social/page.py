@@ -17,14 +17,11 @@ LONGEST = 24  # letters of a group's name
 
 def render(groups: Mapping[str, Group], sheets: Iterable[Sheet]) -> str:
     """Returns the HTML of a page."""
+    near = f"Grey: the rover, each second; coloured: with somebody nearer than {PERSONAL_SPACE:g} m."
     pictures = (
         ("Windows", draw_windows, "Each point one window, in the order of time; line: mean."),
         ("Distances", draw_distances, "Dotted: the outer limits of Hall's zones."),
-        (
-            "Where they met",
-            draw_meetings,
-            f"Grey: the rover, each second; coloured: with somebody nearer than {PERSONAL_SPACE:g} m.",
-        ),
+        ("Where they met", draw_meetings, near),
     )
     drawn = ((title, draw(groups), hint) for title, draw, hint in pictures)
     return page("Rover and people", f"Rover and people: {', '.join(groups)}", drawn, sheets)
@@ -61,14 +58,8 @@ def draw_distances(groups: Mapping[str, Group]) -> Figure:
         axes.step(values, share, where="post", label=shortened(name, LONGEST), **look(number))
     for zone, limit in ZONES.items():
         axes.axvline(limit, color="#999999", linewidth=0.8, linestyle=":")
-        axes.annotate(
-            f" {zone} ",
-            (limit, 1.0),
-            xycoords=("data", "axes fraction"),
-            ha="right",
-            va="top",
-            fontsize=7.5,
-        )
+        top = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
+        axes.annotate(f" {zone} ", (limit, 1.0), fontsize=7.5, **top)
     axes.set(xlim=(0.0, FARTHEST), ylim=(0.0, 100.0), xlabel="distance to the nearest person [m]")
     axes.set_ylabel("seconds nearer than that [%]")
     axes.legend(loc="lower right")
