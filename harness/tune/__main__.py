@@ -97,24 +97,18 @@ def _parser() -> argparse.ArgumentParser:
         "thresholds of metrics_node against the truth, and writes a parameter file per rover.",
         epilog="An interrupted sweep goes on where it was: give the same command again.",
     )
-    parser.add_argument(
-        "--robot",
-        action="append",
-        metavar="NAME|FOLDER",
-        help=f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship",
-    )
-    parser.add_argument(
-        "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
-    )
-    parser.add_argument(
-        "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
-    )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
+    add = parser.add_argument
+    about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship"
+    add("--robot", action="append", metavar="NAME|FOLDER", help=about)
+    about = "worlds; each robot drives in all"
+    add("--episodes", type=int, default=EPISODES, metavar="N", help=about)
+    about = "simulated seconds of each episode"
+    add("--duration", type=float, default=DURATION, metavar="S", help=about)
+    add("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
     about = "who drives where none is to meet hazards, e.g. policy:FILE.npz; default: roam and wander"
-    parser.add_argument("--driver", default="", metavar="NAME", help=about)
+    add("--driver", default="", metavar="NAME", help=about)
     add_options(parser)
-    about = "folder for episodes and results"
-    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
+    add("--out", type=Path, default=OUT, metavar="DIR", help="folder for episodes and results")
     add_files(parser)
     return parser
 

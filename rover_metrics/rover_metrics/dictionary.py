@@ -37,10 +37,14 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    about = "Prints what the columns of a log and the thresholds mean, as Markdown."
-    OneLineParser(prog="python -m rover_metrics.dictionary", description=about).parse_args(arguments)
+    _parser().parse_args(arguments)
     print(dictionary(), end="")
     return 0
+
+
+def _parser() -> OneLineParser:
+    about = "Prints what the columns of a log and the thresholds mean, as Markdown."
+    return OneLineParser(prog="python -m rover_metrics.dictionary", description=about)
 
 
 def dictionary() -> str:

@@ -99,10 +99,8 @@ class Collected:
 
     def window_rows(self) -> Table:
         """Returns one row of dtype WINDOW per full second."""
-        imu, states, steps = (
-            np.array(rows, np.float64).reshape(-1, width)
-            for rows, width in ((self._imu, 3), (self._states, 5), (self._steps, 2))
-        )
+        kept = ((self._imu, 3), (self._states, 5), (self._steps, 2))
+        imu, states, steps = (np.array(rows, float).reshape(-1, width) for rows, width in kept)
         positions = np.array([pose.position for pose in self.poses]).reshape(-1, 3)
         smoothness = np.diff(imu[:, 2], prepend=0.0)
         strides = np.linalg.norm(positions[STRIDE:] - positions[:-STRIDE], axis=1)

@@ -107,13 +107,9 @@ def _counts(
             lead = contacts["start_s"] - warnings[:, :1]  # (warnings, contacts)
             ongoing = contacts["start_s"] <= warnings[:, 1:] + HORIZON
             follow = (starts >= warnings[:, :1]) & (starts <= warnings[:, 1:] + HORIZON)
-            counts[row, place] = (
-                len(contacts),
-                ((lead >= needed) & ongoing).any(axis=0).sum(),
-                len(warnings),
-                follow.any(axis=1).sum(),
-                record.path_length / 1000.0,
-            )
+            warned, right = ((lead >= needed) & ongoing).any(axis=0).sum(), follow.any(axis=1).sum()
+            km = record.path_length / 1000.0
+            counts[row, place] = len(contacts), warned, len(warnings), right, km
     return counts
 
 

@@ -1,6 +1,7 @@
 """The correlations of all pairs of metrics as one picture, with the sign as a colour and as a number."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -56,12 +57,12 @@ def _draw_cell(
     p = item.p if item.p_holm is None else item.p_holm
     sure = p < alpha
     colour = mpl.colormaps["PuOr"]((item.rho + 1) / 2) if sure else "white"
-    corner, edge = (column - 0.5, line - 0.5), {"edgecolor": "#999999", "linewidth": 0.6}
-    axes.add_patch(Rectangle(corner, 1, 1, facecolor=colour, **edge))
+    corner = (column - 0.5, line - 0.5)
+    axes.add_patch(Rectangle(corner, 1, 1, facecolor=colour, edgecolor="#999999", linewidth=0.6))
     if not written:
         return
     ink = "white" if sure and abs(item.rho) > _DARK else "black" if sure else "#666666"
-    look = {"ha": "center", "va": "center", "color": ink}
+    look: dict[str, Any] = {"ha": "center", "va": "center", "color": ink}
     axes.text(column, line - 0.12, f"{item.rho:+.2f}", fontsize=8, **look)
     axes.text(column, line + 0.24, probability(p), fontsize=6, **look)
 

@@ -1,6 +1,7 @@
 """A page about runs among people: its pictures, and what they show."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -56,10 +57,10 @@ def draw_distances(groups: Mapping[str, Group]) -> Figure:
         values = np.sort(nearest[np.isfinite(nearest)])
         share = 100 * np.arange(1, values.size + 1) / max(values.size, 1)
         axes.step(values, share, where="post", label=shortened(name, LONGEST), **look(number))
+    at_top: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
     for zone, limit in ZONES.items():
         axes.axvline(limit, color="#999999", linewidth=0.8, linestyle=":")
-        top = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
-        axes.annotate(f" {zone} ", (limit, 1.0), fontsize=7.5, **top)
+        axes.annotate(f" {zone} ", (limit, 1.0), fontsize=7.5, **at_top)
     axes.set(xlim=(0.0, FARTHEST), ylim=(0.0, 100.0), xlabel="distance to the nearest person [m]")
     axes.set_ylabel("seconds nearer than that [%]")
     axes.legend(loc="lower right")
