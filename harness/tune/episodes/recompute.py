@@ -149,25 +149,31 @@ def event_rows(
         first, last = np.searchsorted(stamps, around).tolist()
         before = max(int(np.searchsorted(stamps, event.start_ns)) - 1, 0)
         row["start_s"], row["end_s"] = event.start_ns / NANOSECONDS, event.end_ns / NANOSECONDS
-        row["zone"] = _zone(event.point, rover)
+        row["zone"] = zone(event.point, rover)
         touched = world.obstacles[int(event.other.rsplit("_", 1)[1])]
-        row["sight"] = _sight(scans[first:last], touched, rover)
+        row["sight"] = sight(scans[first:last], touched, rover)
         row["part"], row["force"] = event.part, event.force
         row["speed"] = speeds[before] if speeds.size else 0.0
     return rows
 
 
-def _zone(point: Vector3, rover: RoverSpec) -> Zone:
-    """The side of the rover nearest to a point of the model frame."""
+def zone(point: Vector3, rover: RoverSpec) -> Zone:
+    """Returns the side of the rover nearest to a point of the model frame [m]."""
     x, y, _ = point
     x_min, x_max, y_min, y_max = rover.footprint
     sides = {Zone.FRONT: x_max - x, Zone.REAR: x - x_min, Zone.SIDE: min(y_max - y, y - y_min)}
     return min(sides, key=sides.__getitem__)
 
 
-def _sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
-    """What the scans around the start of a contact show of what was touched."""
-    if any(_is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
+def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
+    """Returns what the scans around the start of a contact show of what was touched.
+
+    Args:
+        scans: In order, of the time around that start.
+        hazard: That was touched.
+        rover: That touched it.
+    """
+    if any(is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
         return Sight.SEEN
     top = hazard.position[2] + hazard.half_size[-1]
     if scans and top < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
@@ -177,8 +183,8 @@ def _sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> S
     return Sight.MISSED
 
 
-def _is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
+def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Returns which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
     w, _, _, z = hazard.quaternion
     yaw = 2.0 * math.atan2(z, w)
     offset = points - hazard.position[:2]

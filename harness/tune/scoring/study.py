@@ -64,7 +64,7 @@ def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> Ro
     parts = scored_records(robot, records)
     return RobotStudy(
         robot=robot,
-        driven=_driven(robot, records),
+        driven=driven(robot, records),
         collision=study_collisions(parts),
         clearance=study_clearance(parts, rover, seed),
         grounds=tuple(study_ground(parts, signal) for signal in SIGNALS),
@@ -81,7 +81,8 @@ def scored_records(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Reco
     return parts
 
 
-def _driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
+def driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
+    """Returns how much of a sweep one robot drove, and how its episodes ended."""
     own = [record for planned, record in records.items() if planned.run.rover.robot == robot]
     scored = [record for record in own if record.ending is not Ending.DIVERGED]
     return Driven(

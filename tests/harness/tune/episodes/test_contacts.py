@@ -8,7 +8,7 @@ import pytest
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
 from harness.truth.traversal import ContactEvent
-from harness.tune.episodes.recompute import _is_on, _sight, _zone, event_rows
+from harness.tune.episodes.recompute import event_rows, is_on, sight, zone
 from harness.tune.episodes.record import Sight, Zone
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
@@ -30,7 +30,7 @@ ANGLES = LidarSpec().angles
     ],
 )
 def test_a_point_belongs_to_the_nearest_edge(point: tuple[float, float, float], side: Zone) -> None:
-    assert _zone(point, ROVER_ZERO4WD) is side
+    assert zone(point, ROVER_ZERO4WD) is side
 
 
 def post(*, height: float, yaw: float = 0.0, level: float = 0.0) -> Obstacle:
@@ -65,25 +65,25 @@ LIDAR = LEO.lidar_height - 0.02  # [m]: what is lower may pass below the lidar's
     ],
 )
 def test_what_the_lidar_had_of_a_hazard(height: float, value: float, expected: Sight) -> None:
-    assert _sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
-    assert _sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
+    assert sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
+    assert sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
     lifted = [scanned(value, level=7.0)]
-    assert _sight(lifted, post(height=height, level=7.0), LEO) is expected
-    assert _sight([], post(height=height), LEO) is Sight.MISSED
+    assert sight(lifted, post(height=height, level=7.0), LEO) is expected
+    assert sight([], post(height=height), LEO) is Sight.MISSED
 
 
 def test_points_next_to_a_turned_hazard_are_its_own() -> None:
     points = np.array([[1.25, 0.0], [1.0, 0.25], [1.0, 0.15], [1.19, 0.29], [1.21, 0.0], [1.0, 0.31]])
-    assert _is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
-    turned = _is_on(post(height=1.0, yaw=math.pi / 2), points)
+    assert is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
+    turned = is_on(post(height=1.0, yaw=math.pi / 2), points)
     assert turned.tolist() == [True, False, True, False, True, False]
     slanted = points @ np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
     moved = slanted - (math.cos(0.5), math.sin(0.5)) + (1.0, 0.0)
-    assert _is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
+    assert is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
     at = (1.0, 0.5, 2.0)
     pole = Obstacle(kind=ObstacleKind.HAZARD, shape="cylinder", half_size=(0.1, 2.0), position=at)
     around = np.array([[1.19, 0.5], [1.0, 0.69], [1.21, 0.5], [1.0, 0.71]])
-    assert _is_on(pole, around).tolist() == [True, True, False, False]
+    assert is_on(pole, around).tolist() == [True, True, False, False]
 
 
 def touch(start_s: float, end_s: float, other: str, kind: str = "hazard") -> ContactEvent:

@@ -7,9 +7,7 @@ import pytest
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.collision import (
-    study_collisions,
-)
+from harness.tune.scoring.collision import study_collisions
 from harness.tune.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]

@@ -12,12 +12,7 @@ from harness.tune.episodes.record import Ending, EpisodeRecord, Sight
 from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.collision import UnseenContacts
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.study import (
-    _driven,
-    judgement,
-    scored_records,
-    unreachable,
-)
+from harness.tune.scoring.study import driven, judgement, scored_records, unreachable
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
@@ -35,10 +30,10 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
     }
     parts = scored_records("leo", records)
     scored = {part: [record.duration for record in parts[part]] for part in Part}
-    driven = _driven("leo", records)
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
-    assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
-    assert (driven.seconds, driven.path_length) == (16.0, 16.0)
+    leo = driven("leo", records)
+    assert leo.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
+    assert (leo.seconds, leo.path_length) == (16.0, 16.0)
 
 
 def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
