@@ -45,7 +45,7 @@ def spent(run: Run) -> dict[str, float]:
     for sensor in episode._sensors._sensors:  # noqa: SLF001 - a stopwatch at each
         kinds = {"LidarSensor": SCAN, "TruthSensor": TRUTH}
         watch.on(sensor, "read", kinds.get(type(sensor).__name__, OTHERS))
-    watch.on(episode._driver, "command", DRIVER)  # noqa: SLF001 - likewise
+    watch.on(episode.pilot._driver, "command", DRIVER)  # noqa: SLF001 - likewise
     watch.on(episode.simulation.physics._span, "advance", OTHER_PHYSICS)  # noqa: SLF001 - likewise
     for _ in range(BEGINNING):
         next(batches)

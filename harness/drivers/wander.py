@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.compiled import kernel
 from harness.base.sim_time import NANOSECONDS
 from harness.drivers.base import DriverContext, Observation
 from harness.samples import LaserScan, Sample, Twist
@@ -91,14 +92,9 @@ class Wander:
 
     def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
         """Free range [m] of each candidate heading, shape (48,)."""
-        if observation.ranges is None:
-            return np.full(HEADINGS.shape, np.inf)
-        ranges = np.maximum(observation.ranges.astype(np.float64), 0.0)  # -inf: nearer than visible
-        ranges[np.isnan(ranges)] = np.inf
-        near = ranges < LOOKAHEAD  # no corridor is longer: beyond it nothing blocks
-        ranges, corridors = ranges[near, None], self._corridors[near]
-        blocked = np.where(ranges < corridors, ranges, np.inf)
-        free: NDArray[np.float64] = blocked.min(axis=0, initial=np.inf)
+        free = np.full(HEADINGS.shape, np.inf)
+        if observation.ranges is not None:
+            _block(observation.ranges, self._corridors, free)
         return free
 
     def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
@@ -150,6 +146,25 @@ class Roam:
             self._until_ns = observation.time_ns + math.floor(held * NANOSECONDS)
         twist = self._wander.command(observation)
         return replace(twist, linear=self._scale * twist.linear)
+
+
+@kernel("void(float32[::1], float64[:,::1], float64[::1])")
+def _block(
+    ranges: NDArray[np.float32], corridors: NDArray[np.float64], free: NDArray[np.float64]
+) -> None:
+    """Lowers the free range of each heading to the nearest return that blocks it.
+
+    Args:
+        ranges: Of a scan [m], shape (beams,); -inf: nearer than visible, NaN: none.
+        corridors: As `_corridors` gives them, shape (beams, headings).
+        free: The free ranges [m], shape (headings,).
+    """
+    for beam in range(ranges.size):
+        distance = max(np.float64(ranges[beam]), 0.0)
+        if distance < LOOKAHEAD:  # no corridor is longer: beyond it nothing blocks
+            for heading in range(free.size):
+                if distance < corridors[beam, heading] and distance < free[heading]:
+                    free[heading] = distance
 
 
 def _corridors(bearings: NDArray[np.float64], half_width: float) -> NDArray[np.float64]:

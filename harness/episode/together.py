@@ -45,7 +45,7 @@ def together(
                 for first in range(start, stop, span):
                     ticks = min(span, stop - first)
                     for episode in () if is_begun else episodes:
-                        episode.drive_wheels(ticks)
+                        episode.pilot.drive_wheels(ticks)
                     physics.run()
                     is_begun = ahead and stop < total and _goes_ahead(episodes, stop, asked)
                     _observe(episodes, first, ticks)
@@ -88,7 +88,7 @@ def _goes_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked) -> bool
         episode.look_ahead(tick)
     for episode in episodes:
         episode.begin_period(tick)
-        episode.drive_wheels(min(TICKS_PER_CONTROL, rest))
+        episode.pilot.drive_wheels(min(TICKS_PER_CONTROL, rest))
     physics.launch()
     return True
 

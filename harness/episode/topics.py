@@ -80,7 +80,7 @@ class _RoverTopics:
 
     def send(self, time_ns: int, sent: Tick) -> None:
         """Sends the samples of a tick."""
-        for sample in chain.from_iterable(bursts(sent.samples)):
+        for sample in chain.from_iterable(burst.values() for burst in bursts(sent.samples)):
             for lane in self._lanes[source(sample)]:
                 lane.send(time_ns, sample)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.base.sim_time import CONTROL_PERIOD, TICKS_PER_CONTROL
 from harness.episode.assembly import rover_of, world_of
-from harness.episode.episode import installed
+from harness.episode.sensing import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
 from harness.gym.places import Places

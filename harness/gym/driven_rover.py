@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
-from harness.episode.episode import sensor_noise
+from harness.episode.sensing import sensor_noise
 from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
 from harness.physics.motor_power import MotorPower

@@ -12,8 +12,8 @@ from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from harness.physics.scene import UNPAINTED
 from harness.physics.stage import visible_groups
+from harness.physics.world_geoms import UNPAINTED
 
 MOST_VERTICES = 250_000  # of a ground: of larger ones every other is shown, or fewer
 SLICES = 24  # of everything round

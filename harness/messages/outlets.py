@@ -1,6 +1,5 @@
 """The topics of a rover's samples, in publishing order, each with what makes its messages."""
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from harness import samples
@@ -57,14 +56,15 @@ def clock() -> Fill:
     return fillers.by_names(blank(CLOCK.message_type), samples.Tick)
 
 
-def bursts(sent: Iterable[Sample]) -> list[list[Sample]]:
-    """Returns parts with at most one sample of a sensor: a listener's queue may hold but the latest."""
-    bursts: list[list[Sample]] = []
-    before: Counter[Source] = Counter()
+def bursts(sent: Iterable[Sample]) -> list[dict[Source, Sample]]:
+    """Returns parts with a sample of each sensor at most: a listener's queue may hold but the latest."""
+    bursts: list[dict[Source, Sample]] = []
     for sample in sent:
         sensor = samples.source(sample)
-        if before[sensor] == len(bursts):
-            bursts.append([])
-        bursts[before[sensor]].append(sample)
-        before[sensor] += 1
+        for burst in bursts:
+            if sensor not in burst:
+                burst[sensor] = sample
+                break
+        else:
+            bursts.append({sensor: sample})
     return bursts

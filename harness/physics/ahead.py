@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import kernel, native
 from harness.physics.contacts import ContactWatch
+from harness.physics.passed_over import SIGNATURE
 from harness.physics.scene import Scene
 from harness.physics.stepping import Span, Stepping
 from harness.physics.steps_kernel import advance
@@ -45,7 +46,7 @@ def has_second_core() -> bool:
     "Tuple((float64[::1], int64[::1], float64[:,::1])), Tuple((int32[:], float64[:,::1])),"
     "Tuple((float64[::1], float64[:,::1])), Tuple((UniTuple(float64[::1], 3),"
     "UniTuple(float64[:,::1], 3))), Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
-    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])))))"
+    f"Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])), {SIGNATURE})))"
 )
 def serve(locks: tuple[int, int, int, int], steps: NDArray[np.int64], stepping: Stepping) -> None:
     """Advances whenever the first lock is released, then releases the second; ends at OVER.
@@ -55,13 +56,13 @@ def serve(locks: tuple[int, int, int, int], steps: NDArray[np.int64], stepping: 
         steps: As of `advance`, but what comes first is afterwards where it ended.
         stepping: What `advance` takes beside them; contacts must be known.
     """
-    told, control, health, felt, recorded, contacts, watched = stepping
+    told, control, health, felt, recorded, contacts, watched, obstacles = stepping
     while True:
         _acquire(locks[2], (locks[0], 1))
         if steps[1] == OVER:
             return
         span = (steps[0], steps[1], steps[2])
-        steps[0] = advance(told, span, control, health, felt, recorded, contacts, watched)
+        steps[0] = advance(told, span, control, health, felt, recorded, contacts, watched, obstacles)
         _release(locks[3], (locks[1],))
 
 
@@ -119,7 +120,7 @@ class Ahead:
         self._model, self._read, self._shown = scenes[0].model, data, (span, contacts)
         self._data, self.is_away = mujoco.MjData(self._model), False
         self._contacts = ContactWatch(scenes, self._data)
-        self._span = Span(self._model, self._data, span.motors)
+        self._span = Span(self._model, self._data, span.motors, span.obstacles)
         self._span.fence, self._found = span.fence, self._contacts.watched[-1]
         self._aside: Aside | None = None
 

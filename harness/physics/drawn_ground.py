@@ -13,18 +13,16 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import (
+from harness.physics.scene import Dress, Scene, build_scenes
+from harness.physics.stage import SOIL_TILE
+from harness.physics.world_geoms import (
     BASE_THICKNESS,
     SOIL_ROOM,
     TERRAIN,
     UNTOUCHED,
     VISUAL_GROUP,
-    Dress,
-    Scene,
-    build_scenes,
     soil_ground,
 )
-from harness.physics.stage import SOIL_TILE
 from harness.world.berths import Member
 from harness.world.heightfield import Field
 from harness.world.world import World

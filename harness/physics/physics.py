@@ -4,7 +4,6 @@ Time is `step * timestep_ns`; a tick is the period of /clock, a whole number of 
 knows ROS, drivers or sample rates.
 """
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
@@ -14,17 +13,19 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.errors import Diverged, RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.physics.ahead import Ahead, Aside, has_second_core
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
+from harness.physics.health import check_health, check_place
+from harness.physics.passed_over import obstacles_of
 from harness.physics.rover import Rover, State
-from harness.physics.scene import Scene, soil_ground
+from harness.physics.scene import Scene
 from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
 from harness.physics.stepping import Span
 from harness.physics.steps_kernel import SPAN
+from harness.physics.world_geoms import soil_ground
 from harness.robots.model import keep_mujoco_quiet
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.world import Start
@@ -34,13 +35,6 @@ if TYPE_CHECKING:
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
-
-HEALTH_WARNINGS = {
-    mujoco.mjtWarning.mjWARN_BADQPOS: "position",
-    mujoco.mjtWarning.mjWARN_BADQVEL: "velocity",
-    mujoco.mjtWarning.mjWARN_BADQACC: "acceleration",
-    mujoco.mjtWarning.mjWARN_BADCTRL: "wheel command",
-}
 
 
 class Physics:
@@ -93,7 +87,8 @@ class Physics:
             Rover(scene, self.data, contacts, parked, self.bed)
             for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
         )
-        self._span = Span(self.model, self.data, np.concatenate([rover.motors for rover in self.rovers]))
+        motors = np.concatenate([rover.motors for rover in self.rovers])
+        self._span = Span(self.model, self.data, motors, obstacles_of(scenes, self.data))
         bounds = self.ground.bounds(EDGE_MARGIN)
         self._span.fence = np.array([[rover.scene.qpos_at, *bounds] for rover in self.rovers])
         begin = 0
@@ -260,8 +255,8 @@ class Physics:
             if self.crowd is not None:
                 self.crowd.look([rover.contacts for rover in self.rovers])
             if tick == last:
-                self.check_health()
-                self.check_place()
+                self._check_health()
+                check_place(self.rovers, self.time_ns)
             yield tick
 
     @property
@@ -294,7 +289,7 @@ class Physics:
                 rover.parking.hold(tick >= FREE_NS // TICK_NS)
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
-            self.check_health()
+            self._check_health()
             for rover, state in waiting:
                 rover.restore(state)
             for rover in [rover for rover in falling if rover.rests(self.data)]:
@@ -316,41 +311,7 @@ class Physics:
         if are_back and self.bed is not None and soil is not None and not soil.keeps_ruts:
             self.bed.smooth()
 
-    def check_place(self) -> None:
-        """Checks where the rovers are; RunFailed if one of them reached the edge of the map."""
-        for rover in self.rovers:
-            x, y = rover.pose[:2].tolist()
-            if not rover.scene.world.ground.contains(x, y, EDGE_MARGIN):
-                raise RunFailed(
-                    f"{rover.scene.label} reached the edge of the map at t = {self._now()} "
-                    f"(x = {x:.2f} m, y = {y:.2f} m)"
-                )
-
-    def check_health(self) -> None:
-        """Checks MuJoCo's warnings.
-
-        Raises:
-            Diverged: There are some.
-        """
-        if not any(self._span.warnings.tolist()):  # a third of the time of numpy's any
-            return
-        for warning, quantity in HEALTH_WARNINGS.items():
-            if self.data.warning[warning].number:
-                fastest = max(map(_violence, self.rovers))
-                wild = [rover for rover in self.rovers if _violence(rover) == fastest]
-                whose = " or ".join(filter(None, (rover.scene.name for rover in wild)))
-                pose, twist = wild[0].pose[:3], wild[0].twist[:3]  # what is no number soon spreads
-                raise Diverged(
-                    f"{whose and whose + ': '}the simulation diverged at t = {self._now()} "
-                    f"(NaN, infinite or huge {quantity}); position {pose.round(3).tolist()} m, "
-                    f"velocity {twist.round(3).tolist()} m/s; try a smaller --timestep"
-                )
-
-    def _now(self) -> str:
-        return f"{self.time_ns / NANOSECONDS:.2f} s"
-
-
-def _violence(rover: Rover) -> float:
-    """How fast anything of a rover moves; infinite where that is no number."""
-    fastest = float(np.abs(rover.velocities).max())
-    return fastest if math.isfinite(fastest) else math.inf
+    def _check_health(self) -> None:
+        """Checks MuJoCo's warnings; Diverged if there are some."""
+        if any(self._span.warnings.tolist()):  # a third of the time of numpy's any
+            check_health(self.data, self.rovers, self.time_ns)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.physics.scene import TERRAIN, Scene, soil_ground
+from harness.physics.scene import Scene
+from harness.physics.world_geoms import TERRAIN, soil_ground
 from harness.robots.model import COLLIDING_GROUP
 
 if TYPE_CHECKING:

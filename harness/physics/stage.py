@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP, UNPAINTED
 from harness.physics.sky import sky
+from harness.physics.world_geoms import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP, UNPAINTED
 from harness.world.heightfield import fractal
 from harness.world.obstacles import ObstacleKind
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.physics.scene import OBSTACLE_GROUP, Scene
+from harness.physics.scene import Scene
+from harness.physics.world_geoms import OBSTACLE_GROUP
 from harness.world.world import Start
 
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint

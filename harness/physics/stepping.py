@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.contacts import ContactWatch
+from harness.physics.passed_over import PassedOver
 from harness.physics.steps_kernel import SPAN, Integers, addresses, advance, is_wrong
 
 RECORDED = ("qpos", "qvel", "qfrc_actuator")  # of MuJoCo's state at the end of a tick
@@ -22,9 +23,11 @@ class Span:
         model: The compiled scene.
         data: Its state.
         motors: Controls that are commanded.
+        obstacles: Those that are passed over while no rover can touch them.
 
     Attributes:
         motors: Controls that are commanded.
+        obstacles: As given.
         commands: To them in each tick, shape (SPAN, motors).
         warnings: MuJoCo's counters of them.
         sums: MuJoCo's sensor values summed over the steps of each tick, shape (SPAN, sensors).
@@ -34,8 +37,11 @@ class Span:
 
     fence: Doubles
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, motors: Integers) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, motors: Integers, obstacles: PassedOver
+    ) -> None:
         self.motors, self.commands = motors, np.zeros((SPAN, motors.size))
+        self.obstacles = obstacles
         self.warnings = data.warning.number  # a view: MuJoCo counts up in it
         self._told = *addresses(), model._address, data._address  # noqa: SLF001 - no other name
         self._control = data.ctrl, motors, self.commands
@@ -66,7 +72,8 @@ class Span:
     def arguments(self, watch: ContactWatch) -> Stepping:
         """Returns what `steps_kernel.advance` takes, but for its steps."""
         health, recorded = (self.warnings, self.fence), (self._state, self._record)
-        return self._told, self._control, health, self._felt, recorded, watch.contacts, watch.watched
+        watched = watch.contacts, watch.watched
+        return self._told, self._control, health, self._felt, recorded, *watched, self.obstacles
 
     def is_wrong(self) -> bool:
         """Returns whether there are warnings, or a rover left its fence."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel, native
 from harness.base.sim_time import TICKS_PER_CONTROL
+from harness.physics.passed_over import SIGNATURE, PassedOver, pass_over, restore
 
 SPAN = TICKS_PER_CONTROL  # clock ticks that are simulated in one go, at most
 FOUND = 14  # numbers of a strongest contact: see `Watched`
@@ -153,14 +154,8 @@ def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
     return bool(np.any(warnings))
 
 
-@kernel(
-    "int64(UniTuple(int64, 4), UniTuple(int64, 3), Tuple((float64[::1], int64[::1], float64[:,::1])),"
-    "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
-    "Tuple((UniTuple(float64[::1], 3), UniTuple(float64[:,::1], 3))),"
-    "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
-    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])))"
-)
-def advance(
+@inlined
+def _advance(
     told: tuple[int, int, int, int],
     steps: tuple[int, int, int],
     control: tuple[Doubles, Integers, Doubles],
@@ -170,21 +165,6 @@ def advance(
     contacts: Contacts,
     watched: Watched,
 ) -> int:
-    """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
-
-    Args:
-        told: Addresses of mj_step, of mj_contactForce, of the model and of its data.
-        steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
-        control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
-        health: The data's counters of warnings; the rovers' `Span.fence`.
-        felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
-        recorded: What of the data is recorded, qpos first; where it comes, each (ticks, ...).
-        contacts: As `look` has it.
-        watched: As there.
-
-    Returns:
-        Where it ended, counted as in `steps`; negative after such a touch.
-    """
     begin, end, per_tick = steps
     (sensors, sums), (state, record) = felt, recorded
     for step in range(begin, end):
@@ -204,3 +184,44 @@ def advance(
         if touches and not contacts[1].size:
             return -(step + 1)
     return end
+
+
+@kernel(
+    "int64(UniTuple(int64, 4), UniTuple(int64, 3), Tuple((float64[::1], int64[::1], float64[:,::1])),"
+    "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
+    "Tuple((UniTuple(float64[::1], 3), UniTuple(float64[:,::1], 3))),"
+    "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
+    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])),"
+    f"{SIGNATURE})"
+)
+def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object that holds them
+    told: tuple[int, int, int, int],
+    steps: tuple[int, int, int],
+    control: tuple[Doubles, Integers, Doubles],
+    health: tuple[NDArray[np.int32], Doubles],
+    felt: tuple[Doubles, Doubles],
+    recorded: tuple[tuple[Doubles, ...], tuple[Doubles, ...]],
+    contacts: Contacts,
+    watched: Watched,
+    obstacles: PassedOver,
+) -> int:
+    """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
+
+    Args:
+        told: Addresses of mj_step, of mj_contactForce, of the model and of its data.
+        steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
+        control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
+        health: The data's counters of warnings; the rovers' `Span.fence`.
+        felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
+        recorded: What of the data is recorded, qpos and qvel first; where it comes, each (ticks, ...).
+        contacts: As `look` has it.
+        watched: As there.
+        obstacles: Those that are passed over while no rover can touch them.
+
+    Returns:
+        Where it ended, counted as in `steps`; negative after such a touch.
+    """
+    pass_over(obstacles, recorded[0][0], recorded[0][1])
+    ended = _advance(told, steps, control, health, felt, recorded, contacts, watched)
+    restore(obstacles)
+    return ended

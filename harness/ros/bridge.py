@@ -127,7 +127,7 @@ class Bridge(GuardedNode):
         if tick.stamp_ns % NANOSECONDS == 0:
             self.frames.refuse_rivals()
         for burst in bursts(sent.samples):
-            outlets = [(sample, self.channels_of[samples.source(sample)]) for sample in burst]
+            outlets = [(sample, self.channels_of[sensor]) for sensor, sample in burst.items()]
             channels = [channel for _, some in outlets for channel in some]
             for listener in listeners:
                 listener.make_room(channels)

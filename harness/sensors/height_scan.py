@@ -102,7 +102,7 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
         period_ticks: int,
     ) -> None:
         super().__init__(simulation, installation, period_ticks)
-        from harness.physics.scene import OBSTACLE_GROUP  # noqa: PLC0415 - loads MuJoCo
+        from harness.physics.world_geoms import OBSTACLE_GROUP  # noqa: PLC0415 - loads MuJoCo
 
         options = installation.options
         self._turns = options.axes == ROVER

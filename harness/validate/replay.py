@@ -3,7 +3,7 @@
 import numpy as np
 
 from harness.base.sim_time import HIGHEST_RATE
-from harness.episode.episode import vibration_of
+from harness.episode.sensing import vibration_of
 from harness.physics.motor_power import MotorPower
 from harness.recordings.recording import Recording, Series
 from harness.robots import RoverSpec

@@ -10,12 +10,14 @@ from hypothesis import strategies as st
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 
-from rover_metrics.ros.decoding import READERS, decoded
+from rover_metrics.ros.decoding import decoded
 from rover_metrics.topics import SENSORS, stamp_ns
 
 SOURCES = {source.message_type: source for source in SENSORS}
@@ -87,7 +89,16 @@ def test_a_session_is_given_the_same_of_bytes_as_of_an_object(message: Any) -> N
     assert told[0][1]
 
 
-@pytest.mark.parametrize("name", sorted(READERS))
+@given(st.integers(-(2**31), 2**31 - 1), st.integers(0, 2**32 - 1), st.integers(0, 12))
+def test_a_time_is_what_rclpy_reads(sec: int, nanosec: int, length: int) -> None:
+    data = serialize_message(clock := Clock(clock=Time(sec=sec, nanosec=nanosec)))
+    assert decoded("rosgraph_msgs/msg/Clock", Clock, data) == clock
+    if length < len(data):
+        with pytest.raises(ValueError, match="no rosgraph_msgs/msg/Clock"):
+            decoded("rosgraph_msgs/msg/Clock", Clock, data[:length])
+
+
+@pytest.mark.parametrize("name", sorted(KINDS))
 @pytest.mark.parametrize("data", [b"", b"\0\1\0\0", b"\0\1\0\0" + 12 * b"\xff", b"\0\7" + bytes(9)])
 def test_what_is_no_message_is_left_out_with_a_reason(name: str, data: bytes) -> None:
     with pytest.raises(ValueError, match=f"no {name}"):

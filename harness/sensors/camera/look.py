@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import OBSTACLE_BODIES
 from harness.physics.stage import OBSTACLE_COLORS, Quality, dress
+from harness.physics.world_geoms import OBSTACLE_BODIES
 from harness.world.heightfield import fractal
 
 SUN_AZIMUTH = -145.0  # [deg] of a camera over whose shoulder it shines

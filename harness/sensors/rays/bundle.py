@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.compiled import kernel
-from harness.physics.scene import OBSTACLE_GROUP
+from harness.physics.world_geoms import OBSTACLE_GROUP
 from harness.sensors.rays import arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points

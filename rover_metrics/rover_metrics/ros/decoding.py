@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
 
 from rover_metrics.topics import Message
 
@@ -127,11 +128,19 @@ def _odometry(data: bytes) -> _Odometry:
     return _Odometry(header, _StampedTwist(twist))
 
 
+def _clock(data: bytes) -> Clock:
+    """A message of rclpy's own, as its time source takes no other."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = STAMP.unpack_from(data, START)
+    return message
+
+
 READERS: dict[str, Callable[[bytes], Message]] = {
     "sensor_msgs/msg/LaserScan": _scan,
     "sensor_msgs/msg/Imu": _imu,
     "geometry_msgs/msg/PoseArray": _poses,
     "nav_msgs/msg/Odometry": _odometry,
+    "rosgraph_msgs/msg/Clock": _clock,
 }
 
 

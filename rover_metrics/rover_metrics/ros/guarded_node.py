@@ -18,6 +18,7 @@ from rover_metrics.errors import ParameterError, shown
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.ros.arguments import refusal
+from rover_metrics.ros.decoding import decoded
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import Message, is_time
@@ -64,7 +65,8 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         if not options.pop("raw", False):
             if msg_type is Clock:
                 callback, qos_profile = partial(self._take_time, topic, callback), CLOCK_QOS
-            callback = partial(_decode, msg_type, callback)
+            else:
+                callback = partial(_decode, msg_type, callback)
         # Bytes of no such message are bytes too: rclpy's C code tells of each that it decodes in vain.
         guarded = partial(self._hear, topic, callback)
         return super().create_subscription(msg_type, topic, guarded, qos_profile, raw=True, **options)
@@ -97,7 +99,8 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         except FAILURES as error:
             self._leave_out(self.resolve_topic_name(topic), error)
 
-    def _take_time(self, topic: str, callback: Handler, message: Clock) -> None:
+    def _take_time(self, topic: str, callback: Handler, data: bytes) -> None:
+        message = decoded("rosgraph_msgs/msg/Clock", Clock, data)
         try:
             if is_time(message.clock):
                 callback(message)

@@ -34,7 +34,7 @@ def drive(robot: str, options: FrameOptions | None) -> Iterator[tuple[Episode, T
     for index in range(1, 51):
         if index % 5 == 1:
             episode.begin_period(index - 1)
-        episode.drive_wheels(1)
+        episode.pilot.drive_wheels(1)
         episode.simulation.physics.run()
         assert list(episode.simulation.physics.shown()) == [0]
         episode.observe(index)
