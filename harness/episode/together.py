@@ -46,8 +46,9 @@ def together(
                     ticks = min(span, stop - first)
                     for episode in () if is_begun else episodes:
                         episode.pilot.drive_wheels(ticks)
-                    physics.run()
-                    is_begun = ahead and stop < total and _goes_ahead(episodes, stop, asked)
+                    may_begin = ahead and stop < total and _may_go_ahead(episodes, stop, asked)
+                    physics.run()  # waits for the other core: all that can be asked before has been
+                    is_begun = may_begin and _goes_ahead(episodes, stop, asked)
                     _observe(episodes, first, ticks)
             except RunFailed as error:
                 failure = error
@@ -77,11 +78,15 @@ class _Asked:
             act()
 
 
+def _may_go_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked) -> bool:
+    """Whether nobody acts between two control periods, of which the next begins at a tick."""
+    return all(episode.can_go_ahead(tick) for episode in episodes) and asked.is_nothing()
+
+
 def _goes_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked) -> bool:
-    """Begins the control period after the one that has been simulated, if nothing speaks against it."""
+    """Begins the control period after the one that has been simulated, if all is well."""
     physics, rest = episodes[0].simulation.physics, episodes[0].run.total_ticks - tick
-    can = all(episode.can_go_ahead(tick) for episode in episodes) and physics.show_end()
-    if not can or not asked.is_nothing():
+    if not physics.show_end():
         return False
     asked.act()
     for episode in episodes:

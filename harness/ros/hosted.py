@@ -10,7 +10,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
+from harness.ros.context import SPIN_TIMEOUT, spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import Thresholds
@@ -33,7 +33,7 @@ class HostedMetrics:
 
     def __init__(self, bridge: Bridge, node: MetricsNode) -> None:
         self._executor, self.node = bridge.executor, node
-        node.is_hosted = True
+        node.host()
         self._clock = node.get_clock()
         self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_channel = bridge.clock_channel
@@ -97,14 +97,14 @@ class HostedMetrics:
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
 
     def wait_for_clock(self, stamp_ns: int) -> None:
-        """Spins until the node's clock shows the time and no timer of the node is due.
+        """Spins until the node's clock shows the time, at which the node serves its timer.
 
         Raises:
             RunFailed: Somebody else sets the clock too.
         """
         self._possible_ns.add(stamp_ns)
         deadline = time.monotonic() + PATIENCE
-        while (now_ns := self._clock.now().nanoseconds) != stamp_ns or timer_is_due(self.node):
+        while (now_ns := self._clock.now().nanoseconds) != stamp_ns:
             if now_ns not in self._possible_ns:
                 raise RunFailed(f"{self._clock_channel.topic} {SECOND_PUBLISHER}")
             if time.monotonic() > deadline:

@@ -150,6 +150,11 @@ class MetricsNode(GuardedNode):
         if self.in_lock_step:
             self.timer.serve()
 
+    def host(self) -> None:
+        """Takes note that a simulator in this process waits for it, whose clock is yet to begin."""
+        self.is_hosted = self.in_lock_step = True
+        self.timer.detach()
+
     def periodic_logging(self) -> None:
         """Writes a row; what a failing disk refuses waits in memory."""
         now_ns = self.get_clock().now().nanoseconds
@@ -214,7 +219,7 @@ class MetricsNode(GuardedNode):
 
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Takes changed parameters into use at once, all of them or none."""
-        if (self.in_lock_step or self.is_hosted) and any(
+        if self.in_lock_step and any(
             each.name == "use_sim_time" and each.value is False for each in parameters
         ):
             reason = "use_sim_time stays true while a simulator waits for this node"
@@ -243,7 +248,7 @@ class MetricsNode(GuardedNode):
 
     def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
-        self.in_lock_step, response.success = request.data, True
+        self.in_lock_step, response.success = request.data or self.is_hosted, True
         free = min(self.settings.pose_queue, QUEUE) - SPARE
         room = HOLDS.format(free) if free > 0 else ""
         response.message = KEEPS_ORDER + room if request.data and HAS_EVENTS_EXECUTOR else ""

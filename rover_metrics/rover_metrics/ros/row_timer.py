@@ -6,6 +6,7 @@ from collections.abc import Callable
 from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.timer import Timer
 
 from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.watches import SilenceWatch
@@ -37,7 +38,7 @@ class RowTimer:
         stale_after: float,
     ) -> None:
         self.stale_after = stale_after
-        self._fire, self._tell = fire, tell
+        self._node, self._fire, self._tell = node, fire, tell
         self._clock = node.get_clock()
         self._period_ns = round(period * NANOSECONDS)
         self.times = RowTimes(self._period_ns)
@@ -48,6 +49,15 @@ class RowTimer:
         ahead, back = (Duration(nanoseconds=sign * self.times.jump_ns) for sign in (1, -1))
         threshold = JumpThreshold(min_forward=ahead, min_backward=back, on_clock_change=False)
         self._jumps = self._clock.create_jump_callback(threshold, post_callback=self._jumped)
+
+    def detach(self) -> None:
+        """Leaves it to `serve` to fire; before the clock shows anything, for the period begins anew.
+
+        An executor would be told of the timer with each time of the clock, by a thread that it wakes.
+        """
+        self._node.destroy_timer(self._timer)
+        group, context = self._node.default_callback_group, self._node.context
+        self._timer = Timer(self.on_time, group, self._period_ns, self._clock, context=context)
 
     def on_time(self) -> None:
         """Fires, if a row is due now."""
