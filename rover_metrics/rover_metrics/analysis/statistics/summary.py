@@ -22,27 +22,19 @@ _FEWEST_FOR_BOOTSTRAP = 20  # rows; below, blocks are too few to resample
 class Summary:
     """A sample in numbers, in the unit of its metric; None where the sample cannot say.
 
-    Attributes:
-        n_effective: Independent values that would fix the mean as well.
-        mean: Weighted mean: of a rate the total over the time, of a flag the share.
-        median: Of the values; as sd, minimum and maximum None for a flag, which only has a share.
-        sd: Standard deviation of the values, n - 1 in the denominator.
-        interval: For the mean as if the values were independent: Student's t, for a flag Wilson's.
-        bootstrap_interval: For the mean, from a circular block bootstrap, which keeps the
-            autocorrelation within blocks.
-        block_length: Rows per block of that bootstrap.
+    A flag only has a share: no median, standard deviation, minimum and maximum.
     """
 
     n: int
-    mean: float | None = None
-    n_effective: float | None = None
+    mean: float | None = None  # weighted: of a rate the total over the time, of a flag the share
+    n_effective: float | None = None  # independent values that would fix the mean as well
     median: float | None = None
-    sd: float | None = None
+    sd: float | None = None  # n - 1 in the denominator
     minimum: float | None = None
     maximum: float | None = None
-    interval: Interval | None = None
-    bootstrap_interval: Interval | None = None
-    block_length: int | None = None
+    interval: Interval | None = None  # as if values were independent: Student's t, of a flag Wilson's
+    bootstrap_interval: Interval | None = None  # of circular blocks, which keep the autocorrelation
+    block_length: int | None = None  # rows per block of that bootstrap
 
 
 def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) -> Summary:
