@@ -17,7 +17,7 @@ from harness.base.edge import begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.call")
 
-from harness.base.errors import INSTALL_ROS, RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError, needing_ros
 from harness.base.interrupt import StopRequest
 from rover_metrics.errors import OneLineParser, sibling
 
@@ -40,10 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(options: argparse.Namespace) -> int:
-    try:  # as in harness.run: whoever has no ROS shall read one line
+    with needing_ros():
         from harness.ros.context import command_node
-    except ImportError as error:
-        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
     with StopRequest(), command_node("call") as (node, executor):
         if options.value == SET:
             return _set(node, executor, options)
@@ -61,10 +59,10 @@ def _set(node: "Node", executor: "Executor", options: argparse.Namespace) -> int
 
 
 def _list(node: "Node", executor: "Executor", _: argparse.Namespace) -> int:
-    found = _found(node, executor, None)
-    for name, kind in sorted(found.items()):
+    services = _find(node, executor, None)
+    for name, kind in sorted(services.items()):
         print(f"{name}  {kind}")
-    if not found:
+    if not services:
         raise RunFailed("no services: does anything run with this ROS_DOMAIN_ID and discovery range?")
     return 0
 
@@ -77,10 +75,12 @@ def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> in
             f"leave out '{options.parameter[0]}': a parameter is set with NODE set PARAM VALUE"
         )
     name = f"/{options.service.lstrip('/')}"
-    found = _found(node, executor, name)
-    if name not in found:
-        raise UsageError(f"there is no service {name}; available: {', '.join(sorted(found)) or 'none'}")
-    kind, request = _request(found[name], name, options.value)
+    services = _find(node, executor, name)
+    if name not in services:
+        raise UsageError(
+            f"there is no service {name}; available: {', '.join(sorted(services)) or 'none'}"
+        )
+    kind, request = _request(services[name], name, options.value)
     client = node.create_client(kind, name)
     future = None
     if spin_until(executor, client.service_is_ready, PATIENCE):
@@ -93,22 +93,22 @@ def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> in
     return 0 if getattr(answer, "success", True) else 1
 
 
-def _found(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, str]:
+def _find(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, str]:
     """The services that can be called, by name; waits for the wanted one, or for any."""
     from harness.ros.context import spin_until
 
-    found: dict[str, str] = {}
+    services: dict[str, str] = {}
 
     def look() -> bool:
-        services = node.get_service_names_and_types()
-        found.update((name, kinds[0]) for name, kinds in services if kinds[0] in TYPES)
-        return wanted in found
+        known = node.get_service_names_and_types()
+        services.update((name, kinds[0]) for name, kinds in known if kinds[0] in TYPES)
+        return wanted in services
 
     # For a list nothing is wanted: others may answer later than the first.
     spin_until(executor, look, LOOK if wanted is None else PATIENCE)
-    if wanted is None and not found:
-        spin_until(executor, lambda: look() or bool(found), PATIENCE)
-    return found
+    if wanted is None and not services:
+        spin_until(executor, lambda: look() or bool(services), PATIENCE)
+    return services
 
 
 def _request(kind: str, name: str, value: str | None) -> tuple[Any, Any]:

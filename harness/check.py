@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.check")
@@ -23,7 +23,6 @@ from rich.console import Console
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
-from harness.base.loading import loading
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE
@@ -53,7 +52,7 @@ class Finding:
     """
 
     run: str
-    found: "Fingerprint | None"
+    result: "Fingerprint | None"
     verdict: str
     passed: bool
 
@@ -95,14 +94,14 @@ def _check(run: Run, stop: StopRequest, *, with_ros: bool) -> Iterator[Finding]:
     yield _judged(f"seed {other.seed}", fingerprint(run_direct, other, stop), reference, equal=False)
 
 
-def _judged(run: str, found: "Fingerprint", reference: "Fingerprint", *, equal: bool = True) -> Finding:
+def _judged(run: str, result: "Fingerprint", reference: "Fingerprint", *, equal: bool = True) -> Finding:
     """Compares a run with the reference, to which it must be equal, or else different."""
-    if found.lost:
-        return Finding(run, found, f"LOST {found.lost} messages", passed=False)
-    same = (found.stream == reference.stream, found.csv == reference.csv)
+    if result.lost:
+        return Finding(run, result, f"LOST {result.lost} messages", passed=False)
+    same = (result.stream == reference.stream, result.csv == reference.csv)
     if equal:
-        return Finding(run, found, "equal" if all(same) else "DIFFERENT", passed=all(same))
-    return Finding(run, found, "SAME AS REFERENCE" if any(same) else "different", passed=not any(same))
+        return Finding(run, result, "equal" if all(same) else "DIFFERENT", passed=all(same))
+    return Finding(run, result, "SAME AS REFERENCE" if any(same) else "different", passed=not any(same))
 
 
 def _ros_finding(run: Run, stop: StopRequest, reference: "Fingerprint") -> Finding:
@@ -128,9 +127,9 @@ def _sheet(run: Run, findings: Sequence[Finding]) -> Sheet:
     rows = []
     for finding in findings:
         cells = ["-"] * 5
-        if (found := finding.found) is not None:
-            cells = [f"{count:,}" for count in (found.samples, found.rows, found.lost)]
-            cells += [found.stream[:HASH_DIGITS], found.csv[:HASH_DIGITS]]
+        if (result := finding.result) is not None:
+            cells = [f"{count:,}" for count in (result.samples, result.rows, result.lost)]
+            cells += [result.stream[:HASH_DIGITS], result.csv[:HASH_DIGITS]]
         rows.append((finding.run, *cells, finding.verdict))
     title = (
         f"{run.rover.robot} on {run.world.terrain}, seed {run.seed}, noise {run.rover.noise}, "
@@ -141,10 +140,10 @@ def _sheet(run: Run, findings: Sequence[Finding]) -> Sheet:
 
 def proven(run: Run, findings: Sequence[Finding]) -> str:
     """Returns what runs that all passed have proven, in one line."""
-    done = [finding for finding in findings if finding.found is not None]
+    done = [finding for finding in findings if finding.result is not None]
     *_, other = done
     equal = ", ".join(finding.run for finding in done[:-1])
-    total = sum(finding.found.samples for finding in done if finding.found is not None)
+    total = sum(finding.result.samples for finding in done if finding.result is not None)
     left_out = "" if len(done) == len(findings) else ", not through ROS 2"
     return (
         f"proven for {run.rover.robot} on {run.world.terrain}{left_out}: seed {run.seed} gives the same "
@@ -156,22 +155,18 @@ def proven(run: Run, findings: Sequence[Finding]) -> str:
 def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
     failed = [finding for finding in findings if not finding.passed]
     if failed:
-        told = "; ".join(f"{finding.run}: {finding.verdict}" for finding in failed)
-        complain("harness.check", told)
+        message = "; ".join(f"{finding.run}: {finding.verdict}" for finding in failed)
+        complain("harness.check", message)
         return 1
-    if ros_was_asked_for and any(finding.found is None for finding in findings):
-        told = f"the run through ROS was not checked; {INSTALL_ROS}, or leave it out with --no-ros"
-        complain("harness.check", told)
+    if ros_was_asked_for and any(finding.result is None for finding in findings):
+        message = f"the run through ROS was not checked; {INSTALL_ROS}, or leave it out with --no-ros"
+        complain("harness.check", message)
         return UsageError.exit_code
     return 0
 
 
 def _run(options: argparse.Namespace) -> Run:
-    """The episode to repeat; with noise, so that every random generator takes part.
-
-    Raises:
-        UsageError: An option is not valid.
-    """
+    """The run to repeat, with noise so that every random generator takes part; or UsageError."""
     from harness.episode.assembly import check
 
     given = {name: getattr(options, name) for name in ("terrain", "robot", "seed", "duration")}
@@ -192,16 +187,14 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exit code 0: proven. 1: disproven, or a run failed. 2: a wrong argument, or ROS is "
         "missing and --no-ros was not given.",
     )
-    parser.add_argument(
-        "--terrain", default=defaults.world.terrain, metavar="NAME", help="see harness.run"
-    )
+    terrain, about = defaults.world.terrain, "see harness.run"
+    parser.add_argument("--terrain", default=terrain, metavar="NAME", help=about)
     about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md)"
     parser.add_argument("--robot", default=defaults.rover.robot, metavar="NAME|FOLDER", help=about)
     about = "of everything random; the other seed is the next"
     parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N", help=about)
-    parser.add_argument(
-        "--duration", type=float, default=DEFAULT_DURATION, metavar="S", help="simulated seconds"
-    )
+    about = "simulated seconds"
+    parser.add_argument("--duration", type=float, default=DEFAULT_DURATION, metavar="S", help=about)
     parser.add_argument("--no-ros", action="store_true", help="leave out the run through ROS")
     add_files(parser)
     return parser

@@ -16,7 +16,7 @@ from pathlib import Path
 from shutil import copy
 from typing import TYPE_CHECKING
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.robot")
@@ -25,7 +25,6 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
-from harness.base.loading import loading
 from harness.base.opengl import keep_opengl_out
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots.urdf.templates import TEMPLATES, urdf_of

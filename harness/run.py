@@ -8,12 +8,11 @@ Parses; the rest is in harness.cli.run_command.
 import sys
 from collections.abc import Sequence
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.run")
 
-from harness.base.loading import loading
 
 with loading():
     from harness.cli.run_parser import parsed

@@ -155,36 +155,26 @@ class ActorPoses:
 
 @plain_value
 class Transforms:
-    """Poses of frames in their parents, in the order of harness.frames.tree.Description.
-
-    Attributes:
-        translation: x, y, z of each frame [m], one after the other.
-        rotation: Quaternion (x, y, z, w) of each frame, one after the other.
-    """
+    """Poses of frames in their parents, in the order of harness.frames.tree.Description."""
 
     stamp_ns: int
-    translation: tuple[float, ...]
-    rotation: tuple[float, ...]
+    translation: tuple[float, ...]  # x, y, z of each frame [m], one after the other
+    rotation: tuple[float, ...]  # quaternion (x, y, z, w) of each frame, one after the other
 
 
 @plain_value
 class SoilState:
-    """What soil does to each wheel now, in the order of RoverSpec.wheel_joints.
+    """What soil does to each wheel now, in the order of RoverSpec.wheel_joints."""
 
-    Attributes:
-        sinkage: Depth of the lowest point below the ground without ruts [m], 0 in the air.
-        slip_angle: Between the wheel's plane and its way over the ground, positive to the left [rad].
-        pull: Force of the soil along the wheel's heading, drawbar pull where positive [N].
-        side_force: Force of the soil to the left of the wheel [N].
-        stuck: Whether the wheels have turned for a second without getting on.
-        ruts: x, y of the wheel in the world and how deep its rut is there [m]; not published.
-    """
-
+    # depth of the lowest point below the ground without ruts [m], 0 in the air
     sinkage: tuple[float, ...]
+    # between the wheel's plane and its way over the ground, positive to the left [rad]
     slip_angle: tuple[float, ...]
+    # force of the soil along the wheel's heading, drawbar pull where positive [N]
     pull: tuple[float, ...]
-    side_force: tuple[float, ...]
-    stuck: bool
+    side_force: tuple[float, ...]  # force of the soil to the left of the wheel [N]
+    stuck: bool  # whether the wheels have turned for a second without getting on
+    # x, y of the wheel in the world and how deep its rut is there [m]; not published
     ruts: tuple[Vector3, ...] = ()
 
     @property
@@ -195,32 +185,23 @@ class SoilState:
 
 @plain_value
 class TruthState:
-    """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
-
-    Attributes:
-        hazard_contact: Whether any part touched a hazard since the last one.
-        rock_contact: Whether any part touched a rock since the last one.
-        scrape: Whether anything but a wheel touched the ground since the last one.
-        contact_force: Largest normal force at one contact point with a hazard since the last one [N].
-        speed: True forward speed of the model frame, negative backwards [m/s].
-        path_length: Of the model frame since the start, in three dimensions [m].
-        slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
-            turns faster than it moves, 0 while it stands (harness.truth.wheels).
-        roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
-            around the wheels, of the squared height above the mean of the 0.3 m around.
-        soil: What soil does to the wheels; None on rigid ground.
-    """
+    """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone."""
 
     stamp_ns: int
-    hazard_contact: bool
-    rock_contact: bool
-    scrape: bool
+    hazard_contact: bool  # whether any part touched a hazard since the last one
+    rock_contact: bool  # whether any part touched a rock since the last one
+    scrape: bool  # whether anything but a wheel touched the ground since the last one
+    # largest normal force at one contact point with a hazard since the last one [N]
     contact_force: float
-    speed: float
-    path_length: float
+    speed: float  # true forward speed of the model frame, negative backwards [m/s]
+    path_length: float  # of the model frame since the start, in three dimensions [m]
+    # slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
+    # turns faster than it moves, 0 while it stands (harness.truth.wheels)
     slip: tuple[float, ...]
+    # of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m around
+    # the wheels, of the squared height above the mean of the 0.3 m around
     roughness: float
-    soil: SoilState | None = None
+    soil: SoilState | None = None  # what soil does to the wheels; None on rigid ground
 
     @property
     def traversal(self) -> tuple[float, ...]:
@@ -232,15 +213,11 @@ class TruthState:
 
 @plain_value
 class Tick:
-    """All samples that fall on one clock tick, in publishing order.
-
-    Attributes:
-        tells_time: Whether /clock says the stamp; a fault may silence it.
-    """
+    """All samples that fall on one clock tick, in publishing order."""
 
     stamp_ns: int
     samples: tuple[Sample, ...]
-    tells_time: bool = True
+    tells_time: bool = True  # whether /clock says the stamp; a fault may silence it
 
     def of(self, kind: type[S]) -> S | None:
         """Returns the first sample of a type; None if this tick has none."""

@@ -22,12 +22,12 @@ from harness.base.edge import begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.teleop")
 
-from harness.base.errors import INSTALL_ROS, UsageError
+from harness.base.errors import UsageError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
+from harness.cli.flags import positive
 from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
 from harness.spec.rover import namespace_of
 from rover_metrics.errors import OneLineParser, complain
-from rover_metrics.number import number
 
 PERIOD = 0.05  # [s] between two commands, as between two control periods at --rate 1
 LOOK = 3.0  # [s] for somebody to listen before that is told
@@ -46,10 +46,8 @@ def _main(options: argparse.Namespace) -> int:
     space = namespace_of(options.namespace)
     if not sys.stdin.isatty():
         raise UsageError("teleop reads keys: start it in a terminal (over ssh: ssh -t)")
-    try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.commander import commander  # noqa: PLC0415
-    except ImportError as error:
-        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
+    with needing_ros():
+        from harness.ros.commander import commander  # noqa: PLC0415 - see needing_ros
     with StopRequest() as stop, commander(space, options.cmd_vel) as out, _keyboard() as pressed:
         print(f"{out.topic}: {HELP}, held, also two at once; any other key stops, {QUIT} ends")
 
@@ -116,29 +114,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--namespace", default="", metavar="NS", help="of the rover; default: none")
     for name, default, about in (
-        ("--speed", 0.4, "forwards [m/s]"),
-        ("--turn", 0.8, "to the left [rad/s]"),
+        ("--speed", 0.4, "forwards [m/s]; default: 0.4"),
+        ("--turn", 0.8, "to the left [rad/s]; default: 0.8"),
     ):
-        parser.add_argument(
-            name, type=_rate, default=default, metavar="V", help=f"{about}; default: {default}"
-        )
-    parser.add_argument(
-        "--cmd-vel",
-        choices=("twist", "stamped"),
-        default="twist",
-        help="type of /cmd_vel; default: twist",
-    )
+        parser.add_argument(name, type=positive, default=default, metavar="V", help=about)
+    about = "type of /cmd_vel; default: twist"
+    parser.add_argument("--cmd-vel", choices=("twist", "stamped"), default="twist", help=about)
     return parser
-
-
-def _rate(text: str) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number above 0")
-    return value
 
 
 if __name__ == "__main__":

@@ -24,11 +24,11 @@ if __name__ == "__main__":
 from rich.console import Console
 from rich.live import Live
 
-from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
+from harness.base.errors import HarnessError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
+from harness.cli.flags import positive
 from harness.spec.rover import namespace_of
 from rover_metrics.errors import OneLineParser
-from rover_metrics.number import number
 from rover_metrics.sheet.console import PlainConsole
 
 if TYPE_CHECKING:
@@ -48,11 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _look(options: argparse.Namespace, console: Console) -> int:
-    try:  # as in harness.run: whoever has no ROS shall read one line
+    with needing_ros():
         from harness.ros.context import command_node
         from harness.ros.topic_monitor import TopicMonitor
-    except ImportError as error:
-        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
     namespace = namespace_of(options.namespace)
     with StopRequest() as stop, command_node("topics") as (node, executor):
         _watch(TopicMonitor(node, namespace), executor, options.seconds, stop, console)
@@ -84,29 +82,14 @@ def _is_unsure(monitor: "TopicMonitor", began: float) -> bool:
     return time.monotonic() - began < LONG_ENOUGH and not (monitor.types and not monitor.too_short())
 
 
-def _seconds(text: str) -> float:
-    try:
-        seconds = number(text)
-    except ValueError:
-        seconds = math.nan
-    if not 0.0 < seconds < math.inf:
-        raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number of seconds above 0")
-    return seconds
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.topics",
         description="Prints rate, age, QoS and type of each ROS 2 topic, but for rosout and "
         "parameter events.",
     )
-    parser.add_argument(
-        "--seconds",
-        type=_seconds,
-        default=math.inf,
-        metavar="S",
-        help="look so long, or until rates can be told, print, end; default: until Ctrl-C",
-    )
+    about = "look so long, or until rates can be told, print, end; default: until Ctrl-C"
+    parser.add_argument("--seconds", type=positive, default=math.inf, metavar="S", help=about)
     parser.add_argument("--namespace", default="", metavar="NS", help="topics below it, and /clock")
     return parser
 

@@ -85,19 +85,19 @@ def _temporary_cache() -> str | None:
     try:
         folder.mkdir(mode=0o700)
     except FileExistsError:
-        found = folder.lstat()
-        if stat.S_ISDIR(found.st_mode) and found.st_uid == user and not found.st_mode & 0o077:
+        status = folder.lstat()
+        if stat.S_ISDIR(status.st_mode) and status.st_uid == user and not status.st_mode & 0o077:
             return str(folder)
     except OSError:
         pass
     else:
-        _tell(f"compiled kernels are kept in {folder}")
+        _warn(f"compiled kernels are kept in {folder}")
         return str(folder)
-    _tell("kernels are compiled anew at each start")
+    _warn("kernels are compiled anew at each start")
     return None
 
 
-def _tell(what: str) -> None:
+def _warn(what: str) -> None:
     print(
         f"harness: {what}: neither the installation nor the user's cache can be written "
         "(NUMBA_CACHE_DIR names another folder)",

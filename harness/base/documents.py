@@ -27,11 +27,7 @@ def parse_json(text: str | bytes, where: str) -> Any:  # noqa: ANN401
 
 
 def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
-    """Returns what a YAML file holds; where each value stands too, as ruamel.yaml has it, if asked for.
-
-    Raises:
-        UsageError: It cannot be read, is no YAML, or is beyond a bound.
-    """
+    """Returns what a YAML file holds, with its places as ruamel.yaml has them if asked for."""
     return _named(str(path), lambda: documents.read_yaml(path, with_places=with_places))
 
 

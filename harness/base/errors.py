@@ -1,6 +1,7 @@
 """What can go wrong, as types: the commands turn each into one line and an exit code."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import TypeVar
 
 from rover_metrics.errors import KnownError, unknown
@@ -14,6 +15,7 @@ __all__ = [
     "UsageError",
     "find_named",
     "how_many",
+    "needing_ros",
     "unknown",
 ]
 
@@ -43,16 +45,19 @@ class Diverged(RunFailed):
     """The simulation blew up: what it said before is not to be trusted either."""
 
 
+@contextmanager
+def needing_ros(otherwise: str = "") -> Iterator[None]:
+    """Imports of ROS 2 that fail become a UsageError; `otherwise` is what can be done without it."""
+    try:
+        yield
+    except ImportError as error:
+        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}{otherwise}") from error
+
+
 def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
-    """Returns the value of that name.
+    """Returns the value of a name among those available; UsageError, which lists them, if there is none.
 
-    Args:
-        kind: What it is, for the message.
-        name: As the user gave it.
-        available: All there are, by name.
-
-    Raises:
-        UsageError: There is none of that name; the message lists the names.
+    The kind is what the message calls it.
     """
     if name not in available:
         raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available) or 'none'}")

@@ -31,15 +31,12 @@ def write_whole(
 
 
 def check_target(flag: str, target: Path, suffix: str = "") -> None:
-    """Finds out before a run whether a file can be written.
+    """Finds out before a run whether a file can be written; UsageError if it cannot.
 
     Args:
         flag: Where the user named it.
         target: The file; it may exist.
         suffix: How its name must end; any name will do without one.
-
-    Raises:
-        UsageError: It cannot, or the name ends otherwise.
     """
     if suffix and target.suffix.lower() != suffix:
         raise UsageError(f"{flag} '{target}': name a file that ends in {suffix}")

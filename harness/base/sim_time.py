@@ -18,11 +18,7 @@ DEFAULT_TIMESTEP_NS = 2_500_000
 
 
 def check_duration(seconds: float) -> None:
-    """Checks that an episode can last that long.
-
-    Raises:
-        UsageError: It is no whole number of clock ticks, or none at all; the message names what is.
-    """
+    """Checks that an episode can last that long; UsageError, which names what is valid, if it cannot."""
     shortest = TICK_NS / NANOSECONDS
     if not (math.isfinite(seconds) and round(seconds * NANOSECONDS) >= TICK_NS):
         raise UsageError(f"duration {seconds:g} s is not valid; give {shortest:g} s or more")
@@ -35,19 +31,15 @@ def check_duration(seconds: float) -> None:
 
 
 def parse_timestep(seconds: float) -> int:
-    """Converts a timestep to nanoseconds.
-
-    Raises:
-        UsageError: It does not divide the 10 ms tick, is too large for the contact model, or too small
-            to get anywhere; the message names the nearest valid values.
-    """
+    """Converts a timestep to nanoseconds; UsageError, which names the nearest valid ones."""
     nanoseconds = round(seconds * NANOSECONDS) if math.isfinite(seconds) else 0
     in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
     if in_limits and TICK_NS % nanoseconds == 0:
         return nanoseconds
+    nearest = sorted(timesteps(), key=lambda v: abs(v - nanoseconds / NANOSECONDS))[:2]
     raise UsageError(
         f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
-        f"nearest valid: {_nearest_timesteps(nanoseconds)}"
+        f"nearest valid: {' or '.join(f'{v:g}' for v in nearest)}"
     )
 
 
@@ -62,11 +54,6 @@ def _why_not(timestep_ns: int) -> str:
     return "it must divide the 10 ms clock tick"
 
 
-def _nearest_timesteps(timestep_ns: int) -> str:
-    nearest = sorted(timesteps(), key=lambda v: abs(v - timestep_ns / NANOSECONDS))[:2]
-    return " or ".join(f"{v:g}" for v in nearest)
-
-
 def timesteps() -> list[float]:
     """Returns the valid timesteps, from the largest down [s]."""
     parts = range(TICK_NS // LARGEST_TIMESTEP_NS, TICK_NS // SMALLEST_TIMESTEP_NS + 1)
@@ -74,11 +61,7 @@ def timesteps() -> list[float]:
 
 
 def period_ticks(rate: int) -> int:
-    """Returns the clock ticks between the samples of a sensor with that rate [Hz].
-
-    Raises:
-        UsageError: The period is no whole number of clock ticks.
-    """
+    """Returns the clock ticks between samples at a rate [Hz]; UsageError if they are not whole."""
     if rate > 0 and HIGHEST_RATE % rate == 0:
         return HIGHEST_RATE // rate
     valid = [r for r in range(1, HIGHEST_RATE + 1) if HIGHEST_RATE % r == 0]

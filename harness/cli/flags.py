@@ -1,13 +1,16 @@
 """Options of a command line, made from the fields of values."""
 
 import argparse
+import math
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from harness.spec.value import Option, V, made
+from rover_metrics.number import number
 
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group returns has no public name
 DEFAULT = "; default: "
@@ -72,14 +75,18 @@ def flags_of(*classes: type[BaseModel]) -> dict[str, str]:
 
 
 def from_flags(cls: type[V], given: argparse.Namespace, **others: object) -> V:
-    """Returns a value of the options that were given, and of other fields.
-
-    Raises:
-        UsageError: One is not valid; the message names the flag.
-    """
+    """Returns a value of given options and other fields; UsageError names the flag of a wrong one."""
     flags = flags_of(cls)
     values = {name: value for name, value in vars(given).items() if name in flags}
     return made(cls, values | others, name=lambda name: flags.get(name, name))
+
+
+def positive(text: str) -> float:
+    """Returns the number above 0 that a word of a command line is; argparse tells of another one."""
+    with suppress(ValueError):
+        if 0.0 < (value := number(text)) < math.inf:
+            return value
+    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number above 0")
 
 
 def _default(field: FieldInfo, text: str) -> str:

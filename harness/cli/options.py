@@ -1,8 +1,8 @@
 """What the command line of harness.run asks for, as one value."""
 
 import argparse
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +11,10 @@ from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR, parsed
 from harness.drivers import takes_goals
-from harness.episode.assembly import check, fleet, gravity, has_soil, people, tells_energy
+from harness.episode.assembly import check, fleet, people
 from harness.episode.loop import Observer
-from harness.episode.metrics_feed import extended_settings
+from harness.episode.metrics_feed import metric_settings
 from harness.episode.result import Outputs
-from harness.robots import find_rover
 from harness.spec.fleet import parse_rovers
 from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import FrameOptions, RosOptions
@@ -71,11 +70,7 @@ def with_name(file: Path | None, rover: RoverSetup) -> Path | None:
 
 
 def parse_run(arguments: Sequence[str]) -> RunOptions | None:
-    """Returns what the words of the command line ask for; None if it is the list of choices.
-
-    Raises:
-        UsageError: An option is not valid, or two exclude each other; the message names the mend.
-    """
+    """Returns what the words of a command line ask for, None for the list of choices; or UsageError."""
     given, ros_args = parsed(arguments)
     return None if given.list else run_options(given, ros_args)
 
@@ -101,7 +96,7 @@ def run_options(given: argparse.Namespace, ros_args: Sequence[str]) -> RunOption
         find_named("columns", name, FURTHER)
     extended = given.extended or bool(given.columns)
     settings = tuple(
-        _settings(run, number, values, extended=extended) for number in range(len(run.rovers))
+        metric_settings(run, values, number, extended=extended) for number in range(len(run.rovers))
     )
     return RunOptions(
         run=run,
@@ -131,23 +126,12 @@ def _run(given: argparse.Namespace) -> Run:
     return fleet(run, parse_rovers(given.rover, run.rover))
 
 
-def _settings(run: Run, number: int, values: Mapping[str, Any], *, extended: bool) -> Settings:
-    """The settings of a rover's metrics: of its model for the extended columns, then those of a file."""
-    settings = Settings()
-    if extended:
-        setup, soil = run.rovers[number], has_soil(run)
-        rover, energy = find_rover(setup.robot), tells_energy(setup)
-        of_rover = extended_settings(rover, gravity(run, number), soil=soil, energy=energy)
-        settings = replace(settings, extended_columns=True, extended=of_rover)
-    return settings.updated(values)
-
-
-def read_parameters(path: Path) -> dict[str, Any]:
+def read_parameters(path: Path, key: str = "--params") -> dict[str, Any]:
     """Returns the parameters of metrics_node that a file sets, by name; UsageError if one is wrong."""
     try:
         return read_values(path)
     except ParameterError as error:
-        raise UsageError(f"--params: {error}") from error
+        raise UsageError(f"{key}: {error}") from error
 
 
 def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, files: Files) -> None:

@@ -5,17 +5,17 @@ The drive is in harness.ros.session (through ROS) and harness.episode.direct (wi
 
 import argparse
 import importlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
-from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
+from harness.base.edge import loading
+from harness.base.errors import HarnessError, needing_ros
 from harness.base.files import BESIDE, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
-from harness.base.loading import loading
 from harness.base.opengl import keep_opengl_out
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, run_options, with_name
@@ -38,11 +38,7 @@ OUTSIDE = ("SIGTERM", HANGUP)  # whoever ends a run by these waits for no pictur
 
 
 def run_command(given: argparse.Namespace, ros_args: Sequence[str]) -> int:
-    """Does what words of the command line ask for, as `parsed` has them; returns the exit code.
-
-    Raises:
-        HarnessError: An option is not valid, or the run cannot be made.
-    """
+    """Does what the options of a command line ask for; returns the exit code."""
     console = PlainConsole()
     if given.list:
         print_choices(console)
@@ -79,7 +75,12 @@ def _command(options: RunOptions, console: Console) -> int:
         if stop.name not in OUTSIDE:
             drawing.begin(_log(results[0], outputs[0]))  # beside the page, on another processor
         for result, recorder in zip(results, recorders, strict=False):
-            _write_page(result, recorder, dict(_others(results, recorders, result)), console)
+            others = {
+                other.rover.name: each.track
+                for other, each in zip(results, recorders, strict=True)
+                if other is not result
+            }
+            _write_page(result, recorder, others, console)
         _draw(drawing, _log(results[0], outputs[0]), stop, console)
         if recorders or drawing.wanted:
             console.print(f"next: {next_step(results)}", soft_wrap=True)
@@ -101,15 +102,6 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
     return replace(result, report=named, params=options.params, columns=columns, failure=failure)
 
 
-def _others(
-    results: Sequence[RunResult], recorders: Sequence[RunRecorder], own: RunResult
-) -> Iterator[tuple[str, Sequence[Stretch]]]:
-    """What was recorded of the other rovers, by their names."""
-    for other, recorder in zip(results, recorders, strict=True):
-        if other is not own:
-            yield other.rover.name, recorder.track
-
-
 def _write_page(
     result: RunResult,
     recorder: RunRecorder,
@@ -126,11 +118,7 @@ def _write_page(
 
 
 def _social(options: RunOptions) -> list[SocialRecorder]:
-    """Returns what keeps the social log of each rover among people; empty without any.
-
-    Raises:
-        UsageError: One cannot be written there.
-    """
+    """What keeps the social log of each rover among people, none without; UsageError if it cannot."""
     names, file = actor_names(options.run.world), options.files.social_log
     if file is not None:
         check_target("--social-log", file, ".csv")
@@ -155,12 +143,8 @@ def _loaded(options: RunOptions) -> Drive:
         from harness.episode.direct import run_direct  # noqa: PLC0415
 
         return run_direct
-    try:
+    with needing_ros(", or run with --direct, which needs none"):
         from harness.ros.session import run_through_ros  # noqa: PLC0415
-    except ImportError as error:
-        raise UsageError(
-            f"ROS 2 is not importable ({error}); {INSTALL_ROS}, or run with --direct, which needs none"
-        ) from error
     return run_through_ros
 
 

@@ -43,11 +43,7 @@ def _choices() -> dict[str, str]:
 
 
 def parsed(arguments: Sequence[str]) -> tuple[argparse.Namespace, list[str]]:
-    """Returns the options of the command line, and the words for ROS.
-
-    Raises:
-        UsageError: A word for ROS is not valid.
-    """
+    """Returns the options of the command line, and the words for ROS; UsageError if one is not valid."""
     words, ros_args = split_ros_args(arguments)
     parser = run_parser()
     wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options

@@ -11,13 +11,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.course")
 
 from harness.base.interrupt import StopRequest
-from harness.base.loading import loading
 from harness.cli.sheets import add_files
 from harness.course.entry import BASELINES, LEARNED
 from harness.course.tracks import SEEDS, TRACKS

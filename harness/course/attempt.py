@@ -50,7 +50,7 @@ class EpisodeResult:
         shortest: Length of the shortest way [m].
         hazard_s: Contact with hazards [s].
         scrape_s: The body on the ground [s].
-        energy: Work of the motors [J].
+        energy: Work of the wheels' motors, braking counted as driving [J].
         risk_s: Time with a hazard or a person within 0.5 m [s].
         tilt_p95: 95th percentile of the tilt over time [rad].
         penalty: What is left of the score by contact, scraping and energy, 0 to 1.
@@ -86,11 +86,7 @@ class EpisodeResult:
 
 
 def attempt(case: Case, *, entry: Entry) -> EpisodeResult:
-    """Drives an episode and returns how it went.
-
-    Raises:
-        UsageError: The entry or the world is not valid.
-    """
+    """Drives an episode and returns how it went; UsageError if entry or world are not valid."""
     with TemporaryDirectory(prefix="rover-course-") as scratch:
         folder = Path(scratch)
         unpack(entry, folder)

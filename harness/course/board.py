@@ -6,8 +6,7 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.version import __version__
-from harness.course.receipt import Receipt, read_receipt
-from harness.course.sheets import interval
+from harness.course.receipt import Receipt, interval, read_receipt
 from harness.course.summary import TrackSummary, difference
 from harness.course.tracks import TRACKS
 from harness.page.figure import (

@@ -13,12 +13,7 @@ from rover_metrics.core import rotation
 
 
 class Client:
-    """Drives an episode by a driver that hears what is published: a sink, and an observer of batches.
-
-    Args:
-        driver: Who chooses the commands.
-        episode: Obeys them.
-    """
+    """Drives an episode by a driver that hears what is published: a sink, and an observer of batches."""
 
     def __init__(self, driver: Driver, episode: Episode) -> None:
         self._driver, self._episode = driver, episode

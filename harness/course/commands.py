@@ -13,8 +13,7 @@ from harness.cli.sheets import files_of, write_sheets
 from harness.course.board import board_of, page_of, read_folder
 from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
 from harness.course.entry import find_entry
-from harness.course.receipt import read_receipt, receipt_of, write_receipt
-from harness.course.sheets import sheet_of
+from harness.course.receipt import read_receipt, receipt_of, sheet_of, write_receipt
 from harness.course.tracks import SEEDS, TRACKS, find_track
 from harness.workers import workers_of
 from rover_metrics.sheet.render import terminal
@@ -67,12 +66,12 @@ def verify(options: argparse.Namespace, console: Console) -> int:
         counted(console, f"driving {len(cases)} episodes again") as show,
     ):
         again = drive_all(cases, entry, workers, show)
-    found = differences(receipt, again)
-    for line in found:
+    lines = differences(receipt, again)
+    for line in lines:
         console.print(line, soft_wrap=True)
-    said = f"{len(found)} figures differ" if found else "every figure is the same"
-    console.print(f"{len(cases)} episodes driven again (--seed {seed}): {said}", soft_wrap=True)
-    return int(bool(found))
+    verdict = f"{len(lines)} figures differ" if lines else "every figure is the same"
+    console.print(f"{len(cases)} episodes driven again (--seed {seed}): {verdict}", soft_wrap=True)
+    return int(bool(lines))
 
 
 def board(options: argparse.Namespace, console: Console) -> int:

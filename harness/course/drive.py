@@ -95,7 +95,7 @@ def check_origin(receipt: Receipt, entry: Entry) -> None:
 
 
 def drawn(receipt: Receipt, seed: int, worlds: Path | None = None) -> list[Case]:
-    """Returns a random tenth of a receipt's episodes, at least one of each track.
+    """Returns a random tenth of a receipt's episodes, one of each track or more.
 
     Raises:
         UsageError: A world is not among those that are given.

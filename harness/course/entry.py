@@ -78,12 +78,7 @@ class Entry:
         return digest.hexdigest()
 
     def driver(self, track: str, folder: Path) -> str:
-        """Returns the name of the driver, as harness.drivers finds it.
-
-        Args:
-            track: On which it drives.
-            folder: Where its files are.
-        """
+        """Returns the name of its driver on a track, as harness.drivers finds it in its folder."""
         if self.about is None:
             policy = str(files("harness.course").joinpath(POLICIES, f"{track}.npz"))
             learned = OF_POLICY + policy if Path(policy).is_file() else "goal"
@@ -94,11 +89,7 @@ class Entry:
 
 
 def find_entry(name: str) -> Entry:
-    """Returns the baseline of that name, or the entry of a folder.
-
-    Raises:
-        UsageError: There is neither, or the folder's files are not those of an entry.
-    """
+    """Returns the baseline of that name, or the entry of a folder; UsageError if it is neither."""
     if name in (*BASELINES, LEARNED):
         return Entry(name)
     folder = Path(name)

@@ -54,11 +54,7 @@ class Planner:
         return np.asarray(RESOLUTION * travel(self._cost, cells, np.zeros(1), STEPS))
 
     def length(self, points: Sequence[Point]) -> float:
-        """Returns the length of the shortest way through points [m].
-
-        Raises:
-            UsageError: There is none.
-        """
+        """Returns the length of the shortest way through points [m]; UsageError if there is none."""
         legs = [float(self.lengths(a)[self.cell(b)]) for a, b in pairwise(points)]
         if not math.isfinite(math.fsum(legs)):
             raise UsageError("there is no way to the goal; give another world")

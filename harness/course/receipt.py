@@ -15,8 +15,9 @@ from harness.base.files import write_whole
 from harness.base.version import __version__
 from harness.course.attempt import EpisodeResult
 from harness.course.entry import Entry
-from harness.course.summary import DECIMALS, TrackSummary, summarise
+from harness.course.summary import DECIMALS, Mean, TrackSummary, summarise
 from harness.spec.value import Value, made
+from rover_metrics.sheet.sheet import NONE, Sheet, formatted
 
 PACKAGES = ("mujoco", "numba", "numpy", "scipy")
 LARGEST = 64 * 2**20  # bytes
@@ -97,3 +98,32 @@ def read_receipt(path: Path) -> Receipt:
     if receipt.score != score_of(receipt.tracks):
         raise UsageError(f"{path}: its score is not the mean of its tracks")
     return receipt
+
+
+def sheet_of(receipt: Receipt) -> Sheet:
+    """Returns a row a track: its score with its interval, and what stands beside it."""
+    rows = (
+        {
+            "track": name,
+            "score": f"{track.score.mean:.3f}",
+            "95 %": interval(track.score),
+            "success": f"{track.success.mean:.0%}",
+            "SPL": f"{track.spl.mean:.3f}",
+            "time": formatted(track.seconds, ".1f"),
+            "risk": formatted(track.risk_s_per_goal, ".2f"),
+            "tilt": f"{math.degrees(track.tilt_p95):.1f}",
+            "runs": str(len(track.episodes)),
+        }
+        for name, track in receipt.tracks.items()
+    )
+    about = (
+        "time: of successes [s]; risk: near hazards for each goal [s]; tilt: its 95th percentile [deg]"
+    )
+    return Sheet.of(rows, receipt.entry, caption=about)
+
+
+def interval(value: Mean) -> str:
+    """Returns the 95 % interval of a mean; a dash without one."""
+    if value.low is None or value.high is None:
+        return NONE
+    return f"{value.low:.3f} to {value.high:.3f}"

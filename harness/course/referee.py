@@ -23,17 +23,7 @@ SAME_PLACE = RESOLUTION  # [m] the rover moves between two looks for hazards
 
 @dataclass(frozen=True)
 class Drive:
-    """What an episode came to, unrounded.
-
-    Attributes:
-        ending: "reached", "contact", "tipped", "time", or why the drive ended by itself.
-        goals: How many were reached.
-        time: From the clock's start to the end [s].
-        energy: Work of the wheels' motors, braking counted as driving [J].
-        risk_s: Time with a hazard or a person nearer than RISK_DISTANCE [s].
-        tilt_p95: 95th percentile of the tilt over time [rad].
-        truth: Totals of the drive.
-    """
+    """What an episode came to, unrounded: fields of an EpisodeResult, and the totals of the drive."""
 
     ending: str
     goals: int
@@ -45,11 +35,7 @@ class Drive:
 
 
 class Referee:
-    """Takes the batches of an episode until it is over.
-
-    Args:
-        task: What is asked.
-        world: Where.
+    """Takes the batches of an episode, a task in its world, until it is over.
 
     Attributes:
         ending: Why the episode is over; "" while it goes on.
@@ -123,8 +109,7 @@ class Referee:
                     self._energy += power * (sample.stamp_ns - self._joints_ns) / NANOSECONDS
                     self._joints_ns = sample.stamp_ns
                 elif isinstance(sample, Pose):
-                    upright = max(-1.0, min(1.0, rotation.upright(sample.orientation)))
-                    self._tilts.append(math.acos(upright))
+                    self._tilts.append(rotation.tilt(sample.orientation))
                 elif isinstance(sample, ActorPoses):
                     self._people = sample
 

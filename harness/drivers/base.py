@@ -29,6 +29,14 @@ class Observation:
     # the last sample of each kind that is read
     readings: Mapping[type[Sample], Sample] = field(default_factory=dict)
 
+    def turn_to(self, heading: float) -> float:
+        """Returns the angle from the rover's heading to another [rad], -pi to pi."""
+        return math.remainder(heading - self.yaw, math.tau)
+
+    def bearing_to(self, x: float, y: float) -> float:
+        """Returns the angle from the rover's heading to a point of the world [rad], left positive."""
+        return self.turn_to(math.atan2(y - self.y, x - self.x))
+
 
 @dataclass(frozen=True, eq=False)
 class DriverContext:
@@ -66,6 +74,11 @@ class TakesGoals(Protocol):
     def head_for(self, x: float, y: float, yaw: float, /) -> None:
         """Takes the next goal: a position in the world [m] and a heading there [rad]."""
         ...
+
+
+def turning(error: float, rover: RoverSpec, gain: float = 2.0) -> float:
+    """Returns the yaw rate that turns by an error [rad]: `gain` of the cruising one for each radian."""
+    return max(-1.0, min(1.0, gain * error)) * rover.cruise_yaw_rate
 
 
 def drivable(twist: Twist, rover: RoverSpec) -> Twist:

@@ -3,11 +3,9 @@
 import math
 from typing import ClassVar
 
-from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation, turning
 from harness.drivers.goal import REACHED
 from harness.samples import Sample, Twist
-
-TURN_GAIN = 2.0  # of the cruising yaw rate for each radian
 
 
 class Beeline:
@@ -36,15 +34,5 @@ class Beeline:
 
     def towards(self, goal: tuple[float, float], observation: Observation) -> Twist:
         """Returns the twist towards a goal that is not reached [m]."""
-        error = off_course(goal, observation)
-        return Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), self.turning(error))
-
-    def turning(self, error: float) -> float:
-        """Returns the yaw rate that turns by an angle [rad]."""
-        return max(-1.0, min(1.0, TURN_GAIN * error)) * self.rover.cruise_yaw_rate
-
-
-def off_course(goal: tuple[float, float], observation: Observation) -> float:
-    """Returns the angle from the heading to a goal, left positive [rad]."""
-    bearing = math.atan2(goal[1] - observation.y, goal[0] - observation.x)
-    return math.remainder(bearing - observation.yaw, math.tau)
+        error = observation.bearing_to(*goal)
+        return Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), turning(error, self.rover))

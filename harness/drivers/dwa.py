@@ -7,15 +7,16 @@ rover turns on the spot, else it backs up.
 """
 
 import math
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base_local_planner import Turns, place_costs
 from harness.drivers.beeline import Beeline
-from harness.drivers.turns import Turns
+from harness.drivers.local_map import LocalMap, MapOptions
+from harness.drivers.rollout import AHEAD, END, FARTHEST, ROOM, rolled
 from harness.samples import LaserScan, Sample, Twist
 
 SPEED, RATE = (0.1, 0.5), 1.57  # [m/s], [rad/s]
@@ -32,7 +33,7 @@ ESCAPED = 0.1, 0.1  # [m], [rad] of backing up
 BACK = -0.5  # [m/s]
 PLANNED_EVERY = 4  # periods
 # The map of costs: its ranges and its inflation.
-MAP = {"marked": 2.5, "cleared": 3.0, "margin": PADDING[1], "ring": FADED, "shyness": 4.0}
+MAP = MapOptions(marked=2.5, cleared=3.0, margin=PADDING[1], ring=FADED, shyness=4.0)
 
 
 class Dwa(Beeline):
@@ -40,14 +41,12 @@ class Dwa(Beeline):
 
     summary: ClassVar[str] = "drives to each /goal_pose by the dynamic window approach on a local map"
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
-    map_options: ClassVar[Mapping[str, float]] = MAP
+    map_options: ClassVar[MapOptions] = MAP
     decides_every: ClassVar[int] = 2  # periods: 10 Hz, at which its goal comes and stops it for a cycle
 
     def __init__(self, context: DriverContext) -> None:
-        from harness.drivers.local_map import LocalMap, MapOptions  # noqa: PLC0415 - who only names drivers does
-
         super().__init__(context)
-        self._map = LocalMap(context, MapOptions(**self.map_options))
+        self._map = LocalMap(context, self.map_options)
         self._inscribed = 0.5 * context.rover.width + PADDING[1]
         self._outline = self._outlined()
         self._last, self._count = Twist(), 0
@@ -77,8 +76,6 @@ class Dwa(Beeline):
 
     def _place_costs(self, here: tuple[int, int]) -> NDArray[np.float64]:
         """What it costs to end in each cell [m]."""
-        from harness.drivers.map_grid import place_costs  # noqa: PLC0415 - kernels
-
         return place_costs(self._map, here, self._inscribed)
 
     def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:
@@ -103,17 +100,14 @@ class Dwa(Beeline):
         self, twists: NDArray[np.float64], observation: Observation
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The cost of each twist, inf for those that touch, and that of a place ahead of its end [m]."""
-        from harness.drivers.rollout import AHEAD, END, FARTHEST, ROOM  # noqa: PLC0415 - kernels
-
         plans = np.repeat(twists[:, None], STEPS, axis=1)
-        found = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
-        beyond = np.maximum(found[:, ROOM] - self._inscribed, 0.0)
-        fading = 1.0 + FADING * beyond * (
-            1.0 + 0.5 * FADING * beyond
-        )  # about exp, the same bits everywhere
-        cost = found[:, END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
-        cost[(found[:, ROOM] <= 0.0) | np.isinf(found[:, FARTHEST])] = np.inf
-        return cost, found[:, AHEAD]
+        outcomes = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
+        beyond = np.maximum(outcomes[:, ROOM] - self._inscribed, 0.0)
+        # About exp, the same bits everywhere.
+        fading = 1.0 + FADING * beyond * (1.0 + 0.5 * FADING * beyond)
+        cost = outcomes[:, END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
+        cost[(outcomes[:, ROOM] <= 0.0) | np.isinf(outcomes[:, FARTHEST])] = np.inf
+        return cost, outcomes[:, AHEAD]
 
     def _is_escaping(self, observation: Observation) -> bool:
         """Whether it has not backed up far enough to go ahead again."""
@@ -139,8 +133,6 @@ class Dwa(Beeline):
         self, seen: Observation, plans: NDArray[np.float64], step: float, close: float, ahead: float
     ) -> NDArray[np.float64]:
         """What `rolled` finds of plans from where the rover is."""
-        from harness.drivers.rollout import rolled  # noqa: PLC0415 - without compiled kernels
-
         x, y = self._corner
         pose = np.array([seen.x - x, seen.y - y, math.cos(seen.yaw), math.sin(seen.yaw)])
         return rolled(self._map.clearance, self._ends, pose, plans, step, self._outline, close, ahead)

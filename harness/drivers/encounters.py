@@ -14,7 +14,7 @@ from typing import ClassVar
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation, turning
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
 from harness.world.terrains import WITH_HAZARDS
@@ -130,18 +130,13 @@ class StagedEncounter(ABC):
         """Position of the rover in the world [m]."""
         return self._now.x, self._now.y
 
-    def turn_to(self, heading: float) -> float:
-        """Returns the angle from the rover's heading to another [rad], -pi..pi."""
-        return math.remainder(heading - self._now.yaw, math.tau)
-
     def follow(self, meeting: Meeting, until: float) -> Iterator[Twist]:
         """Drives along a meeting's line to `until` metres past the hazard's middle, or for a push."""
         patience = self.rng.uniform(*PUSHING)
         while meeting.along(self.here) < until and patience > 0.0:
             correction = math.atan2(-meeting.aside(self.here), LOOKAHEAD)
             # In reverse the tail leads, and the same turn brings it onto the line.
-            turn = self.turn_to(meeting.heading + correction)
-            yield Twist(meeting.speed, self._yaw_rate(turn))
+            yield Twist(meeting.speed, self._yaw_rate(self._now.turn_to(meeting.heading + correction)))
             patience -= self._now.touches_hazard * CONTROL_PERIOD
 
     def spin(self, seconds: float, rate: float) -> Iterator[Twist]:
@@ -159,8 +154,7 @@ class StagedEncounter(ABC):
         last: Obstacle | None = None
         while True:
             hazard = last = self._next_hazard(last)
-            x, y, _ = hazard.position
-            here = self.here
+            (x, y, _), here = hazard.position, self.here
             meeting = self.plan(hazard, math.atan2(y - here[1], x - here[0]))
             start = meeting.at(-(meeting.reach + self.rover.length / 2 + RUN_UP))
             yield from self._go(start)
@@ -178,21 +172,20 @@ class StagedEncounter(ABC):
 
     def _go(self, goal: Point) -> Iterator[Twist]:
         for _ in range(round(GO_PATIENCE / CONTROL_PERIOD)):
-            x, y = self.here
-            if math.dist(goal, (x, y)) < ARRIVED or self._now.touches_hazard:
+            if math.dist(goal, self.here) < ARRIVED or self._now.touches_hazard:
                 return
-            error = self.turn_to(math.atan2(goal[1] - y, goal[0] - x))
+            error = self._now.bearing_to(*goal)
             yield Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), self._yaw_rate(error))
 
     def _face(self, heading: float) -> Iterator[Twist]:
         for _ in range(round(FACE_PATIENCE / CONTROL_PERIOD)):
-            error = self.turn_to(heading)
+            error = self._now.turn_to(heading)
             if abs(error) < LINED_UP:
                 return
             yield Twist(0.0, self._yaw_rate(error))
 
     def _yaw_rate(self, error: float) -> float:
-        return max(-1.0, min(1.0, 2.5 * error)) * self.rover.cruise_yaw_rate
+        return turning(error, self.rover, 2.5)
 
 
 class Ram(StagedEncounter):

@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.drivers.base import DriverContext, Observation
-from harness.drivers.beeline import Beeline, off_course
+from harness.drivers.base import DriverContext, Observation, turning
+from harness.drivers.beeline import Beeline
 from harness.samples import LaserScan, Sample, Twist
 
 MARGIN = 0.08  # [m] beside the rover
@@ -39,10 +39,10 @@ class Gap(Beeline):
     def towards(self, goal: tuple[float, float], observation: Observation) -> Twist:
         """Returns the twist into the gap that leads to a goal best."""
         room = self._room(observation.ranges, math.dist(goal, (observation.x, observation.y)))
-        heading = self._heading(room, off_course(goal, observation))
+        heading = self._heading(room, observation.bearing_to(*goal))
         ahead = max(0.0, float(room[SECTORS // 2]) - self._nose - STOP)
         speed = min(SHARE * self.rover.top_speed, ahead / HEADWAY)
-        return Twist(speed * max(0.0, math.cos(heading)) ** 2, QUICKER * self.turning(heading))
+        return Twist(speed * max(0.0, math.cos(heading)) ** 2, QUICKER * turning(heading, self.rover))
 
     def _heading(self, room: NDArray[np.float64], error: float) -> float:
         """The direction whose detour is least among those that are open, or the one with most room."""

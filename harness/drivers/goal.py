@@ -3,13 +3,12 @@
 import math
 from typing import ClassVar
 
-from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation, turning
 from harness.drivers.wander import Wander
 from harness.samples import Twist
 
 REACHED = 0.25  # [m] from the goal, as Nav2's goal checker
 ALIGNED = 0.1  # [rad]
-TURN_GAIN = 2.0  # of the cruising yaw rate for each radian
 
 
 class Goal(Wander):
@@ -35,11 +34,9 @@ class Goal(Wander):
         self._is_there |= math.dist(place, (observation.x, observation.y)) < REACHED
         if not self._is_there:
             return super().command(observation)
-        error = math.remainder(yaw - observation.yaw, math.tau)
-        rate = max(-1.0, min(1.0, TURN_GAIN * error)) * self._rover.cruise_yaw_rate
-        return Twist(0.0, rate if abs(error) > ALIGNED else 0.0)
+        error = observation.turn_to(yaw)
+        return Twist(0.0, turning(error, self._rover) if abs(error) > ALIGNED else 0.0)
 
     def _bearing_to_goal(self, observation: Observation) -> float:
         x, y, _ = self._target or (observation.x, observation.y, 0.0)
-        bearing = math.atan2(y - observation.y, x - observation.x)
-        return math.remainder(bearing - observation.yaw, math.tau)
+        return observation.bearing_to(x, y)

@@ -60,7 +60,7 @@ def rolled(
         close: Distance within which places are close [m].
         ahead: How far ahead of the last place AHEAD is [m].
     """
-    found = np.zeros((len(plans), 6))
+    result = np.zeros((len(plans), 6))
     for number in range(len(plans)):
         x, y, cos, sin = pose[0], pose[1], pose[2], pose[3]
         least, sum_close, end, nearest, farthest = math.inf, 0.0, math.inf, math.inf, 0.0
@@ -77,7 +77,7 @@ def rolled(
             sum_close += max(0.0, 1.0 - room / close) ** 2
             if room <= 0.0:
                 break
-        found[number, ROOM], found[number, CLOSE] = least, sum_close
-        found[number, END], found[number, NEAREST], found[number, FARTHEST] = end, nearest, farthest
-        found[number, AHEAD] = looked_up(to_go, x + ahead * cos, y + ahead * sin)
-    return found
+        result[number, ROOM], result[number, CLOSE] = least, sum_close
+        result[number, END], result[number, NEAREST], result[number, FARTHEST] = end, nearest, farthest
+        result[number, AHEAD] = looked_up(to_go, x + ahead * cos, y + ahead * sin)
+    return result

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import kernel
 from harness.base.sim_time import NANOSECONDS
-from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation, turning
 from harness.samples import LaserScan, Sample, Twist
 
 GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
@@ -66,9 +66,7 @@ class Wander:
             return Twist(-0.6 * self._rover.cruise_speed, self._back_out_turn)
         if self._is_stuck(observation):
             return self._start_backing_out(observation)
-        error = self._bearing_to_goal(observation)
-        free = self._free_ranges(observation)
-        return self._steer(error, free)
+        return self._steer(self._bearing_to_goal(observation), self._free_ranges(observation))
 
     def _bearing_to_goal(self, observation: Observation) -> float:
         x, y = self._middle
@@ -79,8 +77,7 @@ class Wander:
         if self._goal is None or is_late or math.dist(self._goal, here) < GOAL_REACHED:
             self._goal = self._next_goal(observation)
             self._goal_since_ns = observation.time_ns
-        bearing = math.atan2(self._goal[1] - observation.y, self._goal[0] - observation.x)
-        return math.remainder(bearing - observation.yaw, math.tau)
+        return observation.bearing_to(*self._goal)
 
     def _next_goal(self, observation: Observation) -> tuple[float, float]:
         distance = self._rng.uniform(*GOAL_DISTANCE)
@@ -102,11 +99,10 @@ class Wander:
         cost = np.abs(np.remainder(HEADINGS - error + math.pi, math.tau) - math.pi) - 1.5 * usable
         heading = float(HEADINGS[int(np.argmin(cost))])
         ahead = float(free[len(HEADINGS) // 2])
-        turn = max(-1.0, min(1.0, 1.5 * heading)) * self._rover.cruise_yaw_rate
         if ahead < self._stop_range:
             return Twist(0.0, math.copysign(self._rover.cruise_yaw_rate, heading))
         slow = min(1.0, ahead / self._slow_range) * max(0.0, math.cos(heading))
-        return Twist(self._rover.cruise_speed * slow, turn)
+        return Twist(self._rover.cruise_speed * slow, turning(heading, self._rover, 1.5))
 
     def _is_stuck(self, observation: Observation) -> bool:
         here = (observation.x, observation.y)

@@ -24,7 +24,7 @@ from harness.samples import ActorPoses, GoalPose, Imu, Place, Sample, Tick, Twis
 from harness.sensors.base import EpisodeParts
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.people import PeopleSensor
+from harness.sensors.state import PeopleSensor
 from harness.sensors.suite import SensorSuite
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run

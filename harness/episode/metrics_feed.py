@@ -1,17 +1,20 @@
 """How samples become rows without ROS, and what a run knows of its rover for the extended columns."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
-from harness.robots import RoverSpec
+from harness.episode.assembly import gravity, has_soil, tells_energy
+from harness.robots import RoverSpec, find_rover
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
 from harness.sensors import table
 from harness.sensors.battery import Battery
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.extended.settings import ExtendedSettings, Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.timing import RowSchedule
@@ -41,6 +44,25 @@ def extended_settings(
         soil=soil,
         energy=energy,
     )
+
+
+def metric_settings(run: Run, values: Mapping[str, Any], number: int = 0, *, extended: bool) -> Settings:
+    """Returns the settings of the metrics of a rover.
+
+    Args:
+        run: Says what the extended columns are made with.
+        values: Parameters that are not the defaults, by name.
+        number: The rover's place in the run.
+        extended: Whether the log is to have the extended columns.
+    """
+    settings = Settings()
+    if extended:
+        rover = run.rovers[number]
+        of_run = extended_settings(
+            find_rover(rover.robot), gravity(run, number), soil=has_soil(run), energy=tells_energy(rover)
+        )
+        settings = Settings(extended_columns=True, extended=of_run)
+    return settings.updated(values)
 
 
 class SampleFeed:

@@ -20,9 +20,9 @@ from multiprocessing.connection import Connection
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from harness.base.edge import loading
 from harness.base.errors import HarnessError, RunFailed
 from harness.base.interrupt import held_back
-from harness.base.loading import loading
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.assembly import check_world, world_of
 from harness.episode.batch import Batch, EpisodeInfo

@@ -23,12 +23,7 @@ CommandAct = Callable[[Fault[Any], np.random.Generator], CommandEffect]
 
 
 class ActuatorFaults:
-    """Call `command` with every command and `act` before every tick.
-
-    Args:
-        faults: Of a rover; those of its sensors are left out.
-        seed: Of the run.
-    """
+    """Call `command` with every command and `act` before every tick; faults of sensors are left out."""
 
     def __init__(self, faults: Iterable[Fault[Any]], seed: int) -> None:
         drawn = [(fault, generator(seed, FAULTS, index)) for index, fault in enumerate(faults)]

@@ -51,15 +51,15 @@ def find_faults(
         UsageError: There is no such sensor or fault, or a value is not valid; the message names what is.
     """
     known = None if rows is None else tuple(rows)
-    found, copies = tuple(_find(spec, known) for spec in specs), Counter[str]()
-    for fault in found:
+    faults, copies = tuple(_find(spec, known) for spec in specs), Counter[str]()
+    for fault in faults:
         if fault.kind.name == DUPLICATE:
             copies[fault.sensor] = int(fault.value) * (copies[fault.sensor] or 1)
     for sensor, count in copies.items():
         if count > MOST_COPIES:
             each = f"faults of {sensor} send each message {count:,} times"
             raise UsageError(f"{each}; give {DUPLICATE}s that come to {MOST_COPIES:,} at most")
-    return found
+    return faults
 
 
 @cache  # a run checks its options and then makes its faults

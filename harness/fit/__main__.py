@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.fit")
@@ -20,7 +20,6 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
-from harness.base.loading import loading
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.workers import add_options, workers_of
 from rover_metrics.errors import OneLineParser
@@ -103,14 +102,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", required=True, type=Path, metavar="FOLDER", help="the new folder")
     about = "write what is found of tyres and ground as this surface; default: as the rover's own tyres"
     parser.add_argument("--surface", default="", metavar="NAME", help=about)
-    about = "of a bag, where it should be another: SERIES=TOPIC, SERIES one of " + ", ".join(SERIES)
-    parser.add_argument(
-        "--topic",
-        action="append",
-        default=[],
-        metavar="SERIES=TOPIC",
-        help=f"{about}; repeatable; default: by type",
-    )
+    about = f"of a bag, where it should be another: SERIES=TOPIC, SERIES one of {', '.join(SERIES)}"
+    about += "; repeatable; default: by type"
+    parser.add_argument("--topic", action="append", default=[], metavar="SERIES=TOPIC", help=about)
     about = "of the recording, from its first command (default: %(default)g)"
     parser.add_argument("--seconds", type=float, default=LONGEST, metavar="S", help=about)
     add_options(parser)

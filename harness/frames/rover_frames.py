@@ -15,7 +15,7 @@ from harness.base.errors import UsageError
 from harness.frames.tree import Edge, check_tree
 from harness.robots import FrameRow, RoverSpec
 from harness.robots.measures import frame_name
-from harness.robots.model import ROOT_ID, read_model
+from harness.robots.model import ROOT_ID, compiled_alone
 from harness.samples import Quaternion, Vector3
 from harness.sensors.optional import Mount
 
@@ -64,8 +64,10 @@ class RoverFrames:
 
     def in_parent(self, link: Link) -> Matrix:
         """Returns the pose of a frame in its parent while the joint between them is at 0."""
-        (parent,) = (other for other in self.links if other.name == link.parent)
-        return np.linalg.inv(parent.in_base) @ link.in_base
+        return np.linalg.inv(self._link(link.parent).in_base) @ link.in_base
+
+    def _link(self, name: str) -> Link:
+        return next(link for link in self.links if link.name == name)
 
     def mount(self, frame: str, scene: mujoco.MjModel, prefix: str = "") -> Mount:
         """Returns where one of the frames is in a scene that the rover has been put into.
@@ -75,8 +77,8 @@ class RoverFrames:
             scene: The model of the scene.
             prefix: What the rover's names begin with there.
         """
-        (link,) = (link for link in self.links if link.name == frame)
-        data, body = self.data, link.body
+        link, data = self._link(frame), self.data
+        body = link.body
         in_body = np.linalg.inv(homogeneous(data.xpos[body], data.xmat[body])) @ link.in_base
         return Mount(scene.body(prefix + self.model.body(body).name).id, in_body[:3, 3], in_body[:3, :3])
 
@@ -89,14 +91,9 @@ class RoverFrames:
 def rover_frames(rover: RoverSpec, mounts: Iterable[FrameRow] = ()) -> RoverFrames:
     """Returns the frames of a rover, with those of the optional sensors that it carries.
 
-    Raises:
-        UsageError: The frames of rover.yaml are no tree, or do not fit the model; it names what is.
+    UsageError if the frames of rover.yaml are no tree, or do not fit the model.
     """
-    model = read_model(rover).compile()
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    data.qpos[3] = 1.0  # the free joint of the rover is the first
-    mujoco.mj_kinematics(model, data)
+    model, data = compiled_alone(rover)
     where = rover.folder / "rover.yaml"
     rows = (*rover.frames, *_of_the_model(rover, model), *mounts)
     base = rover.odometry_child_frame

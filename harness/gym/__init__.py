@@ -8,6 +8,7 @@ docs/gym.md has a section for each: spaces, reward, endings, options.
 """
 
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from harness.base.errors import UsageError
@@ -37,7 +38,11 @@ ENVIRONMENTS = Shipped[Any](
         "RoverHarness/RoboTerrain-v0": ".robo_terrain:RoboTerrainEnv",
     },
 )
-_VECTORS = ("point_nav_vector", "point_nav_goal_vector", "robo_terrain_vector")
+_VECTORS = {  # of each environment, as Gymnasium's registry calls for many at once
+    "point_nav_vector": "RoverHarness/PointNav-v0",
+    "point_nav_goal_vector": "RoverHarness/PointNavGoal-v0",
+    "robo_terrain_vector": "RoverHarness/RoboTerrain-v0",
+}
 _PLACES = Shipped[object](
     "harness.gym",
     {
@@ -45,19 +50,23 @@ _PLACES = Shipped[object](
         "Defects": ".robo_terrain:Defects",
         "PointNavWeights": ".point_nav:PointNavWeights",
         "Randomisation": ".options:Randomisation",
-        **{name: f".vectors:{name}" for name in _VECTORS},
     },
 )
 
 # The registry has all by name: a spec whose entry points are text can be written to a file.
-for (_id, _place), _vector in zip(ENVIRONMENTS.places.items(), _VECTORS, strict=True):
+for _vector, _id in _VECTORS.items():
     if _id not in gymnasium.registry:
+        _place = ENVIRONMENTS.places[_id]
         gymnasium.register(
             _id, entry_point=f"{__name__}{_place}", vector_entry_point=f"{__name__}:{_vector}"
         )
 
 
 def __getattr__(name: str) -> object:
+    if name in _VECTORS:
+        from harness.gym.processes import vector  # noqa: PLC0415 - which one environment does without
+
+        return partial(vector, ENVIRONMENTS[_VECTORS[name]])
     if name not in _PLACES:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     return _PLACES[name]

@@ -20,7 +20,7 @@ from harness.physics.start import check_room, check_start
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.range_sensor import RangeSensor
+from harness.sensors.ranging import RangeSensor
 from harness.spec.run import Run
 from harness.world.world import Start, starting_at
 

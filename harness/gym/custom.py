@@ -133,13 +133,12 @@ class Own:
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:
-    """Returns what is asked for by values, or by the names of plug-ins or FILE.py:NAME.
-
-    Raises:
-        UsageError: There is no such plug-in, or a value is not what it should be.
-    """
-    sights = {} if observe is None else {_short(observe): _named("observe_fn", observe, OBSERVATIONS)}
-    return Own(_named("reward_fn", reward, REWARDS), _checked(terminate), sights)
+    """Returns what values or names of plug-ins or FILE.py:NAME ask for; UsageError if one is wrong."""
+    if terminate is not None and not callable(terminate):
+        raise UsageError(f"terminate_fn {terminate!r} is not valid; give a function (truth) -> bool")
+    name = observe.rpartition(":")[2] if isinstance(observe, str) else OWN
+    sights = {} if observe is None else {name: _named("observe_fn", observe, OBSERVATIONS)}
+    return Own(_named("reward_fn", reward, REWARDS), terminate, sights)
 
 
 def _named(option: str, value: object, table: Table[Any]) -> Any:  # noqa: ANN401 - of the table's kind
@@ -148,13 +147,3 @@ def _named(option: str, value: object, table: Table[Any]) -> Any:  # noqa: ANN40
     if not isinstance(value, str):
         raise UsageError(f"{option} {value!r} is not valid; give {table.form}, or the name of a plug-in")
     return find_named(option, value, table)
-
-
-def _checked(terminate: object) -> Any:  # noqa: ANN401 - a TerminateFn or None
-    if terminate is None or callable(terminate):
-        return terminate
-    raise UsageError(f"terminate_fn {terminate!r} is not valid; give a function (truth) -> bool")
-
-
-def _short(observe: object) -> str:
-    return observe.rpartition(":")[2] if isinstance(observe, str) else OWN

@@ -11,11 +11,11 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from scipy.stats import binomtest
 
 import harness.gym  # noqa: F401 - registers
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.policy import BESIDE_LIDAR, Policy
+from rover_metrics.analysis.statistics.summary import wilson
 from rover_metrics.sheet.sheet import Sheet
 
 TITLES = ("policy", "terrain", "reached", "95 % interval", "else", "time, median")
@@ -66,14 +66,14 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
     """Returns a row of the table, in the order of TITLES."""
     endings = Counter(outcome.ending for outcome in outcomes)
     good, count = endings.pop("reached", 0), len(outcomes)
-    share = binomtest(good, count).proportion_ci(0.95, method="wilson")
+    low, high = wilson(good, count, 0.95)
     failures = ", ".join(f"{ending} {number}" for ending, number in sorted(endings.items()))
     times = [outcome.seconds for outcome in outcomes if outcome.ending == "reached"]
     return (
         name,
         terrain,
         f"{good} of {count}",
-        f"{share.low:.0%} to {share.high:.0%}",
+        f"{low:.0%} to {high:.0%}",
         failures or "-",
         f"{median(times):.1f} s" if times else "-",
     )

@@ -12,13 +12,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.gym.policy")
 
 from harness.base.errors import UsageError, find_named
-from harness.base.loading import loading
 from harness.cli.sheets import add_files, files_of, write_sheets
 from rover_metrics.errors import OneLineParser
 

@@ -20,9 +20,9 @@ from rover_metrics.errors import OneLineParser, begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.gym.policy_node")
 
-from harness.base.errors import INSTALL_ROS, UsageError
+from harness.base.errors import UsageError, needing_ros
 
-try:
+with needing_ros():
     import rclpy
     from geometry_msgs.msg import PoseArray, PoseStamped, Twist
     from nav_msgs.msg import Odometry as OdometryMessage
@@ -31,8 +31,6 @@ try:
     from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import Imu as ImuMessage
     from sensor_msgs.msg import LaserScan as ScanMessage
-except ImportError as error:
-    raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
 
 import numpy as np
 

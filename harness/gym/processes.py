@@ -181,14 +181,14 @@ class ProcessVectorEnv(ManyRovers):
                 child.join()
         self._children.clear()
 
-    def _ask(self, what: str, args: Sequence[tuple[Any, ...]]) -> list[Any]:
+    def _ask(self, request: str, args: Sequence[tuple[Any, ...]]) -> list[Any]:
         """Asks all processes at once; returns their answers, one after the other, or raises an error."""
         if not self._children:
             raise RuntimeError("the environments are closed")
         try:
             for (connection, _), given in zip(self._children, args, strict=True):
                 with contextlib.suppress(ConnectionError):  # the answer tells why
-                    connection.send((what, *given))
+                    connection.send((request, *given))
             answers = [_received(*child) for child in self._children]
         except BaseException:  # of a signal too: who answers now would answer too late
             self.close()
@@ -230,22 +230,22 @@ def _serve(
     envs = RoverVectorEnv(make, num_envs=part.stop - part.start, **given)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
-            what, *args = connection.recv()
+            request, *args = connection.recv()
             try:
-                answer: object = _answer(envs, shared, what, args)
+                answer: object = _answer(envs, shared, request, args)
             except Exception as error:  # noqa: BLE001 - it is raised where it was asked for
                 answer = error
             connection.send(answer)
 
 
-def _answer(envs: RoverVectorEnv, shared: Shared, what: str, args: list[Any]) -> Sequence[Any]:
-    if what == "render":
+def _answer(envs: RoverVectorEnv, shared: Shared, request: str, args: list[Any]) -> Sequence[Any]:
+    if request == "render":
         return envs.render()
-    if what != "reset":
+    if request != "reset":
         envs.accept(shared.actions)
-    if what == "accept":
+    if request == "accept":
         return ()
-    if what == "step":
+    if request == "step":
         for flags in (shared.terminated, shared.truncated):
             flags.fill(False)
         shared.rewards.fill(0.0)

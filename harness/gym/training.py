@@ -215,12 +215,8 @@ def curve(episodes: list[tuple[int, str, bool]], terrains: tuple[str, ...]) -> F
 def train(values: Mapping[str, object], where: str) -> None:
     """Learns, then writes the policy and the curve; Ctrl-C ends learning early.
 
-    Args:
-        values: Of a Training.
-        where: What they were read from, for messages.
-
     Raises:
-        UsageError: One is not valid, or a file cannot be written.
+        UsageError: One of the `values` of a Training, read from `where`, is not valid.
     """
     config = made(Training, values, where)
     for terrain in config.terrains:

@@ -98,6 +98,21 @@ def line(
     }
 
 
+def points(name: str, x: ArrayLike, y: ArrayLike, marker: Layout, hover: str | None = None) -> Trace:
+    """Returns marks.
+
+    Args:
+        name: In the legend.
+        x: Shape (n,).
+        y: Shape (n,).
+        marker: In Plotly's terms.
+        hover: Template of the text under the pointer; Plotly's own if None.
+    """
+    look = {"type": "scatter", "mode": "markers", "name": name}
+    trace = look | {"x": numbers(x), "y": numbers(y), "marker": marker}
+    return trace if hover is None else trace | {"hovertemplate": f"{hover}<extra></extra>"}
+
+
 def band(name: str, x: ArrayLike, low: ArrayLike, high: ArrayLike) -> list[Trace]:
     """Returns the area between two curves, as the legend names it; x, low and high of shape (n,)."""
     edges = [line(name, x, y, BAND, width=0) for y in (low, high)]

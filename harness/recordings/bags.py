@@ -5,14 +5,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series
+from harness.recordings.recording import Recording, Series, in_order
 from harness.robots import RoverSpec
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
+from rover_metrics.bag.playback import deserialised
+from rover_metrics.core.rotation import yaw
 from rover_metrics.timing import NANOSECONDS
 
 Row = tuple[float, ...]
@@ -31,16 +32,16 @@ def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
     speeds = dict(zip(message.name, message.velocity, strict=False))
     torques = dict(zip(message.name, message.effort, strict=False))
     tied = rover.actuators is not None and rover.actuators.one_motor_a_side
-    found: dict[str, list[float]] = {"wheels": [], "torques": []}
+    rims, efforts = list[float](), list[float]()
     for side in (rover.drive.left, rover.drive.right):
         if not all(name in speeds for name in side):
             return {}
-        found["wheels"].append(rover.controller_radius * float(np.mean([speeds[n] for n in side])))
-        driven = [n for n in side if n in rover.drive.driven and n in torques]
+        rims.append(rover.controller_radius * float(np.mean([speeds[name] for name in side])))
+        driven = [name for name in side if name in rover.drive.driven and name in torques]
         given = np.array([torques[name] * np.sign(speeds[name]) for name in driven])
-        found["torques"] += [max(float(given.sum()), 0.0) if tied else float(given.clip(0.0).sum())]
+        efforts.append(max(float(given.sum()), 0.0) if tied else float(given.clip(0.0).sum()))
     has_efforts = all(name in torques for name in rover.drive.driven)
-    return {name: tuple(row) for name, row in found.items() if name == "wheels" or has_efforts}
+    return {"wheels": tuple(rims)} | ({"torques": tuple(efforts)} if has_efforts else {})
 
 
 def _imu(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
@@ -54,8 +55,7 @@ def _poses(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
     if pose is None:
         return {}
     p, q = pose.position, pose.orientation
-    yaw = np.arctan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))
-    return {"poses": (p.x, p.y, float(yaw))}
+    return {"poses": (p.x, p.y, yaw((q.x, q.y, q.z, q.w)))}
 
 
 def _odometry(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
@@ -108,7 +108,7 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
             rows = _rows(bag, rover, chosen or {})
     except BagError as error:
         raise UsageError(f"{path}: {error}") from error
-    series = {name: _ordered(some) for name, some in rows.items()}
+    series = {name: _timed(some) for name, some in rows.items()}
     if "poses" in series:
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
     return Recording(path.name, **series)  # type: ignore[arg-type]  # of series alone
@@ -121,37 +121,31 @@ def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, li
         for topic in sorted(t for t, k in bag.topics.items() if k == kind and word in t):
             if TRUTH not in topic:
                 takes.setdefault(topic, take)
-    found: dict[str, list[Row]] = {}
+    rows: dict[str, list[Row]] = {}
     source: dict[str, str] = dict(chosen)
     ranked = {topic: rank for rank, topic in enumerate(takes)}
     for message in bag.messages(takes):
         if message.topic not in takes:
             continue
-        try:
-            read = store.deserialize_cdr(message.data, bag.topics[message.topic])
-        except (SerdeError, IndexError, AssertionError, MemoryError):
+        read = deserialised(store, message.data, bag.topics[message.topic])
+        if read is None:
             continue
         header, now = getattr(read, "header", None), message.time_ns / NANOSECONDS
         stamp = header.stamp.sec + header.stamp.nanosec / NANOSECONDS if header is not None else 0.0
         for name, row in takes[message.topic](read, rover).items():
             before = source.setdefault(name, message.topic)
             if name not in chosen and ranked[message.topic] < ranked[before]:
-                source[name], found[name] = message.topic, []
+                source[name], rows[name] = message.topic, []
             if source[name] == message.topic:
-                found.setdefault(name, []).append((stamp or np.nan, now, *row))
-    return found
+                rows.setdefault(name, []).append((stamp or np.nan, now, *row))
+    return rows
 
 
-def _ordered(rows: list[Row]) -> Series:
+def _timed(rows: list[Row]) -> Series:
     """Values by their stamps, or where those are of another clock by when they were recorded."""
     table = np.array(rows)
     stamps, recorded = table[:, 0], table[:, 1]
     near = np.abs(stamps - recorded) < APART
     times = stamps if near.mean() > 0.5 else recorded
     whole = np.column_stack([times, table[:, 2:]])
-    whole = whole[np.isfinite(whole).all(axis=1) & (near if times is stamps else True)]
-    whole = whole[np.argsort(whole[:, 0], kind="stable")]
-    ordered: Series = (
-        whole[np.concatenate([[True], np.diff(whole[:, 0]) > 0.0])] if len(whole) else whole
-    )
-    return ordered
+    return in_order(whole[np.isfinite(whole).all(axis=1) & (near if times is stamps else True)])

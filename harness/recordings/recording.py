@@ -20,37 +20,26 @@ def empty(columns: int) -> Series:
 class Recording:
     """Series by rows, each with its time [s] first, in order; those that are not there are empty.
 
-    Attributes:
-        name: Of the file or the run.
-        ground: What it drove on, as its file says; "" if that is not known.
-        commands: v [m/s], yaw rate [rad/s].
-        wheels: Speeds of the rims of the left and the right side, by the believed radius [m/s].
-        currents: Of the left and the right side's motors [A].
-        imu: Angular velocity [rad/s], acceleration with gravity [m/s^2]; NaN of axes without a record.
-        poses: x, y [m], yaw that goes on past pi [rad].
-        torques: What the motors of the left and the right side give, 0 of one that is dragged [N m].
-        power: What the battery gives [W].
-        steps: Begin and end of each commanded step [s].
+    Where there are two columns, the left and the right side's, the left is first. Axes of the IMU
+    without a record are NaN.
     """
 
-    name: str
-    ground: str = ""
-    commands: Series = field(default_factory=lambda: empty(3))
-    wheels: Series = field(default_factory=lambda: empty(3))
-    currents: Series = field(default_factory=lambda: empty(3))
-    imu: Series = field(default_factory=lambda: empty(7))
-    poses: Series = field(default_factory=lambda: empty(4))
-    torques: Series = field(default_factory=lambda: empty(3))
-    power: Series = field(default_factory=lambda: empty(2))
-    steps: Series = field(default_factory=lambda: empty(2))
+    name: str  # of the file or the run
+    ground: str = ""  # what it drove on, as its file says; "" if that is not known
+    commands: Series = field(default_factory=lambda: empty(3))  # v [m/s], yaw rate [rad/s]
+    wheels: Series = field(default_factory=lambda: empty(3))  # of rims, by the believed radius [m/s]
+    currents: Series = field(default_factory=lambda: empty(3))  # of both sides' motors [A]
+    imu: Series = field(default_factory=lambda: empty(7))  # w [rad/s], a with gravity [m/s^2]
+    poses: Series = field(default_factory=lambda: empty(4))  # x, y [m], yaw that goes on past pi [rad]
+    torques: Series = field(default_factory=lambda: empty(3))  # of motors, 0 of one dragged [N m]
+    power: Series = field(default_factory=lambda: empty(2))  # what the battery gives [W]
+    steps: Series = field(default_factory=lambda: empty(2))  # begin and end of each commanded one [s]
 
     @property
     def series(self) -> dict[str, Series]:
         """The series that are there, by name."""
-        named = {
-            "commands": self.commands, "wheels": self.wheels, "currents": self.currents,
-            "imu": self.imu, "poses": self.poses, "torques": self.torques, "power": self.power,
-        }  # fmt: skip
+        names = ("commands", "wheels", "currents", "imu", "poses", "torques", "power")
+        named: dict[str, Series] = {name: getattr(self, name) for name in names}
         return {name: values for name, values in named.items() if len(values) > 1}
 
     def within(self, begin: float, end: float) -> "Recording":
@@ -59,6 +48,23 @@ class Recording:
         inside = (self.steps[:, 0] >= begin) & (self.steps[:, 1] <= end)
         cut["steps"] = self.steps[inside]
         return replace(self, **cut)  # type: ignore[arg-type]  # names of series alone
+
+
+def moved(series: Series, seconds: float) -> Series:
+    """Returns a series whose times are that much later [s]."""
+    later: Series = series + np.eye(1, series.shape[1])[0] * seconds
+    return later
+
+
+def in_order(rows: Series) -> Series:
+    """Returns rows in the order of their times [s], of each time the first."""
+    ordered: Series = rows[np.argsort(rows[:, 0], kind="stable")]
+    return ordered[np.diff(ordered[:, 0], prepend=-np.inf) > 0.0]
+
+
+def changes(values: Series) -> NDArray[np.bool_]:
+    """Returns which rows have other values than the row before; the first one has."""
+    return np.concatenate([[True], (np.diff(values, axis=0) != 0.0).any(axis=1)])
 
 
 def at(series: Series, times: Series) -> Series:
@@ -81,8 +87,8 @@ def lag(recording: Recording, track: float) -> float | None:
         return None
     times = np.arange(begin, end, 1 / ALIGNED_RATE)
     sides, felt = at(wheels, times), at(imu, times)[:, 2]
-    told = (sides[:, 1] - sides[:, 0]) / track
-    if not min(told.std(), felt.std()) >= TURNING or np.isnan(felt).any():
+    rolled = (sides[:, 1] - sides[:, 0]) / track
+    if not min(rolled.std(), felt.std()) >= TURNING or np.isnan(felt).any():
         return None
-    likeness = np.correlate(felt - felt.mean(), told - told.mean(), "full")
+    likeness = np.correlate(felt - felt.mean(), rolled - rolled.mean(), "full")
     return float((int(np.argmax(likeness)) - len(times) + 1) / ALIGNED_RATE)

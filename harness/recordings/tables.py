@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from harness.base.errors import UsageError, unknown
-from harness.recordings.recording import Recording, Series, empty
+from harness.recordings.recording import Recording, Series, changes, empty, in_order
 
 NAMES: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "stamp", "secs"),
@@ -77,13 +77,13 @@ def recordings_of(folder: Path, radius: float) -> list[Recording]:
         if path.name != "runs.csv":
             parts.setdefault(PART.sub("", path.name.split(".csv")[0]), []).append(path)
     grounds = _grounds(folder / "runs.csv")
-    found = [_joined(key, paths, grounds, radius) for key, paths in parts.items()]
-    if not any(one.series for one in found):
+    read = [recording_of(paths, key, radius, grounds.get(key, "")) for key, paths in parts.items()]
+    if not any(one.series for one in read):
         raise UsageError(
             f"{folder} holds no recording; give CSV files with a column t and some of left_speed, "
             "right_speed, cmd_v, cmd_w, wz, az, x, y (docs/real_rovers.md)"
         )
-    return [one for one in found if one.series]
+    return [one for one in read if one.series]
 
 
 def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = "") -> Recording:
@@ -103,15 +103,11 @@ def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = 
         table = _read(path)
         if "ground" in table and len(table) and not ground:
             ground = str(table["ground"].iloc[0])
-        found = _series(table, radius, path)
-        if twice := sorted(found.keys() & series.keys()):
+        read = _series(table, radius, path)
+        if twice := sorted(read.keys() & series.keys()):
             raise UsageError(f"{path}: the {twice[0]} of {name} stand in another file too; give one")
-        series |= found
+        series |= read
     return Recording(name, ground or re.sub(r"[_\-]?\d+$", "", name), **series)
-
-
-def _joined(key: str, paths: list[Path], grounds: Mapping[str, str], radius: float) -> Recording:
-    return recording_of(paths, key, radius, grounds.get(key, ""))
 
 
 def _grounds(path: Path) -> dict[str, str]:
@@ -178,7 +174,7 @@ def _series(table: pd.DataFrame, radius: float, path: Path) -> dict[str, Series]
     back = -float(_steps_of(table["t"]).min(initial=0.0))
     if back > BACK:
         raise UsageError(f"{path}: time goes back by {back:.1f} s; give each drive a file of its own")
-    found = {
+    series = {
         "commands": _columns(table, "v", "w"),
         "wheels": _columns(table, "left", "right"),
         "currents": _columns(table, "left_current", "right_current"),
@@ -188,9 +184,9 @@ def _series(table: pd.DataFrame, radius: float, path: Path) -> dict[str, Series]
         "poses": _poses(table),
         "steps": _steps(table),
     }
-    if not len(found["wheels"]):
-        found["wheels"] = _columns(table, "left_turn", "right_turn") * [1.0, radius, radius]
-    return {name: values for name, values in found.items() if len(values)}
+    if not len(series["wheels"]):
+        series["wheels"] = _columns(table, "left_turn", "right_turn") * [1.0, radius, radius]
+    return {name: values for name, values in series.items() if len(values)}
 
 
 def _columns(table: pd.DataFrame, *names: str) -> Series:
@@ -198,12 +194,7 @@ def _columns(table: pd.DataFrame, *names: str) -> Series:
     if not set(names) <= set(table.columns):
         return empty(1 + len(names))
     numbers = table[["t", *names]].apply(pd.to_numeric, errors="coerce").to_numpy(float)
-    rows = numbers[np.isfinite(numbers).all(axis=1)]
-    rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    if not len(rows):
-        return empty(1 + len(names))
-    whole: Series = rows[np.concatenate([[True], np.diff(rows[:, 0]) > 0.0])]
-    return whole
+    return in_order(numbers[np.isfinite(numbers).all(axis=1)])
 
 
 def _imu(table: pd.DataFrame) -> Series:
@@ -228,8 +219,7 @@ def _poses(table: pd.DataFrame) -> Series:
         table = table.assign(yaw=np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
     series = _columns(table, "x", "y", "yaw")
     if len(series):
-        changed = np.concatenate([[True], (np.diff(series[:, 1:], axis=0) != 0.0).any(axis=1)])
-        series = series[changed]
+        series = series[changes(series[:, 1:])]
         series[:, 3] = np.unwrap(series[:, 3])
     return series
 
@@ -239,12 +229,10 @@ def _steps(table: pd.DataFrame) -> Series:
     if not {"step", "state"} <= set(table.columns):
         return empty(2)
     runs = table[table["state"].astype(str).str.casefold().isin(RUNNING)]
-    whole = [_longest(times["t"].to_numpy(float)) for _, times in runs.groupby("step")]
+    whole: list[tuple[float, float]] = []
+    for _, rows in runs.groupby("step"):
+        times = rows["t"].to_numpy(float)
+        parts = np.split(times, np.flatnonzero(np.diff(times) > PAUSE) + 1)
+        # Of a step that was paused, the longest part.
+        whole.append(max(((part[0], part[-1]) for part in parts), key=lambda ends: ends[1] - ends[0]))
     return np.array(whole).reshape(-1, 2)
-
-
-def _longest(times: Series) -> tuple[float, float]:
-    """Begin and end of the longest part without a pause, of a step that was paused."""
-    parts = np.split(times, np.flatnonzero(np.diff(times) > PAUSE) + 1)
-    longest = max(parts, key=lambda part: float(part[-1] - part[0]))
-    return float(longest[0]), float(longest[-1])

@@ -16,26 +16,16 @@ from harness.episode.mishaps import mishaps
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
+from harness.report import tables
 from harness.report.encounters import NEAR, encounters
 from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder, Stretch
 from harness.report.series import MOST_ROWS, series_figure, varies
 from harness.report.soil import soil_plots
-from harness.report.tables import (
-    comparisons,
-    contact_table,
-    encounter_table,
-    facts,
-    key_figures,
-    message_table,
-    steady_text,
-)
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
-from harness.world.heightfield import Heightfield
-from rover_metrics.sheet.sheet import Sheet
 
 NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
@@ -60,26 +50,19 @@ def content(
         "outcome": values["outcome"],
         "mishaps": mishaps(result),
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
-        "key_figures": key_figures(result),
+        "key_figures": tables.key_figures(result),
         "map": terrain_map,
-        "comparisons": comparisons(result, log, recorder.track),
-        "encounters": encounter_table(met, world_of(result.run).people),
+        "comparisons": tables.comparisons(result, log, recorder.track),
+        "encounters": tables.encounter_table(met, world_of(result.run).people),
         "near": NEAR,
-        "contacts": contact_table(result),
-        "messages": message_table(result),
+        "contacts": tables.contact_table(result),
+        "messages": tables.message_table(result),
         "series": [*series, *soil],
-        "steady": Sheet.of(
-            {
-                "Column": plot.heading,
-                "Value": steady_text(plot.heading, log.columns[plot.heading]),
-                "Meaning": plot.caption,
-            }
-            for plot in steady
-        ),
+        "steady": tables.steady_table(log, steady),
         "notes": log.notes,
         "figures": named((terrain_map, *series, *soil)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
-        "facts": {name: facts(values[name] or {}) for name in LISTED},
+        "facts": {name: tables.facts(values[name] or {}) for name in LISTED},
     }
 
 
@@ -91,6 +74,12 @@ def _map(
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
     x, y, yaw = map(_signed, world.start if result.info is None else result.info.start)
+    middle = world.ground.middle
+    origin = (
+        f"the file's, the middle is at {', '.join(map(_signed, middle))}"
+        if any(middle)
+        else "the middle"
+    )
     collided, touched, near = collisions(log, track), contacts(track), meetings(track)
     placed, rover = recorder.last_scan, find_rover(result.rover.robot)
     figure = map_figure(
@@ -112,18 +101,12 @@ def _map(
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "
         f"{_signed(heights.max())} m. +x is right and +y is up (a heightmap's first row is on top), "
-        f"the origin is {_origin(world.ground)}; the rover starts at x {x} m, y {y} m, heading {yaw} "
+        f"the origin is {origin}; the rover starts at x {x} m, y {y} m, heading {yaw} "
         "rad from +x towards +y. Lit from the north-west, up being north, with slopes "
         f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
         f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
     )
     return Plot("map", summary, figure, "Map", caption)
-
-
-def _origin(ground: Heightfield) -> str:
-    if ground.middle == (0.0, 0.0):
-        return "the middle"
-    return f"the file's, the middle is at {', '.join(map(_signed, ground.middle))}"
 
 
 def _signed(value: float) -> str:

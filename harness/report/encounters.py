@@ -38,14 +38,11 @@ def _of_person(track: Sequence[Stretch], number: int) -> list[Encounter]:
         if stretch.approaches
     ]
     times = [[*some] for is_near, some in groupby(known, lambda one: one[1].distance < NEAR) if is_near]
-    return [
-        Encounter(
-            number,
-            min((approach for _, approach in some), key=lambda approach: approach.distance),
-            sum(seconds for seconds, _ in some) if times else 0.0,
-        )
-        for some in times or [known]
-    ]
+    met: list[Encounter] = []
+    for some in times or [known]:
+        nearest = min((approach for _, approach in some), key=lambda approach: approach.distance)
+        met.append(Encounter(number, nearest, sum(seconds for seconds, _ in some) if times else 0.0))
+    return met
 
 
 def _distance(encounter: Encounter) -> float:

@@ -10,18 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness import samples
 from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
-from harness.samples import (
-    ActorPoses,
-    Imu,
-    LaserScan,
-    PlacedScan,
-    Pose,
-    SoilState,
-    TruthState,
-    Vector3,
-)
+from harness.samples import PlacedScan, SoilState, Vector3
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
 FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
@@ -113,19 +105,19 @@ class RunRecorder:
         for tick in batch.ticks:
             for sample in tick.samples:
                 match sample:
-                    case Pose():
+                    case samples.Pose():
                         self._place = sample.position
-                    case ActorPoses():
+                    case samples.ActorPoses():
                         self._people = sample.position
                         approaches = _nearest(approaches, self._approaches(sample.stamp_ns))
-                    case TruthState():
+                    case samples.TruthState():
                         soil = sample.soil
-                    case Imu():
+                    case samples.Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
-                    case LaserScan():
+                    case samples.LaserScan():
                         finite = sample.ranges[np.isfinite(sample.ranges)]
                         nearest = min(nearest, float(finite.min(initial=np.inf)))
-                        if pose := tick.of(Pose):
+                        if pose := tick.of(samples.Pose):
                             self.last_scan = PlacedScan(sample, pose)
         truth, touched_s = batch.truth, self._contact_s
         self._contact_s = truth.hazard_contact_s

@@ -52,16 +52,30 @@ def series_figure(
     unit = fig.spelled(describe(name).unit)
     data = [*_samples(name, track), _logged(name, unit, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)
-    layout = fig.common_layout(
+    shapes = [*map(_contact, contacts), *_levels(name, thresholds, gravity)]
+    return {"data": data, "layout": over_time(end_s, unit, shapes, _range(name, log.columns[name]))}
+
+
+def over_time(
+    end_s: float, unit: str, shapes: Sequence[fig.Layout], values: fig.Layout | None = None
+) -> fig.Layout:
+    """Returns the layout of a plot over simulated time.
+
+    Args:
+        end_s: End of the axis of time [s].
+        unit: Of the values.
+        shapes: What is drawn beside the curves.
+        values: How the axis of the values differs from others.
+    """
+    return fig.common_layout(
         # Fixed margins, so that the time axes of all plots are in line.
         xaxis=fig.titled("simulated time [s]", automargin=False, range=[0.0, round(end_s, 2)]),
-        yaxis=fig.AXIS | {"automargin": False, **_range(name, log.columns[name])},
-        shapes=[*map(_contact, contacts), *_levels(name, thresholds, gravity)],
+        yaxis=fig.AXIS | {"automargin": False} | (values or {}),
+        shapes=list(shapes),
         hovermode="x",
         # Above the axis: beside it, long numbers would run into it.
         title={"text": f"[{unit}]" if unit else "", **ABOVE_AXIS},
     )
-    return {"data": data, "layout": layout}
 
 
 def varies(figure: fig.Figure, values: Sequence[float]) -> bool:

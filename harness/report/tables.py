@@ -8,7 +8,7 @@ import numpy as np
 from harness.base.errors import how_many
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.result import RunResult
-from harness.page.figure import DASH, MINUS, TIMES, spelled
+from harness.page.figure import DASH, MINUS, TIMES, Plot, spelled
 from harness.report.encounters import Encounter
 from harness.report.log import Log, describe, meetings
 from harness.report.recorder import Stretch
@@ -100,6 +100,18 @@ def message_table(result: RunResult) -> Sheet:
             "Lost": DASH if count.received is None else str(count.lost),
         }
         for topic, count in result.topics.items()
+    )
+
+
+def steady_table(log: Log, plots: Sequence[Plot]) -> Sheet:
+    """Returns the columns of a log, by their plots, that have one value all along."""
+    return Sheet.of(
+        {
+            "Column": plot.heading,
+            "Value": steady_text(plot.heading, log.columns[plot.heading]),
+            "Meaning": plot.caption,
+        }
+        for plot in plots
     )
 
 

@@ -6,19 +6,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from harness.page.figure import (
-    DASHES,
-    INK,
-    METRIC,
-    MINUS,
-    SCAN,
-    TRUTH,
-    Figure,
-    Layout,
-    Trace,
-    line,
-    numbers,
-)
+from harness.page import figure as fig
+from harness.page.figure import DASHES, INK, Trace, line, numbers
 from harness.report.encounters import Encounter, encounters
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
@@ -40,7 +29,7 @@ COLORBAR = {
     "yanchor": "bottom",
     "ypad": 0,
     "outlinewidth": 0,
-    "title": {"text": f"roughness ||a| {MINUS} g| [m/s²]", "side": "top"},
+    "title": {"text": f"roughness ||a| {fig.MINUS} g| [m/s²]", "side": "top"},
 }
 HOVER = (
     "t = %{customdata[0]:.2f} s<br>roughness %{customdata[1]:.2f} m/s²<br>"
@@ -74,7 +63,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
     others: Mapping[str, Sequence[Stretch]] = MappingProxyType({}),
     scan: Points,
     gravity: float,
-) -> Figure:
+) -> fig.Figure:
     """Returns a run from above, in metres, y up.
 
     Args:
@@ -88,24 +77,29 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
-    track = [stretch for stretch in track if all(map(math.isfinite, stretch.position))]
+    track = _known(track)
+    seen = [stretch.people for stretch in track if stretch.people]
+    people = {actor.name: [places[n] for places in seen] for n, actor in enumerate(world.people)}
+    rovers = {name: [one.position for one in _known(other)] for name, other in others.items()}
     data = [
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
-        _points(scan, "last scan", {"size": 3, "color": SCAN}),
+        _points(scan, "last scan", {"size": 3, "color": fig.SCAN}),
         ruts(track),
-        *_people(world.people, track),
-        *_others(others),
+        *_ways(people, PERSON),
+        *_ways(rovers, INK),
         *_path(track, gravity),
         *_ends(track),
         _encounters(encounters(track), world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
-        _events(collisions, "collision (metric)", "diamond-open", METRIC),
-        _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
+        _events(collisions, "collision (metric)", "diamond-open", fig.METRIC),
+        _events(contacts, "contact with a hazard (truth)", "x-thin-open", fig.TRUTH),
     ]
-    return {
-        "data": [trace for trace in data if trace["x"]],
-        "layout": map_layout(world.ground, hillshade, track),
-    }
+    layout = map_layout(world.ground, hillshade, track)
+    return {"data": [trace for trace in data if trace["x"]], "layout": layout}
+
+
+def _known(track: Sequence[Stretch]) -> list[Stretch]:
+    return [stretch for stretch in track if all(map(math.isfinite, stretch.position))]
 
 
 def _obstacles(obstacles: Sequence[Obstacle], kind: ObstacleKind) -> Trace:
@@ -113,16 +107,15 @@ def _obstacles(obstacles: Sequence[Obstacle], kind: ObstacleKind) -> Trace:
     shapes = [outline(obstacle).tolist() for obstacle in obstacles if obstacle.kind is kind]
     # Closed, with a gap between two.
     points = [point for shape in shapes for point in (*shape, shape[0], [math.nan, math.nan])]
-    return line(name, *_columns(points), "--obstacle-line", width=1) | {
-        "fill": "toself",
-        "fillcolor": color,
-    }
+    filled = {"fill": "toself", "fillcolor": color}
+    return line(name, *_columns(points), "--obstacle-line", width=1) | filled
 
 
 def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     """A line for contrast with the ground, and on it a point for each stretch, the roughest on top."""
     rough = roughness(track, gravity)
-    top = _scale_top(rough)
+    most = float(np.percentile(rough, SATURATED)) if rough else 0.0
+    top = next((top for top in SCALE_TOPS if top >= most), SCALE_TOPS[-1])
     casing = line("path", *_columns([stretch.position[:2] for stretch in track]), "--casing", width=9)
     order = np.argsort(rough, kind="stable").tolist()
     ticks = {"tickvals": [0.0, top / 2, top], "ticktext": ["0", f"{top / 2:g}", f"{top:g} or more"]}
@@ -140,18 +133,6 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     ]
     points = _points([track[index].position for index in order], "path", marker, HOVER)
     return [casing | {"showlegend": False}, points | {"showlegend": False, "customdata": details}]
-
-
-def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
-    known = [stretch.people for stretch in track if stretch.people]
-    places = {actor.name: [people[n] for people in known] for n, actor in enumerate(actors)}
-    return _ways(places, PERSON)
-
-
-def _others(tracks: Mapping[str, Sequence[Stretch]]) -> list[Trace]:
-    places = {name: [stretch.position for stretch in track] for name, track in tracks.items()}
-    known = {name: [p for p in path if all(map(math.isfinite, p))] for name, path in places.items()}
-    return _ways(known, INK)
 
 
 def _ways(places: Mapping[str, Sequence[Vector3]], color: str) -> list[Trace]:
@@ -185,11 +166,6 @@ def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> Trace:
     return line(CLOSEST, *_columns(points), PERSON, hover="%{hovertext}") | look
 
 
-def _scale_top(rough: Sequence[float]) -> float:
-    most = float(np.percentile(rough, SATURATED)) if rough else 0.0
-    return next((top for top in SCALE_TOPS if top >= most), SCALE_TOPS[-1])
-
-
 def _events(events: Sequence[Event], name: str, symbol: str, color: str) -> Trace:
     marker = {"symbol": symbol, "size": 13, "color": color, "line": {"color": color, "width": 3}}
     positions = [event.position for event in events]
@@ -215,8 +191,6 @@ def _columns(points: Points | Sequence[Sequence[float]]) -> tuple[Sequence[float
 
 
 def _points(
-    points: Points | Sequence[Sequence[float]], name: str, marker: Layout, hover: str | None = None
+    points: Points | Sequence[Sequence[float]], name: str, marker: fig.Layout, hover: str | None = None
 ) -> Trace:
-    x, y = map(numbers, _columns(points))
-    trace = {"type": "scatter", "mode": "markers", "name": name, "x": x, "y": y, "marker": marker}
-    return trace if hover is None else trace | {"hovertemplate": f"{hover}<extra></extra>"}
+    return fig.points(name, *_columns(points), marker, hover)

@@ -52,11 +52,7 @@ ROVERS: Mapping[str, RoverSpec] = _Rovers()
 
 
 def find_rover(robot: str) -> RoverSpec:
-    """Returns the rover of that name, or of the folder at that path.
-
-    Raises:
-        UsageError: There is no such rover, and the message names those there are; or it is not valid.
-    """
+    """Returns the rover of a name, or of a folder's path; UsageError, which names those there are."""
     if robot in ROVERS:
         return ROVERS[robot]
     if Path(robot).is_file():

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, unknown
-from harness.robots.model import COLLIDING_GROUP, by_side, compiled_alone, extent
+from harness.robots.model import body_box, by_side, compiled_alone
 from harness.robots.sections import Drive
 from harness.robots.spec import RoverSpec
 
@@ -48,7 +48,7 @@ class Drivetrain:
     @property
     def steered_wheels(self) -> tuple[str, ...]:
         """Wheels whose bodies hang on a steering joint's."""
-        steering = {int(self._model.joint(name).bodyid[0]) for name in self.drive.steering}
+        steering = {self._body_of(name) for name in self.drive.steering}
         return tuple(name for name in self._wheels if steering & set(self._above(name)))
 
     @property
@@ -66,19 +66,19 @@ class Drivetrain:
 
     def _box(self, joint: str) -> NDArray[np.float64]:
         """Lowest and highest x, y, z of the geoms of a wheel that collide [m], shape (2, 3)."""
-        model = self._model
-        body = int(model.joint(joint).bodyid[0])
-        of_wheel = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)
-        geoms: list[int] = np.flatnonzero(of_wheel).tolist()
-        if not geoms:
+        box = body_box(self._model, self._data, self._body_of(joint))
+        if not np.isfinite(box).all():
             raise UsageError(
                 f"{self._path}: wheel '{joint}' has no geom that collides; give its body one"
             )
-        return np.array(extent(model, self._data, geoms))
+        return box
+
+    def _body_of(self, joint: str) -> int:
+        return int(self._model.joint(joint).bodyid[0])
 
     def _above(self, joint: str) -> list[int]:
         """The bodies from a joint's up to the root."""
-        body, bodies = int(self._model.joint(joint).bodyid[0]), []
+        body, bodies = self._body_of(joint), []
         while body:
             bodies.append(body)
             body = int(self._model.body_parentid[body])

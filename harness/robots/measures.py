@@ -85,7 +85,7 @@ class Measures(Drivetrain):
 
     def _friction(self) -> float:
         """The friction of the wheels on ground of 1; MuJoCo takes the larger unless one has priority."""
-        model, wheels = self._model, [int(self._model.joint(name).bodyid[0]) for name in self._wheels]
+        model, wheels = self._model, [self._body_of(name) for name in self._wheels]
         tyres = np.flatnonzero(np.isin(model.geom_bodyid, wheels) & (model.geom_contype > 0))
         own, wins = model.geom_friction[tyres, 0], model.geom_priority[tyres] > 0
         return float(np.where(wins, own, np.maximum(own, 1.0)).max(initial=0.0)) or 1.0
@@ -110,7 +110,7 @@ class Measures(Drivetrain):
 
     def _clearance(self, rest_height: float) -> float:
         model = self._model
-        wheels = [int(model.joint(name).bodyid[0]) for name in self._wheels]
+        wheels = [self._body_of(name) for name in self._wheels]
         bodies = model.body_weldid[model.geom_bodyid]
         rest = [geom for geom in self._colliding() if bodies[geom] not in wheels]
         if not rest:

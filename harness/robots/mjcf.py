@@ -12,10 +12,9 @@ EXACTLY_BACKWARD = 1e-6  # [rad]
 
 
 def stated_by_mjcf(root: ET.Element) -> dict[str, object]:
-    """Returns what a model's file states of a rover, by the field's name.
+    """Returns what a model's file, as models/README.md has it, states of a rover, by the field's name.
 
-    Raises:
-        AttributeError, KeyError, ValueError, IndexError: It is not as models/README.md says.
+    Else it raises AttributeError, KeyError, ValueError or IndexError.
     """
     defaults: dict[str, dict[str, dict[str, str]]] = {}
     for top in root.findall("default"):

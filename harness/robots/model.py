@@ -33,11 +33,7 @@ ABOVE = 0.05  # [m] over the highest point: a lidar that nobody has placed
 
 
 def read_model(rover: RoverSpec) -> mujoco.MjSpec:
-    """Returns a rover's model, not compiled.
-
-    Raises:
-        UsageError: It cannot be read, the file of one of its meshes is not there, or it is no rover's.
-    """
+    """Returns a rover's model, not compiled; UsageError if it is unreadable or no rover's."""
     path = inside(rover.model_path, rover.folder, f"{rover.folder / 'rover.yaml'}: key 'model'")
     if not path.is_file():
         raise UsageError(f"{path}, the rover's model, does not exist; put it there, or mend key 'model'")
@@ -77,13 +73,9 @@ def keep_mujoco_quiet() -> None:
 
 
 def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
-    """Returns a model, compiled alone.
-
-    Raises:
-        UsageError: MuJoCo does not take it, or no rover can be so; the message says why.
-    """
+    """Returns a model, compiled alone; UsageError if MuJoCo does not take it or no rover can be so."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # of what check_quantities tells better
+        with warnings.catch_warnings(action="ignore"):  # of what check_quantities says better
             model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).removeprefix("Error: ").split())
@@ -99,11 +91,7 @@ def root_of(spec: mujoco.MjSpec) -> str:
 
 
 def free_root(spec: mujoco.MjSpec, path: Path) -> None:
-    """Leaves one body in the world, which moves freely.
-
-    Raises:
-        UsageError: There is not just one, or it moves otherwise.
-    """
+    """Leaves one body in the world, which moves freely; UsageError if there is not just one."""
     world = spec.worldbody
     for thing in [*world.geoms, *world.sites, *world.lights, *world.cameras]:  # a floor, a lamp
         spec.delete(thing)
@@ -204,6 +192,12 @@ def extent(
     return low, high
 
 
+def body_box(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> np.ndarray:
+    """Returns `extent` of what collides and is fixed to a body, shape (2, 3) [m]."""
+    fixed = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)
+    return np.array(extent(model, data, np.flatnonzero(fixed).tolist()))
+
+
 def by_side(places: Mapping[str, np.ndarray]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Returns the wheels on the left and those on the right, each front to rear, by their places [m]."""
     ordered = sorted(places, key=lambda name: -places[name][0])
@@ -220,11 +214,7 @@ def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
 
 
 def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Returns a rover's model without a world, and its state at the origin, all joints at 0.
-
-    Raises:
-        UsageError: The model is not valid.
-    """
+    """Returns a rover's model without a world, and its state at the origin with all joints at 0."""
     model = compiled(read_model(rover), rover.model_path)
     return model, at_origin(model)
 

@@ -27,11 +27,7 @@ CONTENT = {".yaml", ".xml", ".stl", ".obj", ".msh"}
 
 
 def read_rover(folder: Path) -> RoverSpec:
-    """Returns the rover of a folder.
-
-    Raises:
-        UsageError: One of its files is not valid; the message names file, key and what is.
-    """
+    """Returns the rover of a folder; UsageError, which names file and key, if a file is not valid."""
     if not (folder / "rover.yaml").is_file():
         raise UsageError(_no_rover(folder))
     stamps = tuple((path, path.stat().st_mtime_ns, path.stat().st_size) for path in content_of(folder))

@@ -1,7 +1,7 @@
 """What a stranger's model may not be: endless, a reader of other files, or impossible as a body.
 
 MuJoCo takes friction below 0, reads whatever a file names, and makes room for every heightfield; all of
-it is told in one line here instead.
+here it is an error of one line instead.
 """
 
 import math
@@ -36,11 +36,7 @@ _QUANTITIES = (
 
 
 def read_xml(path: Path) -> ET.Element:
-    """Returns the root of an XML file, read to a bounded size and without entities.
-
-    Raises:
-        UsageError: It cannot be read, is larger, declares entities, or is no XML.
-    """
+    """Returns the root of an XML file; UsageError if it is too large, has entities, or is no XML."""
     return parsed(read_text(path), path)
 
 
@@ -53,11 +49,7 @@ def read_text(path: Path) -> str:
 
 
 def parsed(text: str, path: Path) -> ET.Element:
-    """Returns the root of an XML text, of that file.
-
-    Raises:
-        UsageError: It declares entities, or is no XML.
-    """
+    """Returns the root of an XML text of that file; UsageError if it declares entities or is no XML."""
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise UsageError(f"{path} declares entities, which no robot needs; take <!DOCTYPE ...> out")
     try:
@@ -85,12 +77,7 @@ def inside(file: Path, folder: Path, where: str) -> Path:
 def check_files(path: Path, folder: Path) -> None:
     """Checks an MJCF file and those that it includes, before MuJoCo reads them.
 
-    Args:
-        path: The model's.
-        folder: Of the rover.
-
-    Raises:
-        UsageError: One of them leads out of the folder, or makes room for too much.
+    UsageError if one of them leads out of the rover's folder, or makes room for too much.
     """
     roots, waiting = list[ET.Element](), [path]
     while waiting:
@@ -143,15 +130,7 @@ def _check_copies(element: ET.Element, copies: float, path: Path) -> None:
 
 
 def check_quantities(model: mujoco.MjModel, path: Path) -> None:
-    """Checks what a model is made of.
-
-    Args:
-        model: Compiled alone.
-        path: The file, for the message.
-
-    Raises:
-        UsageError: A friction, size, mass, inertia, damping or stiffness is none that a rover can have.
-    """
+    """Checks a model, compiled alone; UsageError if a friction, mass or the like can be no rover's."""
     for quantity, unit, low, high, kind, array in _QUANTITIES:
         values = np.asarray(getattr(model, array), float).reshape(len(getattr(model, array)), -1)
         wrong = np.argwhere(~((values >= low) & (values <= high)))

@@ -16,7 +16,7 @@ from harness.ros.context import spin_until
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.ros.topic_monitor import message_class, offered_quality
-from harness.spec.effect import Effect
+from harness.spec.ros import Effect
 
 
 class AwaitedEffect:

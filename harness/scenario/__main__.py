@@ -10,12 +10,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.scenario")
 
-from harness.base.loading import loading
 from harness.cli.flags import add_flags
 from harness.spec.live import LiveOptions
 from harness.workers import add_options

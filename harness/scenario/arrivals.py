@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import unknown
 from harness.base.sim_time import NANOSECONDS
-from harness.scenario.names import OF_TOPICS, TopicQuantity
+from harness.scenario.names import OF_TOPICS, HeardQuantity
 from harness.scenario.series import Series
 from harness.sensors.message_types import numbers_at
 from rover_metrics.topics import stamp_ns
@@ -63,7 +63,7 @@ class Arrivals:
 
 
 def topic_series(
-    quantity: TopicQuantity,
+    quantity: HeardQuantity,
     of: str | None,
     heard: Mapping[str, Arrivals],
     known: Iterable[str],
@@ -84,8 +84,8 @@ def topic_series(
     own = heard[quantity.topic]
     times = np.array(own.times)
     nothing = f"nothing was heard on {quantity.topic}" if not len(times) else "there is no value"
-    unit, _ = OF_TOPICS.get(quantity.what, ("", ""))
-    match quantity.what:
+    unit, _ = OF_TOPICS.get(quantity.measure, ("", ""))
+    match quantity.measure:
         case "count":
             return Series(times / NANOSECONDS, np.ones(len(times)), is_tally=True)
         case "rate":

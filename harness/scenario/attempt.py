@@ -1,6 +1,6 @@
 """One run of a scenario: driven and judged."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,58 +20,65 @@ from harness.spec.ros import RosOptions
 SCRATCH = "rover-scenario-"
 
 
-def attempt(
-    case: Case,
-    folder: Path,
-    *,
-    compare: bool = True,
-    scratch: Path | None = None,
-    keep: bool = False,
-    live: LiveOptions = NOWHERE,
-) -> Attempt:
+@dataclass(frozen=True, kw_only=True)
+class AttemptOptions:
+    """How runs are judged, shown and kept.
+
+    Attributes:
+        compare: Whether a run is compared with its baseline, if it has one.
+        keep: Whether log, manifest and page of a run that passes are kept too.
+        live: Where a run can be watched meanwhile.
+        scratch: Folder for the logs of runs, removed by the caller; where it does not exist, as on
+            another machine, the system's.
+    """
+
+    compare: bool = True
+    keep: bool = False
+    live: LiveOptions = NOWHERE
+    scratch: Path | None = None
+
+
+DEFAULTS = AttemptOptions()
+
+
+def attempt(case: Case, folder: Path, options: AttemptOptions = DEFAULTS) -> Attempt:
     """Drives and judges a run.
 
     Args:
         case: The run.
         folder: Gets log, manifest, page and recording of a run that does not pass.
-        keep: Whether it gets those of one that passes, too.
-        compare: Whether it is compared with its baseline, if it has one.
-        live: Where it can be watched meanwhile.
-        scratch: Folder for its log while it is driven, removed by the caller; where it does not exist,
-            as on another machine, the system's.
+        options: How it is judged, shown and kept.
     """
     drive = _through_ros if case.scenario.needs_ros else _direct
+    scratch = options.scratch if options.scratch and options.scratch.is_dir() else None
     try:
-        with TemporaryDirectory(
-            prefix=SCRATCH, dir=scratch if scratch and scratch.is_dir() else None
-        ) as own:
-            return drive(case, folder, compare, Path(own), keep=keep, live=live)
+        with TemporaryDirectory(prefix=SCRATCH, dir=scratch) as own:
+            return drive(case, folder, options, Path(own))
     except Interrupted:
         raise
     except HarnessError as error:
         return Attempt(case, error=str(error))
 
 
-def _direct(
-    case: Case, folder: Path, compare: bool, own: Path, *, keep: bool, live: LiveOptions
-) -> Attempt:
-    if _is_of_truth(case) and not keep and live.live is None:
+def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Attempt:
+    live = options.live
+    if _is_of_truth(case) and not options.keep and live.live is None:
         watch = Watch(case)
-        found = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
-        if found.passed:
-            return found
+        judged = watch.judged(run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,)), {})
+        if judged.passed:
+            return judged
         # What is left of a run that fails takes all sensors: the same drive once more.
-    watch = Watch(case, compare=compare)
-    stop, options = StopRequest(), RosOptions(log_dir=own)
+    watch = Watch(case, compare=options.compare)
+    stop, ros = StopRequest(), RosOptions(log_dir=own)
     with watched(case.run, live, live.rate, stop) as (helm, seen):
         outputs = Outputs(log_dir=own, observers=(watch, *seen), settings=watch.settings)
-        (result,) = run_direct(case.run, (outputs,), options, stop, None, helm)
+        (result,) = run_direct(case.run, (outputs,), ros, stop, None, helm)
     if helm is not None and (note := helm.note(case.run)):  # of whoever steered, not of the scenario
         return Attempt(case, error=note.removeprefix(", "))
-    found = watch.judged(result, {})
-    if found.passed and not keep:
-        return found
-    return replace(found, kept=watch.keep(result, folder, next(iter(found.breaches), "")))
+    judged = watch.judged(result, {})
+    if judged.passed and not options.keep:
+        return judged
+    return replace(judged, kept=watch.keep(result, folder, next(iter(judged.breaches), "")))
 
 
 def _is_of_truth(case: Case) -> bool:
@@ -80,24 +87,22 @@ def _is_of_truth(case: Case) -> bool:
     return only_truth and not case.scenario.has_baseline and case.expected_failure is None
 
 
-def _through_ros(
-    case: Case, folder: Path, compare: bool, own: Path, *, keep: bool, live: LiveOptions
-) -> Attempt:
-    if live.live is not None:
+def _through_ros(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Attempt:
+    if options.live.live is not None:
         raise UsageError("--live is not for scenarios with nodes or topics; leave it out")
     try:  # only here: no other scenario needs ROS 2
         from harness.scenario.trial import ScenarioTrial  # noqa: PLC0415
     except ImportError as error:
         message = f"nodes and topics need ROS 2, which is not importable ({error}); {INSTALL_ROS}"
         raise UsageError(message) from error
-    with ScenarioTrial(case, folder=own, compare=compare) as trial:
+    with ScenarioTrial(case, folder=own, compare=options.compare) as trial:
         try:
             trial.finish()
         except Interrupted:
             raise
         except HarnessError as error:
             return Attempt(case, error=str(error), kept=trial.keep(folder, str(error)))
-        found = trial.findings
-        if found.passed and not keep:
-            return found
-        return replace(found, kept=trial.keep(folder, next(iter(found.breaches), "")))
+        judged = trial.findings
+        if judged.passed and not options.keep:
+            return judged
+        return replace(judged, kept=trial.keep(folder, next(iter(judged.breaches), "")))

@@ -188,18 +188,18 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
 
 def find_files(paths: Iterable[Path]) -> list[Path]:
     """Returns the files that are named and those below folders, in order; UsageError if one is not."""
-    found: dict[Path, None] = {}
+    files: dict[Path, None] = {}
     for path in paths:
         if path.is_dir():
             below = sorted(path.rglob(f"*{SUFFIX}"))
             if not below:
                 raise UsageError(f"there is no *{SUFFIX} below {path}")
-            found |= dict.fromkeys(below)
+            files |= dict.fromkeys(below)
         elif path.is_file():
-            found[path] = None
+            files[path] = None
         else:
             raise UsageError(f"there is no scenario {path}; name a *{SUFFIX}, or a folder of them")
-    return list(found)
+    return list(files)
 
 
 def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Selected = ()) -> list[Case]:

@@ -11,6 +11,7 @@ from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.cli.flags import from_flags
+from harness.scenario.attempt import AttemptOptions
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
 from harness.scenario.github import tell_github
@@ -23,12 +24,7 @@ from rover_metrics.sheet.console import PlainConsole
 
 
 def run_scenarios(options: argparse.Namespace, files: Iterable[str]) -> int:
-    """Drives what the options name, prints and writes what came of it; returns the exit code.
-
-    Args:
-        options: Of the command line.
-        files: Options that name a file to write.
-    """
+    """Drives what options name, prints and writes, also the `files` that some name; the exit code."""
     console = PlainConsole()
     targets = {name: getattr(options, name) for name in files if getattr(options, name) is not None}
     for name, target in targets.items():
@@ -54,9 +50,8 @@ def _driven(options: argparse.Namespace, console: Console) -> list[Verdict]:
         workers_of(options.backend, options.address, jobs) as workers,
         counted(console, "driving scenarios") as show,
     ):
-        compare = not options.update_baseline
-        how = {"compare": compare, "resume": options.resume, "keep": options.keep, "live": live}
-        attempts = run_all(cases, workers, options.out, show, **how)
+        how = AttemptOptions(compare=not options.update_baseline, keep=options.keep, live=live)
+        attempts = run_all(cases, workers, options.out, show, how, resume=options.resume)
     verdicts = verdicts_of(attempts)
     print_verdicts(console, verdicts)
     tell_github(verdicts, os.environ)

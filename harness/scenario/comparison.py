@@ -14,12 +14,12 @@ import numpy as np
 
 from harness.scenario.bound import Bound
 from harness.scenario.case import cell_name
-from harness.scenario.names import COUNT, topic_quantity
-from harness.scenario.verdict import CONFIDENCE, Attempt, Verdict, outcome_of, wilson
+from harness.scenario.names import COUNT, heard_quantity
+from harness.scenario.verdict import CONFIDENCE, Attempt, Verdict, outcome_of
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm, smallest_p
-from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent
+from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent, wilson
 
 
 @dataclass(frozen=True)
@@ -117,16 +117,16 @@ _WORDS = {"end": "at the end", "mean": "mean", "p95": "95th percentile", "share"
 
 def title_of(name: str, bound: Bound) -> str:
     """Returns what the values of a bound are called."""
-    quantity = topic_quantity(name)
-    if quantity is not None and quantity.what == COUNT:
+    quantity = heard_quantity(name)
+    if quantity is not None and quantity.measure == COUNT:
         return f"{name}{_window(bound)}"
     if bound.over in _WORDS:
-        what = _WORDS[bound.over]
+        measure = _WORDS[bound.over]
     elif bound.min is not None and bound.max is not None:
-        what = "nearest to a limit"
+        measure = "nearest to a limit"
     else:
-        what = "highest" if bound.min is None else "lowest"
-    return f"{bound.label(name)}, {what}{_window(bound)}"
+        measure = "highest" if bound.min is None else "lowest"
+    return f"{bound.label(name)}, {measure}{_window(bound)}"
 
 
 def _window(bound: Bound) -> str:
@@ -137,7 +137,7 @@ def _cells(attempts: Sequence[Attempt]) -> Iterator[Cell]:
     for values, group in groupby(attempts, key=lambda attempt: attempt.case.cell):
         some = tuple(group)
         good = sum(outcome_of(attempt).is_good for attempt in some)
-        yield Cell(values, some, good, wilson(good, len(some)))
+        yield Cell(values, some, good, wilson(good, len(some), CONFIDENCE))
 
 
 def _compared(title: str, bound: Bound, index: int, cells: Sequence[Cell]) -> Compared:

@@ -1,13 +1,12 @@
 """What GitHub shows of scenarios: a job's summary, and an annotation where the file expects too much."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from harness.base.errors import how_many
 from harness.scenario.case import scenario_name
 from harness.scenario.terminal import kept_limits
-from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
+from harness.scenario.verdict import Attempt, Verdict, bad_runs, passed_of, reasons_of
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 
@@ -16,15 +15,10 @@ DATA = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A"})
 
 
 def tell_github(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> None:
-    """Prints an annotation of each bad run and appends to the job's summary, if this is a job of GitHub.
-
-    Args:
-        verdicts: Of the scenarios.
-        environment: Of the process; `GITHUB_ACTIONS` says that it is one.
-    """
+    """Annotates each bad run and appends to the summary, if `GITHUB_ACTIONS` says that it is a job."""
     if environment.get("GITHUB_ACTIONS") != "true":
         return
-    for line in dict.fromkeys(map(annotation, _bad(verdicts))):  # what ails many runs is told once
+    for line in dict.fromkeys(map(annotation, bad_runs(verdicts))):  # what ails many runs is told once
         print(line)
     if target := environment.get("GITHUB_STEP_SUMMARY"):
         with Path(target).open("a", encoding="utf-8") as file:
@@ -41,21 +35,7 @@ def annotation(attempt: Attempt) -> str:
 
 def summary(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> str:
     """Returns Markdown: a row each scenario, the first failure, where its evidence is."""
-    passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
-    parts = [
-        f"### {passed} of {how_many(len(verdicts), 'scenario')} passed",
-        markdown(_table(verdicts)).strip(),
-    ]
-    first = next(_bad(verdicts), None)
-    if first is not None:
-        reasons = "\n".join(f"    {line}" for line in reasons_of(first))
-        parts.append(f"First failure, `{first.case.name}`:\n\n{reasons}\n\n    {first.case.command}")
-        parts.append(f"[Page, log and evidence of what failed]({_run_of(environment)}#artifacts)")
-    return "\n\n".join(parts) + "\n"
-
-
-def _table(verdicts: Sequence[Verdict]) -> Sheet:
-    return Sheet.of(
+    table = Sheet.of(
         {
             "scenario": scenario_name(verdict.path),
             "outcome": verdict.outcome.value,
@@ -64,12 +44,13 @@ def _table(verdicts: Sequence[Verdict]) -> Sheet:
         }
         for verdict in verdicts
     )
-
-
-def _bad(verdicts: Sequence[Verdict]) -> Iterator[Attempt]:
-    for verdict in verdicts:
-        if verdict.outcome is not Outcome.PASSED:
-            yield from (each for each in verdict.attempts if not outcome_of(each).is_good)
+    parts = [f"### {passed_of(verdicts)}", markdown(table).strip()]
+    first = next(bad_runs(verdicts), None)
+    if first is not None:
+        reasons = "\n".join(f"    {line}" for line in reasons_of(first))
+        parts.append(f"First failure, `{first.case.name}`:\n\n{reasons}\n\n    {first.case.command}")
+        parts.append(f"[Page, log and evidence of what failed]({_run_of(environment)}#artifacts)")
+    return "\n\n".join(parts) + "\n"
 
 
 def _line(path: Path, reason: str) -> int:

@@ -7,7 +7,7 @@ from harness.episode.assembly import graded_world
 from harness.scenario import maps, poses
 from harness.scenario.arrivals import Reader
 from harness.scenario.case import Case
-from harness.scenario.names import map_quantity, pose_quantity
+from harness.scenario.names import MAP, POSE, heard_quantity
 from harness.scenario.series import Series
 
 
@@ -15,9 +15,9 @@ def readers(names: Iterable[str]) -> dict[str, Reader]:
     """Returns what takes out of the messages of each topic what these quantities need."""
     found: dict[str, Reader] = {}
     for name in names:
-        if (pose := pose_quantity(name)) is not None:
+        if (pose := heard_quantity(name, POSE)) is not None:
             found |= dict.fromkeys(pose.topics, Reader(poses.TYPES, poses.rows_of))
-        if (grid := map_quantity(name)) is not None:
+        if (grid := heard_quantity(name, MAP)) is not None:
             found[grid.topic] = Reader(maps.TYPES, maps.grids_of)
     return found
 
@@ -32,9 +32,9 @@ def judged_series(case: Case, read: Mapping[str, Any], path: poses.TruePath) -> 
     """
     found: dict[str, Series] = {}
     for name in case.scenario.quantities:
-        if (pose := pose_quantity(name)) is not None:
+        if (pose := heard_quantity(name, POSE)) is not None:
             found[name] = poses.pose_series(pose, read, path)
-        if (grid := map_quantity(name)) is not None:
+        if (grid := heard_quantity(name, MAP)) is not None:
             truth = graded_world(case.run)  # kept
             found[name] = maps.map_series(grid, read.get(grid.topic, ()), truth)
     return found

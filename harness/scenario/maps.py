@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
-from harness.scenario.names import MapQuantity
+from harness.scenario.names import HeardQuantity
 from harness.scenario.series import Series
 from harness.sensors.message_types import GRID_MAP
 from harness.world.grading import Cells, GradedMap
@@ -85,14 +85,14 @@ def _yaw(q: Any) -> float:  # noqa: ANN401
     return rotation.yaw((q.x, q.y, q.z, q.w)) if any((q.x, q.y, q.z, q.w)) else 0.0
 
 
-def map_series(quantity: MapQuantity, grids: Sequence[Grid], truth: GradedMap) -> Series:
+def map_series(quantity: HeardQuantity, grids: Sequence[Grid], truth: GradedMap) -> Series:
     """Returns a quantity of each map that was heard, NaN where no cell counts."""
     times = np.array([grid.stamp_ns for grid in grids]) / NANOSECONDS
-    values = np.array([share(quantity.what, grid, truth) for grid in grids], dtype=float)
+    values = np.array([share(quantity.measure, grid, truth) for grid in grids], dtype=float)
     return Series(times, values, nothing=f"no map was heard on {quantity.topic} that could be judged")
 
 
-def share(what: str, grid: Grid, truth: GradedMap) -> float:
+def share(measure: str, grid: Grid, truth: GradedMap) -> float:
     """Returns one of OF_MAPS of a map; NaN where no cell counts."""
     x, y = grid.places()
     inset = truth.resolution * np.array(truth.layers["danger"].shape)[::-1] - EDGE_MARGIN
@@ -101,9 +101,9 @@ def share(what: str, grid: Grid, truth: GradedMap) -> float:
     danger = truth.danger_at(x, y)
     inside = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1]) & np.isfinite(danger)
     known = inside & np.isfinite(grid.costs)
-    if what == "coverage":
+    if measure == "coverage":
         return _share(known, inside)
-    if what == "false_safe":
+    if measure == "false_safe":
         counts = known & (danger >= 1.0)
         return _share(counts & (grid.costs <= FREE), counts)
     counts = known & (danger < 1.0)

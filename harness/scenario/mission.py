@@ -32,12 +32,7 @@ class MissionState(NamedTuple):
 
 
 class MissionAccount:
-    """Follows a rover through its mission.
-
-    Args:
-        targets: Of its world.
-        progress: On its route, which nobody has begun.
-    """
+    """Follows a rover through its mission: the targets of its world, and a route that begins."""
 
     def __init__(self, targets: Sequence[Target], progress: RouteProgress) -> None:
         self._targets, self._progress = targets, progress
@@ -69,10 +64,10 @@ class MissionAccount:
         distances = {target.name: math.dist(place, target.position[:2]) for target in self._targets}
         if self._standstill.observe(time_s, place):
             self._stops = {name: _least(self._stops[name], d) for name, d in distances.items()}
-        found = {t.name for t in self._targets if self._stops[t.name] <= t.spec.options.reach}
+        stopped_at = {t.name for t in self._targets if self._stops[t.name] <= t.spec.options.reach}
         gates = {target.name for target in self._targets if target.spec.kind == "gate"}
         return MissionState(
-            len(found - gates) + len(self._passed),
+            len(stopped_at - gates) + len(self._passed),
             len(self._passed),
             len(self._progress.reached),
             self._progress.done_s,

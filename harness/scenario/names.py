@@ -33,95 +33,80 @@ OF_MAPS = {  # meaning
 }
 FULL_NAME, FRAME = r"(?:/[A-Za-z_]\w*)+", r"\w+(?:/\w+)*"
 PATTERN = rf"topic\.{FULL_NAME}\.[A-Za-z][\w.\[\]]*"
-TOPIC_FORM = re.compile(rf"topic\.(?P<topic>{FULL_NAME})\.(?P<what>.+)")
-POSE_FORM = re.compile(
-    rf"pose\.(?:(?P<topic>{FULL_NAME})|(?P<parent>{FRAME})->(?P<child>{FRAME}))\.(?P<what>{'|'.join(OF_POSES)})"
-)
-MAP_FORM = re.compile(rf"map\.(?P<topic>{FULL_NAME})\.(?P<what>{'|'.join(OF_MAPS)})")
+FORMS = {
+    TOPIC: re.compile(rf"topic\.(?P<topic>{FULL_NAME})\.(?P<what>.+)"),
+    POSE: re.compile(
+        rf"pose\.(?:(?P<topic>{FULL_NAME})|(?P<parent>{FRAME})->(?P<child>{FRAME}))\.(?P<what>{'|'.join(OF_POSES)})"
+    ),
+    MAP: re.compile(rf"map\.(?P<topic>{FULL_NAME})\.(?P<what>{'|'.join(OF_MAPS)})"),
+}
+HINTS = {  # of a name that has no such form: what it is not, and what to give
+    TOPIC: (
+        "no quantity of a topic",
+        f"topic./NAME. and one of {', '.join(OF_TOPICS)}, or a field, e.g. topic./scan.rate",
+    ),
+    POSE: ("none of a pose", f"pose./TOPIC. or pose.FRAME->FRAME. and one of {', '.join(OF_POSES)}"),
+    MAP: (
+        "none of a map",
+        f"map./TOPIC. and one of {', '.join(OF_MAPS)}, e.g. map./local_costmap/costmap.false_safe",
+    ),
+}
 TF, TF_STATIC = "/tf", "/tf_static"
 OWN = {f"/{topic.name}": topic.message_type for row in by_default() for topic in row.topics}
 
 
-class TopicQuantity(NamedTuple):
-    """What is expected of a topic: one of OF_TOPICS, or a path into its messages."""
+class HeardQuantity(NamedTuple):
+    """What is expected of the messages of a topic, or of the transforms between two frames.
+
+    Attributes:
+        topic: Where they are heard; /tf of frames.
+        measure: One of OF_TOPICS or a path into messages, of OF_POSES or of OF_MAPS.
+        frames: Parent and child, of transforms.
+    """
 
     topic: str
-    what: str
+    measure: str
+    frames: tuple[str, str] | None = None
 
     @property
     def path(self) -> str | None:
-        """The path into its messages; None of a measure."""
-        return None if self.what in OF_TOPICS else self.what
-
-
-class PoseQuantity(NamedTuple):
-    """What is expected of a topic's poses, or of one frame in another: one of OF_POSES."""
-
-    topic: str
-    frames: tuple[str, str] | None
-    what: str
+        """The path into messages of a topic; None of a measure."""
+        return None if self.measure in OF_TOPICS else self.measure
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """Where it is heard."""
+        """All topics on which it is heard."""
         return (TF, TF_STATIC) if self.frames else (self.topic,)
 
 
-class MapQuantity(NamedTuple):
-    """What is expected of the maps of a topic: one of OF_MAPS."""
-
-    topic: str
-    what: str
-
-
-def topic_quantity(name: str) -> TopicQuantity | None:
-    """Returns the quantity of such a name; None if it is none of a topic."""
-    found = TOPIC_FORM.fullmatch(name)
-    return TopicQuantity(found["topic"], found["what"]) if found else None
-
-
-def pose_quantity(name: str) -> PoseQuantity | None:
-    """Returns the quantity of such a name; None if it is none of a pose."""
-    found = POSE_FORM.fullmatch(name)
-    if found is None:
+def heard_quantity(name: str, kind: str = TOPIC) -> HeardQuantity | None:
+    """Returns the quantity of a name; None if it is none of that kind: TOPIC, POSE or MAP."""
+    match = FORMS[kind].fullmatch(name)
+    if match is None:
         return None
-    frames = (found["parent"], found["child"]) if found["parent"] else None
-    return PoseQuantity(found["topic"] or TF, frames, found["what"])
-
-
-def map_quantity(name: str) -> MapQuantity | None:
-    """Returns the quantity of such a name; None if it is none of a map."""
-    found = MAP_FORM.fullmatch(name)
-    return MapQuantity(found["topic"], found["what"]) if found else None
+    parts = match.groupdict()
+    frames = (parts["parent"], parts["child"]) if parts.get("parent") else None
+    return HeardQuantity(parts["topic"] or TF, parts["what"], frames)
 
 
 def check_heard(name: str) -> str | None:
     """Returns what is wrong with a name of a topic, pose or map, as far as is known up front."""
-    if name.startswith(TOPIC):
-        if (quantity := topic_quantity(name)) is not None:
-            return check_messages(quantity, OWN.get(quantity.topic, ""))
-        kind, hint = "quantity of a topic", f"topic./NAME. and one of {', '.join(OF_TOPICS)}, or a field"
-        return f"quantity '{name}' is no {kind}; give {hint}, e.g. topic./scan.rate"
-    if name.startswith(POSE):
-        hint = f"pose./TOPIC. or pose.FRAME->FRAME. and one of {', '.join(OF_POSES)}"
-        return None if pose_quantity(name) else f"quantity '{name}' is none of a pose; give {hint}"
-    hint = f"map./TOPIC. and one of {', '.join(OF_MAPS)}, e.g. map./local_costmap/costmap.false_safe"
-    return None if map_quantity(name) else f"quantity '{name}' is none of a map; give {hint}"
+    kind = next(kind for kind in FORMS if name.startswith(kind))
+    quantity = heard_quantity(name, kind)
+    if quantity is None:
+        problem, hint = HINTS[kind]
+        return f"quantity '{name}' is {problem}; give {hint}"
+    return check_messages(quantity, OWN.get(quantity.topic, "")) if kind == TOPIC else None
 
 
-def check_messages(quantity: TopicQuantity, type_name: str) -> str | None:
-    """Returns why messages of a type do not have a quantity; None if they do, or nobody knows.
-
-    Args:
-        quantity: Of their topic.
-        type_name: As in sensor_msgs/msg/Imu; "" if it is not known yet.
-    """
-    if quantity.what == AGE:
+def check_messages(quantity: HeardQuantity, type_name: str) -> str | None:
+    """Returns why messages of a type, "" for any, lack a topic's quantity; None if they have it."""
+    if quantity.measure == AGE:
         if check_path(type_name, "header.stamp.sec") is not None:
             return f"messages of {quantity.topic} have no stamp, so no age ({type_name})"
         return None
     problem = None if quantity.path is None else check_path(type_name, quantity.path)
     if problem is None:
         return None
-    measures = "" if "." in quantity.what else f"; measures: {', '.join(OF_TOPICS)}"
+    measures = "" if "." in quantity.measure else f"; measures: {', '.join(OF_TOPICS)}"
     return f"{quantity.topic}: {problem}{measures}"

@@ -19,11 +19,7 @@ TEXTS = {"csv": csv_of, "json": json_of, "runs": runs_of, "latex": latex_of}
 
 
 def write_outputs(verdicts: Sequence[Verdict], files: Mapping[str, Path]) -> None:
-    """Writes what is asked for by name; all but JUnit the same bytes each time.
-
-    Raises:
-        HarnessError: One cannot be written.
-    """
+    """Writes what is asked for by name, all but JUnit the same bytes each time; or HarnessError."""
     if "junit" in files:
         write_whole(files["junit"], junit_of(verdicts), "the JUnit XML")
     several = [comparisons_of(verdict) for verdict in verdicts] if files.keys() - {"junit"} else []

@@ -14,7 +14,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import GroundTruth
 from harness.scenario import trajectory
-from harness.scenario.names import OF_POSES, TF, TF_STATIC, PoseQuantity
+from harness.scenario.names import OF_POSES, TF, TF_STATIC, HeardQuantity
 from harness.scenario.series import Series
 from rover_metrics.topics import stamp_ns
 
@@ -76,7 +76,7 @@ class TruePath:
                 self.poses.append((sample.x, sample.y, sample.yaw))
 
 
-def pose_series(quantity: PoseQuantity, heard: Mapping[str, Sequence[Row]], truth: TruePath) -> Series:
+def pose_series(quantity: HeardQuantity, heard: Mapping[str, Sequence[Row]], truth: TruePath) -> Series:
     """Returns what a quantity came to, in one value at the end; without any, and why.
 
     Args:
@@ -84,7 +84,7 @@ def pose_series(quantity: PoseQuantity, heard: Mapping[str, Sequence[Row]], trut
         heard: The rows of each topic, in the order of their arrival.
         truth: Of the run.
     """
-    unit, _ = OF_POSES[quantity.what]
+    unit, _ = OF_POSES[quantity.measure]
     rows = [row for topic in quantity.topics for row in heard.get(topic, ())]
     if quantity.frames is not None:
         rows = list(chained(heard.get(TF_STATIC, ()), heard.get(TF, ()), *quantity.frames))
@@ -97,24 +97,24 @@ def pose_series(quantity: PoseQuantity, heard: Mapping[str, Sequence[Row]], trut
         kept = np.flatnonzero(np.isfinite(beside).all(axis=1))
         chosen = [rows[index] for index in kept.tolist()]
         if chosen:
-            value, nothing = _measured(quantity.what, of, chosen, beside[kept])
+            value, nothing = _measured(quantity.measure, of, chosen, beside[kept])
     return Series(times[-1:], np.array([value])[: len(times)], unit, nothing)
 
 
-def _measured(what: str, of: str, rows: Sequence[Row], truth: trajectory.Poses) -> tuple[float, str]:
+def _measured(measure: str, of: str, rows: Sequence[Row], truth: trajectory.Poses) -> tuple[float, str]:
     matrices = np.array([row.pose for row in rows])
     yaw = np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0])
     estimate = np.column_stack([matrices[:, :2, 3], yaw])
     if bad := int((~np.isfinite(estimate)).any(axis=1).sum()):
         return float("nan"), f"{bad} of {len(rows)} poses of {of} are not finite"
-    if what == "nees":
+    if measure == "nees":
         if rows[0].covariance is None:
             return float("nan"), f"{of} tells no covariance"
         square = np.array([row.covariance[IN_PLANE] for row in rows])
         return trajectory.nees(estimate, truth, square), f"a covariance of {of} has no inverse"
-    if what.endswith("_aligned"):
+    if measure.endswith("_aligned"):
         estimate = trajectory.aligned(estimate, truth)
-    value = OF[what.removesuffix("_aligned")](estimate, truth)
+    value = OF[measure.removesuffix("_aligned")](estimate, truth)
     return value, f"the path is shorter than {trajectory.DELTA:g} m"
 
 

@@ -11,7 +11,7 @@ from harness.base.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, SoilState, TruthState
 from harness.scenario.mission import OF_TARGET, MissionState
-from harness.scenario.names import MAP, POSE, TOPIC, check_heard
+from harness.scenario.names import FORMS, check_heard
 from harness.truth.traversal import Truth
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import ALL_COLUMNS
@@ -78,15 +78,20 @@ def _slip_of(place: tuple[int, int], snapshot: Snapshot) -> float:
     return _at(place, snapshot.state.slip)
 
 
-def _in_soil(value: Callable[[SoilState], float]) -> Callable[[Snapshot], float]:
-    return lambda m: math.nan if m.state.soil is None else value(m.state.soil)
+def _of_wheel(name: str, place: tuple[int, int], soil: SoilState) -> float:
+    return _at(place, getattr(soil, name))
 
 
-def _of_wheel(name: str, place: tuple[int, int], snapshot: Snapshot) -> float:
-    return _in_soil(lambda soil: _at(place, getattr(soil, name)))(snapshot)
+def _soil(unit: str, meaning: str, value: Callable[[SoilState], float]) -> Quantity:
+    """What soil does to the wheels, which has no value on rigid ground."""
+
+    def in_soil(snapshot: Snapshot) -> float:
+        soil = snapshot.state.soil
+        return math.nan if soil is None else value(soil)
+
+    return Quantity(unit, meaning, in_soil, nothing="the ground is rigid; give soil")
 
 
-RIGID = "the ground is rigid; give soil"
 _OF_WHEELS = {
     "sinkage": ("m", "Depth of the wheel below the ground."),
     "slip_angle": ("rad", "Between the wheel's plane and its way, positive to the left."),
@@ -125,38 +130,23 @@ SHIPPED: dict[str, Quantity] = {
         f"truth.slip.{wheel}": Quantity("", "Slip ratio, -1 to 1.", partial(_slip_of, place))
         for wheel, place in _CORNERS.items()
     },
-    "truth.sinkage": Quantity(
-        "m",
-        "Of the wheel that is deepest in soil.",
-        _in_soil(lambda soil: max(soil.sinkage)),
-        nothing=RIGID,
-    ),
-    "truth.slip_angle_deg": Quantity(
+    "truth.sinkage": _soil("m", "Of the wheel that is deepest in soil.", lambda s: max(s.sinkage)),
+    "truth.slip_angle_deg": _soil(
         "deg",
         "Mean magnitude of the wheels' slip angles in soil.",
-        _in_soil(lambda soil: math.degrees(sum(map(abs, soil.slip_angle)) / len(soil.slip_angle))),
-        nothing=RIGID,
+        lambda s: math.degrees(sum(map(abs, s.slip_angle)) / len(s.slip_angle)),
     ),
-    "truth.pull": Quantity(
-        "N",
-        "Drawbar pull of all wheels in soil, negative where it holds back.",
-        _in_soil(lambda soil: sum(soil.pull)),
-        nothing=RIGID,
+    "truth.pull": _soil(
+        "N", "Drawbar pull of all wheels in soil, negative where it holds back.", lambda s: sum(s.pull)
     ),
-    "truth.side_force": Quantity(
-        "N",
-        "Sum of the magnitudes of the side forces of soil.",
-        _in_soil(lambda soil: sum(map(abs, soil.side_force))),
-        nothing=RIGID,
+    "truth.side_force": _soil(
+        "N", "Sum of the magnitudes of the side forces of soil.", lambda s: sum(map(abs, s.side_force))
     ),
-    "truth.stuck": Quantity(
-        "",
-        "1 while wheels have turned in soil for a second without getting on.",
-        _in_soil(lambda soil: soil.stuck),
-        nothing=RIGID,
+    "truth.stuck": _soil(
+        "", "1 while wheels have turned in soil for a second without getting on.", lambda s: s.stuck
     ),
     **{
-        f"truth.{name}.{wheel}": Quantity(unit, meaning, partial(_of_wheel, name, place), nothing=RIGID)
+        f"truth.{name}.{wheel}": _soil(unit, meaning, partial(_of_wheel, name, place))
         for name, (unit, meaning) in _OF_WHEELS.items()
         for wheel, place in _CORNERS.items()
     },
@@ -207,11 +197,11 @@ def names() -> tuple[str, ...]:
 
 def quantity_of(name: str) -> Quantity | None:
     """Returns the quantity of the truth of that name, of a target too; None if it is none."""
-    found = OF_TARGET.fullmatch(name)
-    if found is None:
+    match = OF_TARGET.fullmatch(name)
+    if match is None:
         return QUANTITIES.get(name)
-    target = found["name"]
-    if found["what"] == "distance":
+    target = match["name"]
+    if match["what"] == "distance":
         return Quantity("m", "To the target, in the plane.", lambda m: m.mission.distances[target])
     return Quantity(
         "m",
@@ -223,7 +213,7 @@ def quantity_of(name: str) -> Quantity | None:
 
 def check_name(name: str) -> str | None:
     """Returns what to tell of a quantity that does not exist, None of one that does."""
-    if name.startswith((TOPIC, POSE, MAP)):
+    if name.startswith(tuple(FORMS)):
         return check_heard(name)
     if OF_TARGET.fullmatch(name):
         return None

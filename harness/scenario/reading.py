@@ -77,6 +77,6 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
         case "union_tag_not_found":
             return f"{keys}: an event needs one of the keys {', '.join(steps.EVENTS)}"
         case "value_error" | "beside":
-            told = error["ctx"].get("message") or error["ctx"]["error"]
-            return f"{keys}: {told}" if keys else str(told)
+            message = error["ctx"].get("message") or error["ctx"]["error"]
+            return f"{keys}: {message}" if keys else str(message)
     return not_valid(error, keys, part.model_fields.get(str(location[-1])))

@@ -66,7 +66,7 @@ class TruthSeries:
                 if isinstance(sample, TruthState):
                     self._state = sample
                 elif isinstance(sample, Pose):
-                    tilts.append(_tilt(sample))
+                    tilts.append(rotation.tilt(sample.orientation))
         self._tilt = max(tilts, default=self._tilt)
         time_s = batch.truth.time_ns / NANOSECONDS
         distance = self._distance(batch.truth.position)
@@ -90,8 +90,3 @@ class TruthSeries:
         values = np.array(self._values, dtype=float).reshape(len(times), len(self._quantities))
         pairs = zip(self._quantities.items(), values.T, strict=True)
         return {name: Series(times, column, q.unit, q.nothing) for (name, q), column in pairs}
-
-
-def _tilt(pose: Pose) -> float:
-    """Angle between the vertical axes of a pose and the world [rad]."""
-    return math.acos(max(-1.0, min(1.0, rotation.upright(pose.orientation))))

@@ -17,32 +17,22 @@ from pydantic_core import PydanticCustomError
 from harness.base.errors import unknown
 from harness.scenario.bound import Bound, Measure, Point, Share, Text
 from harness.scenario.mission import OF_TARGET
-from harness.scenario.names import (
-    COUNT,
-    LATENCY,
-    MAP,
-    MAP_FORM,
-    PATTERN,
-    POSE,
-    POSE_FORM,
-    TOPIC,
-    topic_quantity,
-)
+from harness.scenario.names import COUNT, FORMS, LATENCY, MAP, PATTERN, POSE, heard_quantity
 from harness.scenario.quantities import GOAL, ROUTE, TARGETS, check_name, names
 from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
 from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
 from harness.world.targets.placing import target_names
 
-GROUP = r"[?]P<.+?>"  # the name of a group, which JSON schemas do not know
+GROUP = re.compile(r"[?]P<.+?>")  # the name of a group, which JSON schemas do not know
 SCHEMA: dict[str, Any] = {
     "propertyNames": {
         "anyOf": [
             {"enum": list(names())},
             {"pattern": f"^{PATTERN}$"},
             *(
-                {"pattern": f"^{re.sub(r'[?]P<.+?>', '', form.pattern)}$"}
-                for form in (OF_TARGET, POSE_FORM, MAP_FORM)
+                {"pattern": f"^{GROUP.sub('', form.pattern)}$"}
+                for form in (OF_TARGET, FORMS[POSE], FORMS[MAP])
             ),
         ]
     }
@@ -214,7 +204,7 @@ class Scenario(RunKeys):
     @property
     def needs_ros(self) -> bool:
         """Whether nodes are started or topics heard."""
-        return bool(self.launch) or any(name.startswith((TOPIC, POSE, MAP)) for name in self.quantities)
+        return bool(self.launch) or any(name.startswith(tuple(FORMS)) for name in self.quantities)
 
     @property
     def has_baseline(self) -> bool:
@@ -268,9 +258,9 @@ class Scenario(RunKeys):
         targets = given.get("targets", ())
         if name.startswith(TARGETS) and not targets:
             return "it needs targets, e.g. targets: [aruco]"
-        found, known = OF_TARGET.fullmatch(name), target_names(targets)
-        if found is not None and found["name"] not in known:
-            return unknown("target", found["name"], known)
+        match, known = OF_TARGET.fullmatch(name), target_names(targets)
+        if match is not None and match["name"] not in known:
+            return unknown("target", match["name"], known)
         return None
 
     def _problem_of_event(self, event: Event) -> str | None:
@@ -284,13 +274,13 @@ class Scenario(RunKeys):
 
 def _problem_of_topic(name: str, bound: Bound) -> str | None:
     """What is wrong with a bound because of the topic's quantity that it is of."""
-    quantity = topic_quantity(name)
-    what = "" if quantity is None else quantity.what
-    if what == LATENCY and bound.of is None:
+    quantity = heard_quantity(name)
+    measure = "" if quantity is None else quantity.measure
+    if measure == LATENCY and bound.of is None:
         return "a latency needs the topic of the input, e.g. of: /scan"
-    if what != LATENCY and bound.of is not None:
+    if measure != LATENCY and bound.of is not None:
         return "'of' belongs to the latency of a topic"
-    if what == COUNT and bound.over not in ("always", "end"):
+    if measure == COUNT and bound.over not in ("always", "end"):
         return f"a count is one number; leave out 'over: {bound.over}'"
     return None
 

@@ -14,7 +14,7 @@ from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
 from harness.scenario.arrivals import Arrivals, Reader
-from harness.scenario.names import AGE, TopicQuantity, check_messages
+from harness.scenario.names import AGE, HeardQuantity, check_messages
 from harness.sensors.message_types import read_message
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]
@@ -38,7 +38,7 @@ class Subscriptions:
     def __init__(
         self,
         bridge: Bridge,
-        wanted: Mapping[str, Sequence[TopicQuantity]],
+        wanted: Mapping[str, Sequence[HeardQuantity]],
         inputs: Collection[str],
         readers: Mapping[str, Reader],
         *,
@@ -54,8 +54,8 @@ class Subscriptions:
     @property
     def known(self) -> list[str]:
         """Returns all topics that somebody publishes."""
-        found = [topic for topic, _ in self._bridge.get_topic_names_and_types()]
-        return [t for t in found if t not in PLUMBING and self._bridge.count_publishers(t)]
+        topics = [topic for topic, _ in self._bridge.get_topic_names_and_types()]
+        return [t for t in topics if t not in PLUMBING and self._bridge.count_publishers(t)]
 
     def look_around(self) -> bool:
         """Listens to topics that have turned up; returns whether there were any.
@@ -89,7 +89,7 @@ class Subscriptions:
         paths = sorted({q.path for q in wanted if q.path})
         arrivals = Arrivals(paths, read=None if reader is None else reader.read)
         # Their content counts only where something is expected of it, or of their stamps.
-        is_read = topic in self._inputs or any(q.path or q.what == AGE for q in wanted)
+        is_read = topic in self._inputs or any(q.path or q.measure == AGE for q in wanted)
         is_read |= reader is not None
         is_made = not hasattr(kind, "get_fields_and_field_types")  # for bytes alone
         record: list[Callable[[Any], object]] = []

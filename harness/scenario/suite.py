@@ -1,17 +1,16 @@
 """Runs of scenarios to attempts, on one process or many; a suite that was stopped goes on."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from harness.base.interrupt import Interrupted
-from harness.scenario.attempt import SCRATCH, attempt
+from harness.scenario.attempt import DEFAULTS, SCRATCH, AttemptOptions, attempt
 from harness.scenario.case import Case
 from harness.scenario.progress import Progress
 from harness.scenario.verdict import Attempt
-from harness.spec.live import NOWHERE, LiveOptions
 from harness.workers import Workers, work_off
 
 KEPT = "the same command with --resume goes on with the rest"
@@ -22,11 +21,9 @@ def run_all(
     workers: Workers,
     folder: Path,
     show: Callable[[int, int], None],
+    options: AttemptOptions = DEFAULTS,
     *,
-    compare: bool = True,
     resume: bool = False,
-    keep: bool = False,
-    live: LiveOptions = NOWHERE,
 ) -> list[Attempt]:
     """Runs all, and returns the attempts in the order of the cases.
 
@@ -35,16 +32,14 @@ def run_all(
         workers: Who runs them.
         folder: For what runs leave that do not pass.
         show: Told how many of how many are done.
-        compare: Whether they are compared with their baselines.
-        keep: Whether the logs of runs that pass are kept too.
-        live: Where they can be watched, one after the other in this process.
+        options: How each is judged, shown and kept.
         resume: Whether to go on where the same suite was stopped.
 
     Raises:
         RunFailed: Workers died again and again.
         Interrupted: Somebody stopped the command.
     """
-    progress = Progress(cases, folder, compare=compare)
+    progress = Progress(cases, folder, compare=options.compare)
     done = progress.read() if resume else {}
     if not done:
         progress.begin()
@@ -58,8 +53,7 @@ def run_all(
     left = {index: case for index, case in enumerate(cases) if index not in done}
     # A worker that is killed leaves its files: they are below a folder of this process.
     with TemporaryDirectory(prefix=SCRATCH) as scratch:
-        how: dict[str, Any] = {"compare": compare, "scratch": Path(scratch), "keep": keep, "live": live}
-        work = partial(_attempt, folder=folder, **how)
+        work = partial(_attempt, folder=folder, options=replace(options, scratch=Path(scratch)))
         try:
             work_off(left, work, workers, note, name=lambda index: cases[index].name, mend=KEPT)
         except Interrupted as error:
@@ -70,5 +64,5 @@ def run_all(
     return [done[index] for index in range(len(cases))]
 
 
-def _attempt(case: Case, *, folder: Path, **how: Any) -> Attempt:  # noqa: ANN401 - as of `attempt`
-    return attempt(case, folder / case.folder, **how)
+def _attempt(case: Case, *, folder: Path, options: AttemptOptions) -> Attempt:
+    return attempt(case, folder / case.folder, options)

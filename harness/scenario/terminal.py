@@ -6,7 +6,15 @@ from rich.console import Console
 
 from harness.base.errors import how_many
 from harness.scenario.case import scenario_name
-from harness.scenario.verdict import Attempt, Measured, Outcome, Verdict, outcome_of, reasons_of
+from harness.scenario.verdict import (
+    Attempt,
+    Measured,
+    Outcome,
+    Verdict,
+    outcome_of,
+    passed_of,
+    reasons_of,
+)
 
 _STYLES = {
     Outcome.PASSED: "green",
@@ -21,25 +29,21 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
     """Prints each scenario, and of each run that is not as it should be why, and the command for it."""
     for verdict in verdicts:
         _line(console, verdict.outcome, scenario_name(verdict.path) + _rate(verdict))
-        told: dict[str, int] = {}  # what keeps runs from being driven, and how many of them
+        errors: dict[str, int] = {}  # what keeps runs from being driven, and how many of them
         for attempt in verdict.attempts:
             if attempt.error is not None:
-                told[attempt.error] = told.get(attempt.error, 0) + 1
-            if outcome_of(attempt) is not Outcome.PASSED and told.get(attempt.error or "", 1) == 1:
+                errors[attempt.error] = errors.get(attempt.error, 0) + 1
+            if outcome_of(attempt) is not Outcome.PASSED and errors.get(attempt.error or "", 1) == 1:
                 _print_run(console, attempt)
-        for count in filter(lambda count: count > 1, told.values()):
+        for count in filter(lambda count: count > 1, errors.values()):
             console.print(f"    and {how_many(count - 1, 'more run')} for the same reason")
         if verdict.outcome is Outcome.PASSED:
             for line in kept_limits(verdict.attempts):
                 console.print(f"    {line}", style="dim", soft_wrap=True)
-    passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
     simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
     speed = f", {simulated / wall:.0f}x real time a process" if wall else ""
-    text = (
-        f"{passed} of {how_many(len(verdicts), 'scenario')} passed: {how_many(len(runs), 'run')}{speed}"
-    )
-    console.print(text, soft_wrap=True)
+    console.print(f"{passed_of(verdicts)}: {how_many(len(runs), 'run')}{speed}", soft_wrap=True)
 
 
 def kept_limits(attempts: Sequence[Attempt]) -> list[str]:

@@ -30,7 +30,7 @@ from harness.samples import Tick
 from harness.scenario.arrivals import topic_series
 from harness.scenario.case import Case, plan
 from harness.scenario.judged import judged_series, readers
-from harness.scenario.names import TopicQuantity, topic_quantity
+from harness.scenario.names import HeardQuantity, heard_quantity
 from harness.scenario.series import Series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
@@ -233,8 +233,8 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         others = launches.count(None)
 
         def unnamed() -> list[str]:
-            found = sorted(self._trial.nodes.names().difference(named))
-            return [name for name in found if not name.rpartition("/")[2].startswith(TOOLS)]
+            names = sorted(self._trial.nodes.names().difference(named))
+            return [name for name in names if not name.rpartition("/")[2].startswith(TOOLS)]
 
         def missing() -> list[str]:
             absent = [name for name in named if name not in self._trial.nodes.names()]
@@ -253,11 +253,11 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         bridge = self._trial.bridge
         return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
 
-    def _wanted(self) -> dict[str, list[TopicQuantity]]:
+    def _wanted(self) -> dict[str, list[HeardQuantity]]:
         """What is expected of each topic."""
-        wanted: dict[str, list[TopicQuantity]] = {}
+        wanted: dict[str, list[HeardQuantity]] = {}
         for name in self.case.scenario.quantities:
-            quantity = topic_quantity(name)
+            quantity = heard_quantity(name)
             if quantity is not None:
                 wanted.setdefault(quantity.topic, []).append(quantity)
         return wanted
@@ -282,7 +282,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     def _heard(self) -> dict[str, Series]:
         """The quantities of topics over time."""
         topics, known = self._topics, self._topics.known
-        pairs = [(name, topic_quantity(name), bound) for name, bound in self.case.scenario.measured]
+        pairs = [(name, heard_quantity(name), bound) for name, bound in self.case.scenario.measured]
         rows = {topic: arrivals.read_values for topic, arrivals in topics.heard.items()}
         judged = judged_series(self.case, rows, self._watch.path)
         return judged | {

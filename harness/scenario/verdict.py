@@ -1,14 +1,14 @@
 """What came of a run, and of a scenario whose runs need not all pass."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-import scipy  # loads a part of it when that is named
-
+from harness.base.errors import how_many
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
+from rover_metrics.analysis.statistics.summary import wilson
 
 CONFIDENCE = 0.95
 
@@ -110,6 +110,19 @@ class Verdict:
     outcome: Outcome
 
 
+def bad_runs(verdicts: Iterable[Verdict]) -> Iterator[Attempt]:
+    """Yields every run that makes its scenario red."""
+    for verdict in verdicts:
+        if verdict.outcome is not Outcome.PASSED:
+            yield from (each for each in verdict.attempts if not outcome_of(each).is_good)
+
+
+def passed_of(verdicts: Sequence[Verdict]) -> str:
+    """Returns how many scenarios passed, e.g. "2 of 3 scenarios passed"."""
+    passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
+    return f"{passed} of {how_many(len(verdicts), 'scenario')} passed"
+
+
 def verdicts_of(attempts: Sequence[Attempt]) -> list[Verdict]:
     """Returns the verdict of each scenario, in the order of its first run."""
     by_path: dict[Path, list[Attempt]] = {}
@@ -126,13 +139,7 @@ def _verdict(path: Path, attempts: list[Attempt]) -> Verdict:
     outcome = Outcome.PASSED if rate >= (1.0 if asked is None else asked.min) else Outcome.FAILED
     if Outcome.ERROR in outcomes:
         outcome = Outcome.ERROR
-    return Verdict(path, tuple(attempts), rate, wilson(good, len(outcomes)), outcome)
-
-
-def wilson(good: int, count: int) -> tuple[float, float]:
-    """Returns the interval of a share by Wilson's method."""
-    interval = scipy.stats.binomtest(good, count).proportion_ci(CONFIDENCE, method="wilson")
-    return float(interval.low), float(interval.high)
+    return Verdict(path, tuple(attempts), rate, wilson(good, len(outcomes), CONFIDENCE), outcome)
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:

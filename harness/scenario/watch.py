@@ -7,14 +7,13 @@ from shutil import rmtree
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.assembly import gravity, has_soil, route_progress, tells_energy, world_of
+from harness.episode.assembly import route_progress, world_of
 from harness.episode.batch import Batch
-from harness.episode.metrics_feed import extended_settings
+from harness.episode.metrics_feed import metric_settings
 from harness.episode.result import RunResult
 from harness.report.evidence import keep_evidence
 from harness.report.log import read_log
 from harness.report.recorder import RunRecorder
-from harness.robots import find_rover
 from harness.scenario.baseline import (
     Recorded,
     check_comparable,
@@ -68,16 +67,9 @@ class Watch:
     @property
     def settings(self) -> Settings:
         """What the log is to hold: the extended columns where one is expected of, by the parameters."""
-        columns = [
-            name.removeprefix(LOG) for name in self._case.scenario.quantities if name.startswith(LOG)
-        ]
-        settings = Settings()
-        if not set(columns) <= set(COLUMNS):
-            run = self._case.run
-            rover, soil = find_rover(run.rover.robot), has_soil(run)
-            of_run = extended_settings(rover, gravity(run), soil=soil, energy=tells_energy(run.rover))
-            settings = Settings(extended_columns=True, extended=of_run)
-        return settings.updated(self._case.params)
+        logged = (name for name in self._case.scenario.quantities if name.startswith(LOG))
+        extended = not {name.removeprefix(LOG) for name in logged} <= set(COLUMNS)
+        return metric_settings(self._case.run, self._case.params, extended=extended)
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
@@ -86,7 +78,7 @@ class Watch:
         self.path.take(batch)
 
     def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Attempt:
-        """Returns what a run with these quantities of topics came to; its log is read.
+        """Returns what a run with these quantities of topics came to, by its log too.
 
         Raises:
             UsageError: Its baseline is of another version, model, terrain or argument.

@@ -21,24 +21,18 @@ if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EpisodeParts:
-    """What the sensors of an episode are made from; a sensor whose part is None is not made.
-
-    Attributes:
-        lidar: The planar lidar that every rover has.
-        recorder: Knows contacts, slip and the way.
-        install: Gives an optional sensor its place, its generator and its noise.
-        frame_options: Which transforms are published.
-        sensors: The sensors of the episode by source; those of later rows follow.
-        wheel_scale: Radius of the wheels, left and right, over the one that wheel odometry knows.
-    """
+    """What the sensors of an episode are made from; a sensor whose part is None is not made."""
 
     simulation: "Simulation"
-    lidar: "Lidar | None" = None
-    recorder: "TruthRecorder | None" = None
+    lidar: "Lidar | None" = None  # the planar lidar that every rover has
+    recorder: "TruthRecorder | None" = None  # knows contacts, slip and the way
+    # gives an optional sensor its place, its generator and its noise
     install: "Callable[[SensorOptions], Installation[Any]] | None" = None
     frames: "RoverFrames | None" = None
-    frame_options: "FrameOptions | None" = None
+    frame_options: "FrameOptions | None" = None  # which transforms are published
+    # the sensors of the episode by source; those of later rows follow
     sensors: "Mapping[Source, Sensor]" = field(default_factory=dict)
+    # radius of the wheels, left and right, over the one that wheel odometry knows
     wheel_scale: tuple[float, float] = (1.0, 1.0)
 
 
@@ -69,7 +63,7 @@ class Sensor:
         raise NotImplementedError
 
     def observe(self, sums: "NDArray[np.float64]") -> None:
-        """Takes clock ticks that have just been simulated into account; each is told of once.
+        """Takes clock ticks that have just been simulated into account, each once.
 
         Args:
             sums: MuJoCo's sensor values, summed over the steps of each of them, shape (ticks, sensors).

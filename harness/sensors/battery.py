@@ -26,23 +26,16 @@ TICK = TICK_NS / NANOSECONDS  # [s]
 
 @plain_value
 class Battery:
-    """State of charge; names are those of sensor_msgs/BatteryState.
-
-    Attributes:
-        current: Negative while it discharges [A].
-        charge: What is left [A h].
-        energy: Taken since the start [W h].
-        motor_currents: Of the left and the right side [A].
-    """
+    """State of charge; names are those of sensor_msgs/BatteryState."""
 
     stamp_ns: int
     sensor: str
     voltage: float
-    current: float
-    charge: float
+    current: float  # negative while it discharges [A]
+    charge: float  # what is left [A h]
     percentage: float
-    energy: float
-    motor_currents: tuple[float, float]
+    energy: float  # taken since the start [W h]
+    motor_currents: tuple[float, float]  # of the left and the right side [A]
 
 
 class BatteryOptions(SensorOptions):
@@ -109,25 +102,11 @@ class BatterySensor(OptionalSensor[BatteryOptions]):
         current = _current(self._power / count, open_voltage, pack.resistance)
         one, other = (self._currents / count).tolist()
         self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
-        told = (
-            open_voltage - pack.resistance * current,
-            -current,
-            left * self._capacity / pack.nominal,
-            left,
-        )
-        voltage, current, charge, percentage = (
-            float(np.float32(value)) for value in told
-        )  # its message's
-        return Battery(
-            self._simulation.time_ns,
-            self.name,
-            voltage=voltage,
-            current=current,
-            charge=charge,
-            percentage=percentage,
-            energy=self._taken - self._begun,
-            motor_currents=(one, other),
-        )
+        voltage, charge = open_voltage - pack.resistance * current, left * self._capacity / pack.nominal
+        as_sent = np.array((voltage, -current, charge, left), np.float32).tolist()
+        voltage, current, charge, left = as_sent
+        now, used = self._simulation.time_ns, self._taken - self._begun
+        return Battery(now, self.name, voltage, current, charge, left, used, (one, other))
 
 
 def _current(power: float, open_voltage: float, resistance: float) -> float:

@@ -17,24 +17,16 @@ from harness.spec.value import NotNegative, Share, Value
 
 @dataclass(frozen=True, kw_only=True)
 class AxisErrors:
-    """Errors of each of three equal axes, in the sensor's unit.
+    """Errors of each of three equal axes, in the sensor's unit."""
 
-    Attributes:
-        white: Standard deviation of a reading.
-        bias: Standard deviation of the bias at switch-on.
-        walk: Standard deviation that the bias gains in the first second [unit/sqrt(s)].
-        correlation_time: After which 1/e of the bias is left and the rest drawn anew [s], so that its
-            deviation stays (a Gauss-Markov process of first order); infinite for a bias that stays.
-        step: Quantisation; 0 for none.
-        limit: Largest magnitude that can be read.
-    """
-
-    white: float = 0.0
-    bias: float = 0.0
-    walk: float = 0.0
+    white: float = 0.0  # standard deviation of a reading
+    bias: float = 0.0  # standard deviation of the bias at switch-on
+    walk: float = 0.0  # standard deviation that the bias gains in the first second [unit/sqrt(s)]
+    # after which 1/e of the bias is left and the rest drawn anew [s], so that its deviation stays
+    # (a Gauss-Markov process of first order); infinite for a bias that stays
     correlation_time: float = math.inf
-    step: float = 0.0
-    limit: float = math.inf
+    step: float = 0.0  # quantisation; 0 for none
+    limit: float = math.inf  # largest magnitude that can be read
 
     @property
     def variance(self) -> float:
@@ -119,22 +111,14 @@ class ContactChatter:
     How many readings are disturbed or slide grows with the wheels' speed v, as 1 - exp(-v / v0).
     Of the disturbed ones some find no wheel on the ground, and what falls is caught: in few steps, with
     many times the weight, so that momentum balances.
-
-    Attributes:
-        speed: v0 of the disturbed ones [m/s].
-        shape: Of the gamma distribution of the load, whose mean is 1; less is wilder.
-        falling: Share of the disturbed ones in free fall, whose load is 0.
-        landing: Mean load of those in which the rover is caught, exponentially distributed; above 1.
-        sliding_speed: v0 of those that slide [m/s].
-        friction: Bound of the friction along each horizontal axis over the load; evenly distributed.
     """
 
-    speed: float
-    shape: float
-    falling: float
-    landing: float
-    sliding_speed: float
-    friction: float
+    speed: float  # v0 of the disturbed ones [m/s]
+    shape: float  # of the gamma distribution of the load, whose mean is 1; less is wilder
+    falling: float  # share of the disturbed ones in free fall, whose load is 0
+    landing: float  # mean load of those in which the rover is caught, exponentially distributed; above 1
+    sliding_speed: float  # v0 of those that slide [m/s]
+    friction: float  # bound of the friction along each horizontal axis over the load; evenly distributed
 
     def shake(self, force: Vector3, wheel_speed: float, rng: np.random.Generator) -> Vector3:
         """Returns the specific force of one step [m/s^2].

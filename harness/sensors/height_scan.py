@@ -30,23 +30,17 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 @plain_value
 class HeightScan:
-    """Heights around the rover.
-
-    Attributes:
-        heights: Heights of the cells' middles over the origin of the sensor's frame [m], float32,
-            shape (cells along the first axis, along the second), each from the lowest coordinate
-            up; NaN off the map.
-        x, y, z: The grid's middle, which is that origin, in the world [m].
-        yaw: Angle from the world's x axis to the grid's first one [rad].
-    """
+    """Heights around the rover; x, y, z is the grid's middle in the world [m]."""
 
     stamp_ns: int
     sensor: str
+    # of the cells' middles over that one [m], shape (cells along the first axis, along the second), each
+    # from the lowest coordinate up; NaN off the map
     heights: NDArray[np.float32]
     x: float
     y: float
     z: float
-    yaw: float
+    yaw: float  # from the world's x axis to the grid's first one [rad]
 
 
 class HeightScanOptions(SensorOptions):
@@ -96,10 +90,7 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
     sees_ground = True
 
     def __init__(
-        self,
-        simulation: "Simulation",
-        installation: Installation[HeightScanOptions],
-        period_ticks: int,
+        self, simulation: "Simulation", installation: Installation[HeightScanOptions], period_ticks: int
     ) -> None:
         super().__init__(simulation, installation, period_ticks)
         from harness.physics.world_geoms import OBSTACLE_GROUP  # noqa: PLC0415 - loads MuJoCo

@@ -53,11 +53,7 @@ def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its cl
 
 
 def read_message(data: bytes, name: str) -> Any:  # noqa: ANN401 - rosbags makes its classes
-    """Returns the message of that type that these bytes are.
-
-    Raises:
-        ValueError: They are none.
-    """
+    """Returns the message of that type that these bytes are; ValueError if they are none."""
     try:
         return typestore().deserialize_cdr(data, name)
     except SerdeError as error:
@@ -73,21 +69,21 @@ def check_path(type_name: str, path: str) -> str | None:
     """
     node: Any = (Nodetype.NAME, type_name)
     for step in path.split("."):
-        found = STEP.fullmatch(step)
-        if found is None:
+        match = STEP.fullmatch(step)
+        if match is None:
             return f"'{path}' is no path to a field; give e.g. twist.linear.x or ranges[0]"
         if node[0] == Nodetype.NAME and node[1] not in typestore().fielddefs:
             continue
         if node[0] != Nodetype.NAME:
             return f"there is nothing below the numbers in front of '.{step}' in '{path}'"
         fields = dict(typestore().fielddefs[node[1]][1])
-        if found["name"] not in fields:
-            return f"{unknown('field', found['name'], list(fields)[:MOST])} ({node[1]})"
-        node = fields[found["name"]]
+        if match["name"] not in fields:
+            return f"{unknown('field', match['name'], list(fields)[:MOST])} ({node[1]})"
+        node = fields[match["name"]]
         if node[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE):
             node = node[1][0]
-        elif found["index"] is not None:
-            return f"field '{found['name']}' is no list; leave out [{found['index']}] ({type_name})"
+        elif match["index"] is not None:
+            return f"field '{match['name']}' is no list; leave out [{match['index']}] ({type_name})"
     return _no_number(node)
 
 
@@ -107,13 +103,13 @@ def numbers_at(message: Any, path: str) -> list[float]:  # noqa: ANN401 - of rcl
         AttributeError: A field does not exist.
         ValueError: It is no number.
     """
-    found = [message]
+    parts = [message]
     for step in path.split("."):
         name, _, index = step.rstrip("]").partition("[")
-        each = (_listed(getattr(one, name)) for one in found)
-        chosen = (some[int(index) : int(index) + 1] if index else some for some in each)
-        found = [one for some in chosen for one in some]
-    return [float(one[0] if isinstance(one, bytes) else one) for one in found]  # a byte as of rclpy
+        lists = (_listed(getattr(part, name)) for part in parts)
+        chosen = (some[int(index) : int(index) + 1] if index else some for some in lists)
+        parts = [part for some in chosen for part in some]
+    return [float(one[0] if isinstance(one, bytes) else one) for one in parts]  # a byte as of rclpy
 
 
 def _listed(value: Any) -> Any:  # noqa: ANN401 - a list, an array, or one value

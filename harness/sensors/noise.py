@@ -22,27 +22,21 @@ DEGREE = np.pi / 180.0  # [rad]
 
 @dataclass(frozen=True, kw_only=True)
 class NoisePreset:
-    """The errors of all sensors.
-
-    Attributes:
-        acceleration: Of specific force [m/s^2].
-        angular_velocity: Of angular rate [rad/s].
-        attitude: Of the orientation, as turns about the sensor's axes [rad].
-        wheel_radius: Standard deviation of the share by which the wheels of a side are larger than the
-            odometry takes them for.
-        twist_variance: What wheel odometry tells of its speed [m^2/s^2] and yaw rate [rad^2/s^2]; 0, 0
-            if nothing.
-        chatter: What shakes the IMU before its own errors come on top; None for nothing.
-    """
+    """The errors of all sensors."""
 
     name: str
     summary: str
-    acceleration: AxisErrors = field(default_factory=AxisErrors)
-    angular_velocity: AxisErrors = field(default_factory=AxisErrors)
+    acceleration: AxisErrors = field(default_factory=AxisErrors)  # of specific force [m/s^2]
+    angular_velocity: AxisErrors = field(default_factory=AxisErrors)  # of angular rate [rad/s]
+    # of the orientation, as turns about the sensor's axes [rad]
     attitude: AxisErrors = field(default_factory=AxisErrors)
+    # standard deviation of the share by which the wheels of a side are larger than the odometry
+    # takes them for
     wheel_radius: float = 0.0
+    # what wheel odometry tells of its speed [m^2/s^2] and yaw rate [rad^2/s^2]; 0, 0 if nothing
     twist_variance: tuple[float, float] = (0.0, 0.0)
     ranges: RangeErrors = field(default_factory=RangeErrors)
+    # what shakes the IMU before its own errors come on top; None for nothing
     chatter: ContactChatter | None = None
 
 

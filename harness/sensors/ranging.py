@@ -1,10 +1,10 @@
-"""What lidars and depth cameras have in common: directions, limits of range, and readings along them.
+"""What optional lidars and depth cameras have in common: directions, limits, readings, the sensor.
 
 Importing this loads neither MuJoCo nor compiled kernels: who publishes needs the directions too.
 """
 
 import math
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,25 +12,25 @@ from pydantic import model_validator
 
 from harness.samples import plain_value
 from harness.sensors.corruption import RangeErrors
-from harness.sensors.optional import SensorOptions
+from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 from harness.spec.value import Length, NotNegative
+
+if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    from harness.physics.simulation import Simulation
 
 MOST_RAYS = 500_000  # in a reading
 
 
 @plain_value
 class RangeReading:
-    """What an optional lidar or depth camera has read at once, in its frame.
-
-    Attributes:
-        ranges: Float32, shape (n,): how often each of the directions fits between sensor and surface; of
-            a lidar the distance, of a camera the depth [m]. REP-117 coded.
-        on_obstacle: Whether it was an obstacle that a ray met and not the ground, shape (n,).
-    """
+    """What an optional lidar or depth camera has read at once, in its frame."""
 
     stamp_ns: int
     sensor: str
+    # float32, shape (n,): how often each of the directions fits between sensor and surface; of a
+    # lidar the distance, of a camera the depth [m]. REP-117 coded
     ranges: NDArray[np.float32]
+    # whether it was an obstacle that a ray met and not the ground, shape (n,)
     on_obstacle: NDArray[np.bool_]
 
 
@@ -66,3 +66,34 @@ class RangeOptions(SensorOptions):
         if self.rays > MOST_RAYS:
             raise ValueError(f"{self.rays:,} rays a reading are not valid; give 1 to {MOST_RAYS:,}")
         return self
+
+
+class RangeSensor(OptionalSensor[RangeOptions]):
+    """Casts exact rays from its mount and adds its errors; the rover does not see itself."""
+
+    sees_ground = True
+
+    def __init__(
+        self, simulation: "Simulation", installation: Installation[RangeOptions], period_ticks: int
+    ) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        from harness.sensors.rays.bundle import RayBundle  # noqa: PLC0415 - loads kernels
+
+        options = installation.options
+        directions = options.directions()
+        self._lengths = np.linalg.norm(directions, axis=1)
+        unit = directions / self._lengths[:, None]
+        farthest = options.range_max * float(self._lengths.max())
+        self._bundle = RayBundle(installation.surroundings, unit, farthest)
+        self._limits, self._rng = (options.range_min, options.range_max), installation.rng
+        self._lost = options.lost
+        preset = RangeErrors() if installation.noise is None else installation.noise.ranges
+        self._errors = preset if options.noise == RangeErrors() else options.noise
+
+    def read(self) -> RangeReading:
+        """Returns what it sees from where the rover is now."""
+        simulation = self._simulation
+        distances = self._bundle.cast(simulation.data, self.pose())
+        exact = (distances / self._lengths).astype(np.float32)
+        ranges = self._errors.corrupt(exact, self._limits, self._rng, lost=self._lost)
+        return RangeReading(simulation.time_ns, self.name, ranges, self._bundle.on_obstacle.copy())

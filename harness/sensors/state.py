@@ -1,13 +1,19 @@
-"""Sensors that read MuJoCo's state: model pose, IMU, true odometry, joint states, truth."""
+"""Sensors that read the simulation's state: pose, IMU, true odometry, joint states, truth, people."""
+
+import math
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.sim_time import HIGHEST_RATE
+from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
-from harness.samples import GroundTruth, Imu, JointStates, Pose, TruthState
+from harness.samples import ActorPoses, GroundTruth, Imu, JointStates, Pose, TruthState
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.truth.recorder import TruthRecorder
+
+PEOPLE_RATE = 30  # [Hz]
 
 
 class PoseSensor(Sensor):
@@ -99,3 +105,26 @@ class TruthSensor(Sensor):
     def read(self) -> TruthState:
         """Returns the truth now and since the last reading."""
         return self._recorder.state()
+
+
+class PeopleSensor(Sensor):
+    """Positions and headings of everybody in a crowd, 30 times a second as RoboTerrain's plugin.
+
+    30 Hz do not divide the clock's 100: of each 10 ticks the 4th, the 7th and the 10th have a sample,
+    that is each tick by which another thirtieth of a second is full: 40, 30 and 30 ms apart.
+    """
+
+    def __init__(self, simulation: Simulation, crowd: Crowd) -> None:
+        super().__init__(simulation, HIGHEST_RATE // PEOPLE_RATE)
+        self._crowd = crowd
+
+    def due(self, tick: int) -> bool:
+        """Returns whether a sample falls on a tick, counted from 1."""
+        return tick * PEOPLE_RATE // HIGHEST_RATE > (tick - 1) * PEOPLE_RATE // HIGHEST_RATE
+
+    def read(self) -> ActorPoses:
+        """Returns where everybody is."""
+        crowd = self._crowd
+        halves = [place.yaw / 2 for place in crowd.places]
+        turned = tuple((0.0, 0.0, math.sin(half), math.cos(half)) for half in halves)
+        return ActorPoses(self._simulation.time_ns, tuple(crowd.positions()), turned)

@@ -51,12 +51,12 @@ class SensorSuite:
         self._sensors = tuple(made.values())
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
-        self._observe = [sensor.observe for sensor in self._sensors if is_told(sensor)]
+        self._observe = [sensor.observe for sensor in self._sensors if observes(sensor)]
         seeing = (s.period_ticks for s in self._sensors if s.sees_ground)
         self.sees_ground_between = any(period % TICKS_PER_CONTROL for period in seeing)
         self._noise, self._physics = noise, parts.simulation.physics
-        self._untold = 0  # ticks of which nobody who observes has been told
-        self._early: dict[Sensor, Sample] = {}  # read before the tick was told of
+        self._unobserved = 0  # ticks that no observing sensor has had yet
+        self._early: dict[Sensor, Sample] = {}  # read before the tick was observed
         self.latest: dict[type[Sample], Sample] = {}
 
     def needs(self, index: int) -> bool:
@@ -66,9 +66,9 @@ class SensorSuite:
     def tick(self, index: int) -> tuple[Sample, ...]:
         """Returns the samples of the tick that has just been simulated, counted from 1."""
         due = self._due[index % HIGHEST_RATE]
-        self._untold += 1
+        self._unobserved += 1
         if due or self._physics.is_last_shown:
-            sums, self._untold = self._physics.latest_sums(self._untold), 0
+            sums, self._unobserved = self._physics.latest_sums(self._unobserved), 0
             for observe in self._observe:
                 observe(sums)
         return tuple([self._read(sensor) for sensor in due])
@@ -77,7 +77,7 @@ class SensorSuite:
         """Returns whether samples of some kinds depend on nothing but the end of a control period."""
         own = [sensor for sensor, kind in self._kinds.items() if kind in kinds]
         alone = len({self._kinds[sensor] for sensor in own}) == len(own)
-        return alone and not any(s.period_ticks % TICKS_PER_CONTROL or is_told(s) for s in own)
+        return alone and not any(s.period_ticks % TICKS_PER_CONTROL or observes(s) for s in own)
 
     def read_early(self, index: int, kinds: Collection[type[Sample]]) -> None:
         """Reads at the end of a control period, before `tick` comes to it, what can be read early."""
@@ -104,6 +104,6 @@ class SensorSuite:
         return sample
 
 
-def is_told(sensor: Sensor) -> bool:
+def observes(sensor: Sensor) -> bool:
     """Returns whether a sensor takes every tick into account."""
     return type(sensor).observe is not Sensor.observe

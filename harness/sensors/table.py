@@ -16,80 +16,73 @@ from harness import samples
 from harness.base.sim_time import HIGHEST_RATE, period_ticks
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
-from harness.sensors.barometer import BarometerOptions, Pressure
 from harness.sensors.base import EpisodeParts, Sensor
-from harness.sensors.battery import Battery, BatteryOptions
-from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.sensors.battery import Battery, BatteryOptions, BatterySensor
+from harness.sensors.camera.sensor import CameraOptions, CameraSensor, CameraState
+from harness.sensors.chips import (
+    BarometerOptions,
+    BarometerSensor,
+    GnssFix,
+    GnssOptions,
+    GnssSensor,
+    MagneticField,
+    MagnetometerOptions,
+    MagnetometerSensor,
+    Pressure,
+)
 from harness.sensors.depth import DepthOptions
-from harness.sensors.gnss import GnssFix, GnssOptions
-from harness.sensors.height_scan import HeightScan, HeightScanOptions
+from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
-from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import SensorOptions
-from harness.sensors.ranging import RangeReading
+from harness.sensors.ranging import RangeReading, RangeSensor
 from rover_metrics.plugins import Table
 
-RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
+POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
 
 
 @dataclass(frozen=True)
 class Topic:
-    """Where the samples of a sensor are published; keep-last.
+    """Where the samples of a sensor are published; keep-last."""
 
-    Attributes:
-        name: Relative to the namespace of the run.
-        message_type: E.g. "sensor_msgs/msg/Imu". Unless harness.messages.fillers has one of it, its
-            fields are filled from those of the sample that have the same names.
-        best_effort: Whether it is offered best effort instead of reliable.
-        depth: How many messages may wait.
-        latched: Whether who comes later gets the last ones too (transient local); else volatile.
-        option: The field of the sensor's options that must be true for the topic to be there, if any.
-        on_demand: Whether messages are made only while somebody listens or records.
-    """
-
-    name: str
+    name: str  # relative to the namespace of the run
+    # e.g. "sensor_msgs/msg/Imu". Unless harness.messages.fillers has one of it, its fields are
+    # filled from those of the sample that have the same names
     message_type: str
-    best_effort: bool = False
-    depth: int = 10
+    best_effort: bool = False  # whether it is offered best effort instead of reliable
+    depth: int = 10  # how many messages may wait
+    # whether who comes later gets the last ones too (transient local); else volatile
     latched: bool = False
+    # the field of the sensor's options that must be true for the topic to be there, if any
     option: str = ""
-    on_demand: bool = False
+    on_demand: bool = False  # whether messages are made only while somebody listens or records
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorRow:
-    """One sensor.
+    """One sensor."""
 
-    Attributes:
-        sample: What it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
-            `sensor` too.
-        factory: The Sensor class, or "module:Class", which is loaded by whoever makes one.
-        topics: Where the sample is published, in this order; options complete the names.
-        rate: Samples a second of simulation time, of every rover or by rover [Hz], or of its options.
-        frame: Frame of the messages' headers, of every rover or by rover, or of its options.
-        fault: Its name in --fault, and in --sensors; None if no fault touches it.
-        measured: The fields of the sample that faults of values change.
-        attitude: The fields that faults of values change with ATTITUDE behind the sensor's name.
-        options: The options of an optional one; None if every rover has it.
-        given: The options of one that is carried.
-        noise: What corrupts it in this run, for what its messages tell of their errors.
-        summary: A line for lists and the docs.
-    """
-
+    # what it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
+    # `sensor` too
     sample: type[Sample]
+    # the Sensor class, or "module:Class", which is loaded by whoever makes one
     factory: str | type[Sensor]
-    topics: tuple[Topic, ...]
+    topics: tuple[Topic, ...]  # where the sample is published, in this order; options complete the names
+    # samples a second of simulation time, of every rover or by rover [Hz], or of its options
     rate: int | Callable[[RoverSpec], int] = 0
+    # frame of the messages' headers, of every rover or by rover, or of its options
     frame: str | Callable[[RoverSpec], str] = ""
-    fault: str | None = None
-    measured: tuple[str, ...] = ()
+    fault: str | None = None  # its name in --fault, and in --sensors; None if no fault touches it
+    measured: tuple[str, ...] = ()  # the fields of the sample that faults of values change
+    # the fields that faults of values change with ATTITUDE behind the sensor's name
     attitude: tuple[str, ...] = ()
+    # the options of an optional one; None if every rover has it
     options: type[SensorOptions] | None = None
-    given: SensorOptions | None = None
+    given: SensorOptions | None = None  # the options of one that is carried
+    # what corrupts it in this run, for what its messages tell of their errors
     noise: NoisePreset | None = None
-    summary: str = ""
+    summary: str = ""  # a line for lists and the docs
 
     @property
     def source(self) -> Source:
@@ -105,11 +98,7 @@ class SensorRow:
         return self.frame if isinstance(self.frame, str) else self.frame(rover)
 
     def make(self, parts: EpisodeParts, rate: int) -> Sensor | None:
-        """Returns the sensor of an episode, of a rate [Hz]; None if the episode lacks a part of it.
-
-        Raises:
-            UsageError: The period is no whole number of clock ticks.
-        """
+        """Returns the sensor of an episode, of a rate [Hz]; None if the episode lacks a part of it."""
         kind: Any = resolve_name(self.factory) if isinstance(self.factory, str) else self.factory
         made: Sensor | None = None
         if self.given is None:
@@ -197,7 +186,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        factory=RANGE_SENSOR,
+        factory=RangeSensor,
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         fault="lidar2d",
         measured=("ranges",),
@@ -206,7 +195,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        factory=RANGE_SENSOR,
+        factory=RangeSensor,
         topics=(Topic("points", POINT_CLOUD),),
         fault="lidar3d",
         measured=("ranges",),
@@ -215,7 +204,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=RangeReading,
-        factory=RANGE_SENSOR,
+        factory=RangeSensor,
         topics=(
             Topic("image", "sensor_msgs/msg/Image"),
             Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
@@ -228,7 +217,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=CameraState,
-        factory="harness.sensors.camera.sensor:CameraSensor",
+        factory=CameraSensor,
         topics=(
             Topic("image_raw", "sensor_msgs/msg/Image", on_demand=True),
             Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
@@ -239,7 +228,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=GnssFix,
-        factory="harness.sensors.gnss:GnssSensor",
+        factory=GnssSensor,
         topics=(Topic("fix", "sensor_msgs/msg/NavSatFix"),),
         fault="gnss",
         measured=("latitude", "longitude", "altitude"),
@@ -248,7 +237,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=MagneticField,
-        factory="harness.sensors.magnetometer:MagnetometerSensor",
+        factory=MagnetometerSensor,
         topics=(Topic("mag", "sensor_msgs/msg/MagneticField"),),
         fault="magnetometer",
         measured=("magnetic_field",),
@@ -257,7 +246,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Pressure,
-        factory="harness.sensors.barometer:BarometerSensor",
+        factory=BarometerSensor,
         topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
         fault="barometer",
         measured=("fluid_pressure",),
@@ -266,7 +255,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Battery,
-        factory="harness.sensors.battery:BatterySensor",
+        factory=BatterySensor,
         topics=(
             Topic("battery_state", "sensor_msgs/msg/BatteryState"),
             Topic("motor_currents", "std_msgs/msg/Float64MultiArray"),
@@ -278,7 +267,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=HeightScan,
-        factory="harness.sensors.height_scan:HeightScanSensor",
+        factory=HeightScanSensor,
         topics=(Topic("grid_map", "grid_map_msgs/msg/GridMap", option="grid_map"),),
         fault="height_scan",
         measured=("heights",),

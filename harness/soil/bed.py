@@ -31,54 +31,31 @@ Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights [m
 
 @dataclass(frozen=True)
 class SoilWheel:
-    """A wheel in the model.
+    """A wheel in the model."""
 
-    Attributes:
-        body: Of the wheel.
-        joint: About which it turns.
-        root: Body of the rover.
-        radius: [m].
-        width: [m].
-        grousers: 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm.
-        to_left: Whether the joint's axis points to the rover's left, else to the right.
-        load: Share of the rover's weight [N].
-    """
-
-    body: int
-    joint: int
-    root: int
-    radius: float
-    width: float
-    grousers: float
-    to_left: bool
-    load: float
+    body: int  # of the wheel
+    joint: int  # about which it turns
+    root: int  # body of the rover
+    radius: float  # [m]
+    width: float  # [m]
+    grousers: float  # 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm
+    to_left: bool  # whether the joint's axis points to the rover's left, else to the right
+    load: float  # share of the rover's weight [N]
 
 
 @dataclass(frozen=True)
 class Ground:
-    """A grid of heights that MuJoCo has too.
+    """A grid of heights that MuJoCo has too."""
 
-    Attributes:
-        heights: Without ruts [m], shape (rows, columns).
-        corner: x, y of the first one [m].
-        cell: Distance of two [m].
-        field: MuJoCo's, a view of the same shape, of 0 to 1.
-        base: Height of its 0 [m].
-        relief: Height of its 1 above that [m].
-        solid: Heights that what is no wheel meets [m].
-        solid_cell: Distance of two of those [m].
-        patches: Which soil lies at each of the solid heights, uint8 of their shape.
-    """
-
-    heights: Doubles
-    corner: tuple[float, float]
-    cell: float
-    field: NDArray[np.float32]
-    base: float
-    relief: float
-    solid: Doubles
-    solid_cell: float
-    patches: NDArray[np.uint8]
+    heights: Doubles  # without ruts [m], shape (rows, columns)
+    corner: tuple[float, float]  # x, y of the first one [m]
+    cell: float  # distance of two [m]
+    field: NDArray[np.float32]  # MuJoCo's, a view of the same shape, of 0 to 1
+    base: float  # height of its 0 [m]
+    relief: float  # height of its 1 above that [m]
+    solid: Doubles  # heights that what is no wheel meets [m]
+    solid_cell: float  # distance of two of those [m]
+    patches: NDArray[np.uint8]  # which soil lies at each of the solid heights, uint8 of their shape
 
 
 class Bed:
@@ -128,8 +105,8 @@ class Bed:
         self._spins = np.array([spin[:3] for spin in spins], np.int64)
         self._inertias = np.array([spin[3:] for spin in spins])
         self._held = model, data  # their memory is written to for as long as the bed is registered
-        self._told = self._tell(model, data)
-        _register(data, self._told, self)
+        self._passed = self._to_pass(model, data)
+        _register(data, self._passed, self)
 
     @property
     def lift(self) -> Doubles:
@@ -165,8 +142,8 @@ class Bed:
         self._ground.field[:] = self._fresh
         self.states[:, UNPLACED] = 0.0
 
-    def _tell(self, model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-        """What the kernel is told, with the arrays whose addresses that holds kept alive."""
+    def _to_pass(self, model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+        """What the kernel is passed, with the arrays whose addresses that holds kept alive."""
         ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         self._near = near, model.geom_aabb[near].copy()
         own = [self._numbers, self._sizes, self._bodies, self._spins, self._inertias]
@@ -174,13 +151,13 @@ class Bed:
         arrays = dict(zip(OWN, own, strict=True))
         for name in MUJOCO:
             arrays[name] = getattr(data if hasattr(data, name) else model, name)
-        told = np.zeros(1, BED)
+        passed = np.zeros(1, BED)
         for name, array in arrays.items():
-            told[name] = (array.ctypes.data, *array.shape, 1)[:3]
+            passed[name] = (array.ctypes.data, *array.shape, 1)[:3]
         numbers = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
         for name, number in zip(NUMBERS, (*numbers, ground.solid_cell), strict=True):
-            told[name] = number
-        return told
+            passed[name] = number
+        return passed
 
 
 def _spin(model: mujoco.MjModel, wheel: SoilWheel) -> tuple[float, ...]:
@@ -202,7 +179,7 @@ _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of 
 _callback: list[object] = []  # as long as MuJoCo may call it
 
 
-def _register(data: mujoco.MjData, told: np.ndarray, bed: Bed) -> None:
+def _register(data: mujoco.MjData, passed: np.ndarray, bed: Bed) -> None:
     """Lets MuJoCo press the wheels of a bed whenever it steps that state, as long as the bed lives."""
     if not _callback:
         _callback.append(_compiled(_table.ctypes.data))
@@ -210,7 +187,7 @@ def _register(data: mujoco.MjData, told: np.ndarray, bed: Bed) -> None:
     if not free.size:
         raise UsageError(f"more than {MOST_BEDS} simulations with soil in a process; use several")
     row = int(free[0])
-    _table[row] = data._address, told.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
+    _table[row] = data._address, passed.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
     mujoco.set_mjcb_control(_callback[0].ctypes)  # type: ignore[attr-defined]  # numba has no types
     weakref.finalize(bed, _table[row].fill, 0)
 

@@ -1,6 +1,6 @@
 """One step of all wheels on a bed of soil, as MuJoCo calls it: compiled by numba.
 
-`BED` is what the step is told: arrays, those of MuJoCo by its names, and numbers.
+`BED` is what the step is passed: arrays, those of MuJoCo by its names, and numbers.
 """
 
 import math
@@ -12,13 +12,12 @@ from numba.core import cgutils
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
-from harness.soil.near import let_near_touch
-from harness.soil.prints import Frame, Grids, Pair, heap, level, press_down
+from harness.soil.prints import Frame, Grids, Pair, heap, let_near_touch, level, press_down
 from harness.soil.rim import Doubles
 from harness.soil.wheel_force import REBOUND, UNPLACED, wheel_force
 
 HEAPED = 0.002  # [m] of the height of a cell, which are put beside a wheel at a time
-FELT = 8  # numbers that are told of a wheel
+FELT = 8  # numbers that are passed of a wheel
 
 NUMBERS = ("x", "y", "cell", "base", "relief", "dt", "solid_cell")
 OWN = (
@@ -205,44 +204,44 @@ def _doubles(of: NDArray[np.int64]) -> Doubles:
 
 @kernel("void(int64)")
 def press_bed(address: int) -> None:
-    """Presses the wheels of a bed for one step; what it is told stands at that address."""
-    told = numba.carray(pointer(address), (1,), BED)[0]
-    ids, near, affinity, field = told.ids, told.near, told.geom_conaffinity, told.field
-    solid = _doubles(told.solid)
+    """Presses the wheels of a bed for one step; what it is passed stands at that address."""
+    passed = numba.carray(pointer(address), (1,), BED)[0]
+    ids, near, affinity, field = passed.ids, passed.near, passed.geom_conaffinity, passed.field
+    solid = _doubles(passed.solid)
     let_near_touch(
         numba.carray(pointer(near[0]), (near[1],), np.int64),
-        _doubles(told.boxes),
-        (_doubles(told.geom_xpos), _doubles(told.geom_xmat)),
+        _doubles(passed.boxes),
+        (_doubles(passed.geom_xpos), _doubles(passed.geom_xmat)),
         numba.carray(pointer(affinity[0]), (affinity[1],), np.int32),
         solid,
-        (told.x, told.y, told.solid_cell),
+        (passed.x, passed.y, passed.solid_cell),
     )
     field_of_mujoco = numba.carray(pointer(field[0]), (field[1], field[2]), np.float32)
     _press(
-        _doubles(told.soils),
-        _doubles(told.sizes),
+        _doubles(passed.soils),
+        _doubles(passed.sizes),
         numba.carray(pointer(ids[0]), (ids[1], 3), np.int64),
-        (_doubles(told.virgin), _doubles(told.surface), field_of_mujoco),
-        (told.x, told.y, told.cell, told.base, told.relief),
-        _doubles(told.states),
-        _doubles(told.felt),
+        (_doubles(passed.virgin), _doubles(passed.surface), field_of_mujoco),
+        (passed.x, passed.y, passed.cell, passed.base, passed.relief),
+        _doubles(passed.states),
+        _doubles(passed.felt),
         (
-            _doubles(told.xpos),
-            _doubles(told.xaxis),
-            _doubles(told.cvel),
-            _doubles(told.subtree_com),
-            _doubles(told.xipos),
+            _doubles(passed.xpos),
+            _doubles(passed.xaxis),
+            _doubles(passed.cvel),
+            _doubles(passed.subtree_com),
+            _doubles(passed.xipos),
         ),
-        _doubles(told.xfrc_applied),
+        _doubles(passed.xfrc_applied),
         (
-            numba.carray(pointer(told.spins[0]), (ids[1], 3), np.int64),
-            _doubles(told.inertias),
-            _doubles(told.dof_armature),
-            _doubles(told.ctrl),
-            _doubles(told.actuator_velocity),
-            _doubles(told.actuator_forcerange),
+            numba.carray(pointer(passed.spins[0]), (ids[1], 3), np.int64),
+            _doubles(passed.inertias),
+            _doubles(passed.dof_armature),
+            _doubles(passed.ctrl),
+            _doubles(passed.actuator_velocity),
+            _doubles(passed.actuator_forcerange),
         ),
-        told.dt,
-        numba.carray(pointer(told.patches[0]), solid.shape, np.uint8),
-        told.solid_cell,
+        passed.dt,
+        numba.carray(pointer(passed.patches[0]), solid.shape, np.uint8),
+        passed.solid_cell,
     )

@@ -4,7 +4,7 @@ Contact and stresses: Wong and Reece 1967 (pressure k z^n with its peak ahead of
 k = k_c / b + k_phi after Bekker), shear: Janosi and Hanamoto 1961 along each point's slid path in
 two dimensions. Beyond these, soil that is ploughed away instead of pressed bears less: the pressure
 falls with the ratio of the rim's velocity into the soil to that along it (`flow_*`), and grousers that
-spin carry soil away. docs/soil.md tells what the formulas are worth. Equal input gives equal bits.
+spin carry soil away. docs/soil.md says what the formulas are worth. Equal input gives equal bits.
 """
 
 import math
@@ -83,9 +83,7 @@ def half_force(  # noqa: PLR0915 - one loop over the rim, which calls would make
     pressed = rut / (1.0 - COMPACTION)
     left_behind, pushed_aside = soil[STAY_BRAKING] * max(vx - u, 0.0), soil[STAY_LATERAL] * vy
     sweep = math.sqrt(u * u + left_behind * left_behind + pushed_aside * pushed_aside) + 1e-12
-    carried = (
-        2.0 * sweep * dt / (r * step)
-    )  # of the first one, which is half a step from the rim's entry
+    carried = 2.0 * sweep * dt / (r * step)  # of the first, which is half a step from the rim's entry
     kept = 1.0 / (1.0 + carried)
     # A wheel that spins on the spot is as one that advances a little: it digs and does not press.
     dug = rest * driving

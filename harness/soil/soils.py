@@ -1,6 +1,6 @@
 """Soils: a table like that of the terrains, and files of one's own.
 
-Numbers are those of a source that was read; what a source does not tell has a default that does nothing.
+Numbers are those of a source that was read; what it does not state has a default that does nothing.
 """
 
 import math
@@ -25,20 +25,12 @@ Exponent = Annotated[float, Field(gt=0.0, le=10.0)]
 Factor = Annotated[float, Field(ge=-0.9, le=100.0)]
 
 # What kernels take, in their order; `harness.soil.rim` reads those up to `stay_lateral`.
-NUMBERS: tuple[str, ...] = (
-    "k",
-    "n",
-    "slip_n",
-    "cohesion",
-    "friction",
-    "shear_length",
-    "peak",
-    "peak_driving",
-)
-NUMBERS += ("peak_braking", "flowing", "flow_lateral", "flow_driving", "flow_braking", "flow_pressing")
-NUMBERS += ("dig_grousers", "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral")
-NUMBERS += ("rebound", "side_modulus", "side_exponent", "side_flow", "side_slip", "side_friction")
-NUMBERS += ("side_cohesion", "damping")
+NUMBERS = (
+    "k", "n", "slip_n", "cohesion", "friction", "shear_length", "peak", "peak_driving", "peak_braking",
+    "flowing", "flow_lateral", "flow_driving", "flow_braking", "flow_pressing", "dig_grousers",
+    "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral", "rebound", "side_modulus",
+    "side_exponent", "side_flow", "side_slip", "side_friction", "side_cohesion", "damping",
+)  # fmt: skip
 
 
 class Soil(Value):
@@ -106,12 +98,7 @@ class Soil(Value):
         return self.rebound < 1.0
 
     def numbers(self, width: float, gravity: float) -> NDArray[np.float64]:
-        """Returns the soil as the kernels take it.
-
-        Args:
-            width: Of the wheel [m].
-            gravity: For the weight of the soil beside it [m/s^2].
-        """
+        """Returns the soil as the kernels take it, for a wheel that wide [m] and a gravity [m/s^2]."""
         phi = math.radians(self.friction_angle_deg)
         # Hegedus 1960 in the form of Ishigami et al. 2007: a wedge at 45 deg - phi / 2 is pushed away.
         wedge = math.radians(45.0) - 0.5 * phi

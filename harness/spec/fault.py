@@ -23,13 +23,11 @@ _SPEC = re.compile(
 
 @dataclass(frozen=True)
 class FaultSpec:
-    """A fault of a sensor or of the clock, and when it acts.
+    """A fault of a sensor or of the clock, by their names, and when it acts.
 
     Attributes:
         text: As it was written.
-        sensor: Name of the sensor, or "clock".
-        kind: Name of the fault.
-        value: What stands behind the "="; None if nothing does, NaN if it is no number.
+        value: What stands behind the "="; None if nothing does.
         start: When it begins [s]; None for the whole run.
         length: How long it lasts [s]; None to the end.
     """

@@ -2,15 +2,14 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from harness.base.errors import UsageError
-from harness.spec.effect import FORM, EffectText
 from harness.spec.live import FOXGLOVE_PORT, HERE, address_of
 from harness.spec.rover import namespace_of
-from harness.spec.value import Option, Value, checked, listed
+from harness.spec.value import AsText, Option, Value, checked, listed, made, parsed
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
 ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
@@ -18,6 +17,40 @@ CMD_VEL_TYPES = ("auto", "twist", "stamped")
 SLOWEST_RATE = 0.01
 foxglove_address = partial(address_of, flag="--foxglove", default=FOXGLOVE_PORT)
 FOXGLOVE_ADDRESS = f"{HERE}:{FOXGLOVE_PORT}"
+
+
+EFFECT_FORM = "TOPIC[,newer-than=INPUT][,timeout=SECONDS]"
+
+
+class Effect(Value):
+    """An output of the user's nodes, which must come before simulation time goes on.
+
+    Attributes:
+        topic: The output; below the rover's namespace unless it begins with "/".
+        newer_than: The input: a topic of the run, each message of which must be answered by one.
+        timeout: Wall time after which the answer counts as missing, and the run as failed [s].
+    """
+
+    topic: Annotated[str, Field(min_length=1)]
+    newer_than: Annotated[str, Field(min_length=1)] = "scan"
+    timeout: Annotated[float, Field(gt=0.0, le=3600.0)] = 30.0
+
+    def __str__(self) -> str:
+        """Returns it as a user writes it."""
+        return f"{self.topic},newer-than={self.newer_than},timeout={self.timeout:g}"
+
+
+def parse_effect(text: str) -> Effect:
+    """Returns the output that a text names; UsageError if it has another form."""
+    topic, *options = (word.strip() for word in text.split(","))
+    pairs = [option.partition("=") for option in options]
+    if not all(equals for _, equals, _ in pairs):
+        raise UsageError(f"'{text}' is not valid; give {EFFECT_FORM}")
+    values: dict[str, Any] = {key.replace("-", "_"): value for key, _, value in pairs}
+    return made(Effect, {"topic": topic} | values, f"'{text}'", lambda name: name.replace("_", "-"))
+
+
+EffectText = Annotated[Effect, parsed(parse_effect), AsText]
 
 
 class FrameOptions(Value):
@@ -81,7 +114,7 @@ class RosOptions(Value):
     wait_for_topic: Annotated[tuple[EffectText, ...], listed(), Option("TOPIC[,...]")] = Field(
         default=(),
         description="let time go on only when this output has come for each /scan; of another input, or "
-        f"within other than 30 s: {FORM}; repeatable; default: none",
+        f"within other than 30 s: {EFFECT_FORM}; repeatable; default: none",
     )
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (

@@ -69,12 +69,12 @@ class Route(Value):
 
 def parse_route(text: str) -> dict[str, Any]:
     """Returns the fields of a route that a text asks for; UsageError if it is not of that form."""
-    found = TEXT.fullmatch(text.strip())
-    if found is None:
+    match = TEXT.fullmatch(text.strip())
+    if match is None:
         raise UsageError(f"route '{text}' is not valid; give {FORM}")
-    given = words_of(found["options"] or "", (*OF_POINTS, *OF_ROUTE), f"route '{text}': ")
+    given = words_of(match["options"] or "", (*OF_POINTS, *OF_ROUTE), f"route '{text}': ")
     shared = {key: given[key] for key in OF_POINTS if key in given}
-    points = [_point(text, word) | shared for word in found["points"].split("/")]
+    points = [_point(text, word) | shared for word in match["points"].split("/")]
     return {"points": points} | {key: given[key] for key in OF_ROUTE if key in given}
 
 

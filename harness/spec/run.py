@@ -144,8 +144,8 @@ OWNERS = dict(field_owners())
 def keys_of(*names: str) -> dict[str, tuple[Any, FieldInfo]]:
     """Returns fields of a run, of whatever part, as pydantic's `create_model` takes them."""
     models: dict[str, type[Value]] = PARTS | {"": Run}
-    found = {name: models[OWNERS[name]].model_fields[name] for name in names}
-    return {name: (field.annotation, field) for name, field in found.items()}
+    fields = {name: models[OWNERS[name]].model_fields[name] for name in names}
+    return {name: (field.annotation, field) for name, field in fields.items()}
 
 
 def from_fields(run: Run, changes: Mapping[str, Any], name: Callable[[str], str] = str) -> "Run":

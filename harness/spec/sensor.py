@@ -32,11 +32,7 @@ class SensorChoice:
 
 
 def parse_choice(text: str) -> SensorChoice:
-    """Returns the sensor that a text asks for.
-
-    Raises:
-        UsageError: Nothing stands behind its "=".
-    """
+    """Returns the sensor that a text asks for; UsageError if nothing stands behind its "="."""
     name, equals, preset = text.strip().partition("=")
     if equals and not preset:
         raise UsageError(f"'{text}' names no preset; give {name} alone, or {name}=PRESET")

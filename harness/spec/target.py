@@ -125,17 +125,17 @@ class TargetSpec:
 
 def parse_target(text: str) -> TargetSpec:
     """Returns the target that a text asks for; UsageError names what would be valid."""
-    found = TEXT.fullmatch(text)
-    if found is None:
+    match = TEXT.fullmatch(text)
+    if match is None:
         raise UsageError(f"target '{text}' is not valid; give {FORM}, e.g. aruco:id=3,x=5,y=2")
-    name, word = found["name"], found["kind"]
+    name, word = match["name"], match["kind"]
     if name is not None and not NAME.fullmatch(name):
         raise UsageError(f"target '{text}': the name '{name}' is not valid; give letters, digits and _")
     is_mesh = word.lower().endswith(MESH)
     kind = MESH if is_mesh else word
     if kind not in KINDS or word == MESH:
         raise UsageError(f"target '{text}': {unknown('kind', word, [*KINDS][:-1])}, or a FILE{MESH}")
-    given = words_of(found["options"] or "", (*PLACE, *KINDS[kind]), f"target '{text}': ")
+    given = words_of(match["options"] or "", (*PLACE, *KINDS[kind]), f"target '{text}': ")
     options = made(TargetOptions, given, f"target '{text}'")
     if kind == "gate" and options.faces and options.id + 1 >= DICTIONARIES[options.dictionary][0]:
         raise UsageError(f"target '{text}': a gate needs two ids; give a smaller one than {options.id}")

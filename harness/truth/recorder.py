@@ -1,4 +1,4 @@
-"""Watches a simulation and tells what only it knows: path, contacts, slip, tilt.
+"""Watches a simulation for what only it knows: path, contacts, slip, tilt.
 
 Observed once per clock tick, with the contacts of every step, so that no contact between two samples
 is missed.
@@ -50,8 +50,7 @@ class TruthRecorder:
     def observe(self, pose: Sequence[float] | None = None) -> None:
         """Takes the tick that has just been simulated into account.
 
-        Args:
-            pose: The rover's position [m] and w, x, y, z at its end; None for what it is now.
+        The pose at its end is position [m] and w, x, y, z; None for what it is now.
         """
         x, y, z, qw, qx, qy, qz = self._simulation.pose.tolist() if pose is None else pose
         self._path += math.dist((x, y, z), self._previous)

@@ -11,14 +11,7 @@ LASTING = 20  # states of 20 Hz, one after the other
 
 
 class SoilWheels:
-    """Reads what soil does to the wheels of a simulation's rover, in the order of its wheel joints.
-
-    Args:
-        simulation: Of a rover on soil.
-
-    Raises:
-        ValueError: It is on rigid ground.
-    """
+    """What soil does to the wheels of a simulation's rover, in the order of its wheel joints."""
 
     def __init__(self, simulation: Simulation) -> None:
         bed = simulation.physics.bed
@@ -40,6 +33,7 @@ class SoilWheels:
         turning = float(np.abs(rim).mean())
         held = turning >= TURNS and float(hubs.mean()) < ADVANCE * turning
         self._spinning = self._spinning + 1 if held else 0
+        x, y, _ = self._data.xpos[self._bodies].T.tolist()
         angles = np.where(hubs < 0.1 * TURNS, 0.0, np.arctan2(across, np.abs(along)))
         return SoilState(
             sinkage=tuple(np.maximum(sinkage, 0.0).tolist()),
@@ -47,12 +41,8 @@ class SoilWheels:
             pull=tuple(ahead.tolist()),
             side_force=tuple(left.tolist()),
             stuck=self._spinning >= LASTING,
-            ruts=tuple(zip(*self._places(), np.maximum(sinkage, rut).tolist(), strict=True)),
+            ruts=tuple(zip(x, y, np.maximum(sinkage, rut).tolist(), strict=True)),
         )
-
-    def _places(self) -> tuple[list[float], list[float]]:
-        x, y, _ = self._data.xpos[self._bodies].T.tolist()
-        return x, y
 
     def begin_anew(self) -> None:
         """Takes note that the rover was put elsewhere."""

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.edge import begin_program, run_program
+from harness.base.edge import begin_program, loading, run_program
 
 if __name__ == "__main__":
     begin_program("harness.tune")
@@ -20,7 +20,6 @@ from rich.console import Console
 
 from harness.base.files import write_whole
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.base.loading import loading
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
 from harness.workers import add_options, workers_of
@@ -74,11 +73,10 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     if "page" in files:
         write_whole(files.pop("page"), (options.out / REPORT).read_text(encoding="utf-8"), "the page")
     write_sheets(files, "Thresholds", list(map(sheet_of, studies)))
-    verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
-    lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
-    for robot, verdict in lacks:
+    unsupported = [(each.name, one) for each in studies for one in each.verdicts if one.lack is not None]
+    for robot, verdict in unsupported:
         complain("harness.tune", f"{robot}: no value for {verdict.name}, {verdict.lack}")
-    return 1 if lacks else 0
+    return 1 if unsupported else 0
 
 
 def _command(robots: Sequence[str], options: argparse.Namespace) -> str:
@@ -98,24 +96,18 @@ def _parser() -> argparse.ArgumentParser:
         "thresholds of metrics_node against the truth, and writes a parameter file per rover.",
         epilog="An interrupted sweep goes on where it was: give the same command again.",
     )
-    parser.add_argument(
-        "--robot",
-        action="append",
-        metavar="NAME|FOLDER",
-        help=f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship",
-    )
-    parser.add_argument(
-        "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
-    )
-    parser.add_argument(
-        "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
-    )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
+    add = parser.add_argument
+    about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship"
+    add("--robot", action="append", metavar="NAME|FOLDER", help=about)
+    about = "worlds; each robot drives in all"
+    add("--episodes", type=int, default=EPISODES, metavar="N", help=about)
+    about = "simulated seconds of each episode"
+    add("--duration", type=float, default=DURATION, metavar="S", help=about)
+    add("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
     about = "who drives where none is to meet hazards, e.g. policy:FILE.npz; default: roam and wander"
-    parser.add_argument("--driver", default="", metavar="NAME", help=about)
+    add("--driver", default="", metavar="NAME", help=about)
     add_options(parser)
-    about = "folder for episodes and results"
-    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
+    add("--out", type=Path, default=OUT, metavar="DIR", help="folder for episodes and results")
     add_files(parser)
     return parser
 

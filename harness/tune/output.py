@@ -74,20 +74,15 @@ def write_results(
     files = {study.name: parameter_file(study, command) for study in studies}
     page = render(studies, records, command, files)
     texts = {f"{name}.yaml": text for name, text in files.items()}
-    texts |= {SCORES: _scores(studies, command), REPORT: page}
-    for name, text in texts.items():
-        write_whole(folder / name, text)
-        yield folder / name
-
-
-def _scores(studies: Sequence[RobotStudy], command: str) -> str:
-    """The text of scores.json; what is undefined is null."""
     robots = {
         study.name: json_safe(asdict(study), DIGITS) | {"conclusions": list(conclusions(study))}
         for study in studies
     }
-    content = {"command": command, "version": __version__, "robots": robots}
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+    scores = {"command": command, "version": __version__, "robots": robots}
+    texts |= {SCORES: json.dumps(scores, indent=2, allow_nan=False) + "\n", REPORT: page}
+    for name, text in texts.items():
+        write_whole(folder / name, text)
+        yield folder / name
 
 
 def parameter_file(study: RobotStudy, command: str) -> str:

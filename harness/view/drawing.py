@@ -22,9 +22,6 @@ class Drawing(AbstractContextManager["Drawing"]):
     The camera looks at the first rover; the others are shown too. What draws is started before the
     run: one that cannot be drawn ends at once, and its picture is there soon after it.
 
-    Attributes:
-        lack: Why there will be no picture; "" if there will, or if none is wanted.
-
     Args:
         picture: Where to write a PNG of the run's end; None for none; BESIDE if `finish` says where, and
             if the run is to go on without it where nothing can draw.
@@ -32,6 +29,9 @@ class Drawing(AbstractContextManager["Drawing"]):
         lidar: Show the beams.
         camera: One of harness.view.camera.CAMERAS; "" leaves it to picture and video.
         backend: The OpenGL to be used, as MUJOCO_GL names it; "" for whichever works.
+
+    Attributes:
+        lack: Why there will be no picture; "" if there will, or if none is wanted.
     """
 
     def __init__(
@@ -89,11 +89,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         return self._writers
 
     def begin(self, beside: Path = BESIDE) -> None:
-        """Has the picture drawn while the caller does other things.
-
-        Args:
-            beside: The log of the run.
-        """
+        """Has the picture drawn, beside the log of the run if so, while the caller does other things."""
         if self._artist is None or self._drawn:
             return
         for writer in self._writers:

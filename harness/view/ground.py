@@ -18,21 +18,16 @@ MOST_HALVED = 500_000  # vertices of a ground whose cells are halved: four times
 
 def drawn(ground: Heightfield) -> Heightfield:
     """Returns the ground with its sharp crests softened; the same one if it has none."""
-    from scipy.ndimage import (  # noqa: PLC0415 - slow to import
-        gaussian_filter,
-        laplace,
-        maximum_filter,
-        zoom,
-    )
+    from scipy import ndimage  # noqa: PLC0415 - slow to import
 
-    soft = gaussian_filter(ground.heights, SOFTNESS, mode="nearest")
-    bend = np.abs(laplace(soft, mode="nearest")) / ground.cell
+    soft = ndimage.gaussian_filter(ground.heights, SOFTNESS, mode="nearest")
+    bend = np.abs(ndimage.laplace(soft, mode="nearest")) / ground.cell
     if bend.max() <= GENTLE:
         return ground
-    weight = smoothstep(maximum_filter(bend, NEIGHBOURHOOD), GENTLE, SHARP)
+    weight = smoothstep(ndimage.maximum_filter(bend, NEIGHBOURHOOD), GENTLE, SHARP)
     heights = ground.heights + weight * (soft - ground.heights)
     if heights.size > MOST_HALVED:
         return Heightfield(heights, ground.cell, ground.middle)
     finer = [(2 * count - 1) / count for count in heights.shape]
-    halved = zoom(heights, finer, order=3, mode="nearest")
+    halved = ndimage.zoom(heights, finer, order=3, mode="nearest")
     return Heightfield(halved, ground.cell / 2, ground.middle)

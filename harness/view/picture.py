@@ -125,10 +125,11 @@ class Studio(AbstractContextManager["Studio"]):
         x, y, *_ = self.recording.path[index].tolist()
         self._ground.show(x, y, upload)
 
-    def others(self) -> NDArray[np.float64] | None:
-        """Returns where the other rovers are at the end [m], shape (n, 3); None without any."""
+    def best_view(self, yaw: float) -> View:
+        """Returns the best view of the first rover, with a heading [rad], at the end of its path."""
         places = [states.path[-1] for _, states in self._rovers[1:]]
-        return np.array(places) if places else None
+        others, path = np.array(places) if places else None, self.recording.path
+        return best_view(self.model, self.data, path, yaw, self.half_width, others, self.scale)
 
     def _beams(self) -> list[Mark]:
         marks = []
@@ -152,13 +153,8 @@ def _draw_picture(recordings: Sequence[Path], target: Path, camera: str, *, lida
     with Studio(recordings, QUALITY, lidar=lidar, reach=math.inf) as studio:
         states = studio.recording
         studio.pose(-1)
-        yaw, others = states.yaw[-1], studio.others()
-        scale, place = studio.scale, states.path[-1]
-        view = (
-            chase_view(place, yaw, scale, camera)
-            if camera
-            else best_view(studio.model, studio.data, states.path, yaw, studio.half_width, others, scale)
-        )
+        yaw, scale, place = states.yaw[-1], studio.scale, states.path[-1]
+        view = chase_view(place, yaw, scale, camera) if camera else studio.best_view(yaw)
         image = Image.fromarray(studio.image(-1, view)).reduce(SCALE)
     with whole_file(target) as part:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG")
@@ -224,9 +220,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("recordings", type=Path, nargs="*", metavar="RECORDING", help=about)
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")
-    parser.add_argument(
-        "--wait", action="store_true", help="try out OpenGL, then read these words as JSON"
-    )
+    about = "try out OpenGL, then read these words as JSON"
+    parser.add_argument("--wait", action="store_true", help=about)
     about = "from where; default: a picture from where much is seen, a video from behind"
     parser.add_argument("--camera", choices=CAMERAS, default="", help=about)
     parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")

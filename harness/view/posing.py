@@ -22,7 +22,11 @@ class Posing:
     def __init__(self, scenes: Sequence[Scene]) -> None:
         self._model = scenes[0].model
         self.data = mujoco.MjData(self._model)
-        self._places = [(scene.qpos_at, self._joints(scene)) for scene in scenes]
+        self._places = [
+            (scene.qpos_at, [int(self._model.joint(name).qposadr[0]) for name in joints])
+            for scene in scenes
+            for joints in [scene.all_own(scene.rover.joints)]
+        ]
 
     def put(self, number: int, position: ArrayLike, wxyz: ArrayLike, joints: ArrayLike) -> None:
         """Puts a rover somewhere.
@@ -47,7 +51,3 @@ class Posing:
     def settle(self) -> None:
         """Computes where all parts are then."""
         mujoco.mj_forward(self._model, self.data)
-
-    def _joints(self, scene: Scene) -> list[int]:
-        names = scene.all_own(scene.rover.joints)
-        return [int(self._model.joint(name).qposadr[0]) for name in names]

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable
 
 from harness.base.errors import UsageError
-from harness.workers.pool import WorkerLost, Workers, work_off
+from harness.workers.pool import LocalWorkers, WorkerLost, Workers, work_off
 from rover_metrics.plugins import Shipped
 
 __all__ = ["WorkerLost", "Workers", "add_options", "work_off", "workers_of"]
@@ -42,8 +42,6 @@ def workers_of(backend: str, address: str | None = None, jobs: int | None = None
             raise UsageError("--address needs --backend ray or --backend dask")
         if jobs is not None and jobs < 1:
             raise UsageError(f"{jobs} jobs are not valid; give 1 or more, or leave --jobs out")
-        from harness.workers.local import LocalWorkers  # noqa: PLC0415 - --help does without joblib
-
         return LocalWorkers(jobs)
     if kind not in CLUSTERS:
         raise UsageError(f"unknown backend '{backend}'; choose one of: {CHOICES}")

@@ -40,18 +40,13 @@ _busy = threading.Lock()
 class Cluster(Workers):
     """A cluster, all its workers, connected.
 
-    Attributes:
-        name: In messages.
-        trial: Python that connects to sys.argv[1] and prints the number of workers.
-        start: Shell commands that start one.
-
     Raises:
         UsageError: Nothing answers at the address, or the cluster has no worker.
     """
 
-    name: ClassVar[str]
-    trial: ClassVar[str]
-    start: ClassVar[str]
+    name: ClassVar[str]  # in messages
+    trial: ClassVar[str]  # Python that connects to sys.argv[1] and prints the number of workers
+    start: ClassVar[str]  # shell commands that start one
 
     def __init__(self, address: str) -> None:
         mend = f"start one with {self.start}, or correct the address, HOST:PORT or a URL"

@@ -1,12 +1,22 @@
-"""Work on many items, in any order; what a lost worker has not done is done again."""
+"""Work on many items, in any order; what a lost worker has not done is done again.
 
+The processes of this machine are those of joblib's loky.
+"""
+
+import os
+import sys
+import threading
+import time
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor
 from contextlib import closing
 from functools import partial
 from typing import Self, TypeVar
 
 from harness.base.errors import RunFailed
+from harness.base.interrupt import FROM_TERMINALS, held_back
 
 Key = TypeVar("Key")
 Item = TypeVar("Item")
@@ -14,6 +24,9 @@ Outcome = TypeVar("Outcome")
 
 TRIES = 3  # in a row in which workers die before a single outcome has come
 NAMED = 3  # items that a message names
+# A process that ends at a signal may leave one of joblib's semaphores to its tracker, which warns of it.
+TIDIED = "ignore::UserWarning:joblib.externals.loky.backend.resource_tracker"
+WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
 
 
 class WorkerLost(Exception):
@@ -40,6 +53,56 @@ class Workers(ABC):
 
     def __exit__(self, *_: object) -> None:  # noqa: B027 - processes of this machine live no longer than `map`
         """Lets go of the workers."""
+
+
+class LocalWorkers(Workers):
+    """Processes of this machine, one per usable CPU if `jobs` is None; with one job, this one itself."""
+
+    def __init__(self, jobs: int | None) -> None:
+        from joblib import cpu_count  # noqa: PLC0415 - --help does without joblib
+
+        self.jobs = jobs or cpu_count()
+
+    def map(
+        self, work: Callable[[Item], Outcome], items: Sequence[Item]
+    ) -> Generator[Outcome, None, None]:
+        """Yields outcomes as Workers.map does, from processes that leave Ctrl-C to this one."""
+        from joblib import Parallel, delayed, parallel_config  # noqa: PLC0415
+        from joblib.externals.loky import get_reusable_executor  # noqa: PLC0415
+
+        if TIDIED not in sys.warnoptions:  # which Python passes on to the processes that it starts
+            sys.warnoptions.append(TIDIED)
+        # One thread each: numerical libraries would start one per CPU in every process.
+        initargs = (os.getpid(),)
+        with (
+            parallel_config("loky", inner_max_num_threads=1, initializer=_begin, initargs=initargs),
+            held_back(FROM_TERMINALS),
+        ):
+            parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
+            outcomes = parallel(delayed(work)(item) for item in items)
+        try:
+            # No `yield from`: it would close joblib's generator before its warning is off.
+            for outcome in outcomes:  # noqa: UP028 - see above
+                yield outcome
+        except BrokenExecutor as error:
+            raise WorkerLost("a worker of this machine was killed (out of memory?)") from error
+        finally:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # that work is thrown away
+                outcomes.close()
+            if self.jobs > 1:  # joblib would keep the processes for the next work
+                get_reusable_executor(reuse=True).shutdown(kill_workers=True)
+
+
+def _begin(parent: int) -> None:
+    """In a worker: ends it with the process that started it, even if that was killed."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCH)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def work_off(

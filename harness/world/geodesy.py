@@ -14,16 +14,11 @@ NANO = 1e-9
 
 @dataclass(frozen=True)
 class Datum:
-    """The world's origin.
+    """The world's origin."""
 
-    Attributes:
-        latitude, longitude: Degrees, north and east positive.
-        altitude: Above the WGS-84 ellipsoid [m].
-    """
-
-    latitude: float
-    longitude: float
-    altitude: float
+    latitude: float  # [deg], north positive
+    longitude: float  # [deg], east positive
+    altitude: float  # above the WGS-84 ellipsoid [m]
 
     def geodetic(self, position: Vector3) -> Vector3:
         """Returns latitude, longitude [deg] and altitude [m] of a point of the world [m]."""
@@ -45,11 +40,8 @@ class Datum:
     def magnetic_field(self, year: float) -> Vector3:
         """Returns the flux density of the Earth at the datum, in the world's axes [T].
 
-        It is that of the core, to degree 12 of spherical harmonics: crust, iron and the sun change it
-        by some 100 nT.
-
-        Args:
-            year: Decimal, within MAGNETIC_YEARS.
+        It is that of the core, to degree 12 of spherical harmonics, in a decimal year within
+        MAGNETIC_YEARS; crust, iron and the sun change it by some 100 nT.
         """
         from pygeomag import GeoMag  # noqa: PLC0415 - see the module
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import ObstacleKind, bottom, top
 from harness.world.occupancy import HEADROOM, RESOLUTION, covered, middles
-from harness.world.statistics import WINDOW, RoughnessMap, box_means, reach
+from harness.world.statistics import WINDOW, RoughnessMap, averaged, steepness
 from harness.world.world import World
 
 Cells = NDArray[np.float64]
@@ -22,38 +22,26 @@ LAYERS = ("elevation", "slope", "step", "roughness", "tip_margin", "danger")
 
 @dataclass(frozen=True)
 class Limits:
-    """What a rover can do.
+    """What a rover can do."""
 
-    Attributes:
-        slope: Steepest slope that it climbs [rad].
-        step: Highest step that it climbs [m].
-        tip: Tilt at which it tips over [rad].
-        span: Over which it stands [m].
-    """
-
-    slope: float
-    step: float
-    tip: float
-    span: float
+    slope: float  # steepest slope that it climbs [rad]
+    step: float  # highest step that it climbs [m]
+    tip: float  # tilt at which it tips over [rad]
+    span: float  # over which it stands [m]
 
 
 @dataclass(frozen=True, eq=False)
 class GradedMap:
-    """Cells in rows with +y and columns with +x, shape (rows, columns) each.
+    """Cells in rows with +y and columns with +x, shape (rows, columns) each."""
 
-    Attributes:
-        layers: By LAYERS: elevation of what is met first from above [m]; slope of the ground over 0.3 m
-            [rad]; step to a neighbour beyond the steepest slope, or onto an obstacle [m]; roughness, RMS
-            over 0.3 m [m]; tip_margin, the tilt at which the rover tips less that of the ground over its
-            length [rad]; danger, the largest share of its limit that slope, step or tilt takes, 1 where
-            a hazard stands: from 1 on the rover cannot go there.
-        resolution: Side length of a cell [m].
-        corner: x, y of the first cell's outer corner in the world [m].
-    """
-
+    # by LAYERS: elevation of what is met first from above [m]; slope of the ground over 0.3 m
+    # [rad]; step to a neighbour beyond the steepest slope, or onto an obstacle [m]; roughness, RMS
+    # over 0.3 m [m]; tip_margin, the tilt at which the rover tips less that of the ground over its
+    # length [rad]; danger, the largest share of its limit that slope, step or tilt takes, 1 where
+    # a hazard stands: from 1 on the rover cannot go there
     layers: dict[str, Cells]
-    resolution: float
-    corner: tuple[float, float]
+    resolution: float  # side length of a cell [m]
+    corner: tuple[float, float]  # x, y of the first cell's outer corner in the world [m]
 
     def danger_at(self, x: Cells, y: Cells) -> Cells:
         """Returns the danger at points in the world [m]; NaN off the map."""
@@ -97,10 +85,7 @@ def _raise(layer: Cells, window: Any, cells: NDArray[np.bool_], least: float) ->
 
 def _slope(ground: Heightfield, window: float) -> Field:
     """The slope at each vertex of the ground averaged over a window [rad]."""
-    inset = reach(ground, window)
-    smooth = box_means(np.pad(ground.heights, inset, mode="edge"), inset)
-    along_y, along_x = np.gradient(smooth, ground.cell)
-    return np.asarray(np.arctan(np.hypot(along_x, along_y)))
+    return np.asarray(np.arctan(steepness(averaged(ground, window), ground.cell)))
 
 
 def _steps(ground: Heightfield, slope: float) -> Field:

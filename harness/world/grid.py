@@ -47,11 +47,7 @@ def _squared(values: Lengths, out: Lengths, hull: NDArray[np.int64], ends: Lengt
 
 @kernel("f8[:,:](b1[:,:])")
 def distances(occupied: Cells) -> Lengths:
-    """Returns the distance of each cell's middle from that of the nearest occupied one, in cells.
-
-    Args:
-        occupied: Shape (rows, columns).
-    """
+    """Returns how far each cell's middle is from that of the nearest occupied one, in cells."""
     rows, columns = occupied.shape
     longest = max(rows, columns)
     hull, ends = np.empty(longest, np.int64), np.empty(longest + 1)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Field = NDArray[np.float64]  # a value, mostly a height, for every vertex
 
+MOST_VERTICES = 1500 * 1500  # of a map that is made of a file
 EDGE_MARGIN = 0.5  # [m] of map that must remain around a rover's origin, and around people
 FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
@@ -31,6 +32,14 @@ class Heightfield:
         """Half the lengths of the map along x and y [m]."""
         rows, columns = self.heights.shape
         return 0.5 * self.cell * (columns - 1), 0.5 * self.cell * (rows - 1)
+
+    def describe(self) -> str:
+        """Returns the lengths of the map, and how many heights it has."""
+        (half_x, half_y), (rows, columns) = self.half_size, self.heights.shape
+        return (
+            f"{2 * half_x:.4g} m along x, {2 * half_y:.4g} m along y, {columns} x {rows} heights "
+            f"{self.cell:.4g} m apart"
+        )
 
     def height_at(self, x: float, y: float) -> float:
         """Returns the height of the surface [m] at a point, which is clamped to the map.
@@ -73,6 +82,11 @@ class Heightfield:
         """Returns x from, x to, y from, y to [m] of the map without a margin along its edge."""
         (half_x, half_y), (x, y) = self.half_size, self.middle
         return x - half_x + margin, x + half_x - margin, y - half_y + margin, y + half_y - margin
+
+
+def finest_cell(width: float, depth: float) -> float:
+    """Returns the smallest cells [m] that a map of a size [m] can have."""
+    return math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1)
 
 
 def finer(ground: Heightfield, parts: int) -> Heightfield:

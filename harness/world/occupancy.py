@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, bottom, outline, top
-from harness.world.statistics import WINDOW, box_means, reach
+from harness.world.statistics import WINDOW, averaged, steepness
 from harness.world.world import World
 
 HEADROOM = 1.0  # [m] between ground and what a rover with its lidar passes under
@@ -96,10 +96,7 @@ def _impassable(ground: Heightfield, slope_limit: float, step_limit: float) -> M
 
     A step is what rises from a vertex to the next by more than `step_limit` above the steepest slope.
     """
-    inset = reach(ground, WINDOW)
-    smooth = box_means(np.pad(ground.heights, inset, mode="edge"), inset)
-    along_y, along_x = np.gradient(smooth, ground.cell)
-    blocked: Mask = np.hypot(along_x, along_y) > math.tan(slope_limit)
+    blocked: Mask = steepness(averaged(ground, WINDOW), ground.cell) > math.tan(slope_limit)
     highest = step_limit + ground.cell * math.tan(slope_limit)
     for heights, mask in ((ground.heights, blocked), (ground.heights.T, blocked.T)):
         steps = np.abs(np.diff(heights, axis=0)) > highest

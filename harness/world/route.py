@@ -15,23 +15,15 @@ STANDING_S, STANDING = 1.0, 0.05  # a stop: so long [s], so little path meanwhil
 
 @dataclass(frozen=True)
 class Mark:
-    """A way point in the world's metres.
+    """A way point in the world's metres."""
 
-    Attributes:
-        place: x, y [m]; of a gate its middle.
-        radius: How near is near enough [m].
-        within: How long it may take [s].
-        gate: Its two posts, which are to be passed between; None of a plain place.
-        is_solid: Whether something stands there, so that nobody can be at the very place.
-        stop: Whether only who stands there has reached it.
-    """
-
-    place: Where
-    radius: float
-    within: float = math.inf
-    gate: tuple[Where, Where] | None = None
-    is_solid: bool = False
-    stop: bool = False
+    place: Where  # x, y [m]; of a gate its middle
+    radius: float  # how near is near enough [m]
+    within: float = math.inf  # how long it may take [s]
+    # its two posts, which are to be passed between; None of a plain place
+    gate: tuple[Where, ...] | None = None
+    is_solid: bool = False  # whether something stands there, so that nobody can be at the very place
+    stop: bool = False  # whether only who stands there has reached it
 
     def is_reached(self, before: Where, now: Where) -> bool:
         """Returns whether who went straight from one place to another [m] has reached it."""
@@ -53,27 +45,18 @@ def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
 def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, ...]:
     """Returns the way points of a route in the world; UsageError if one names no target."""
     known = {target.name: target for target in targets}
-    found = []
+    result = []
     for point in route.points:
         within = math.inf if point.within is None else point.within
         if point.target:
             check_target(point.target, known)
             target = known[point.target]
-            gate = (target.posts[0], target.posts[1]) if len(target.posts) == 2 else None
-            found.append(
-                Mark(
-                    target.position[:2],
-                    point.radius,
-                    within,
-                    gate,
-                    is_solid=gate is None,
-                    stop=point.stop and gate is None,
-                )
-            )
+            place, gate = target.position[:2], target.posts if len(target.posts) == 2 else None
         else:
-            place = point.at or datum.local(point.lat or 0.0, point.lon or 0.0)
-            found.append(Mark(place, point.radius, within, stop=point.stop))
-    return tuple(found)
+            place, gate = point.at or datum.local(point.lat or 0.0, point.lon or 0.0), None
+        is_solid = gate is None and bool(point.target)
+        result.append(Mark(place, point.radius, within, gate, is_solid, point.stop and gate is None))
+    return tuple(result)
 
 
 def check_target(name: str, names: Iterable[str]) -> None:
@@ -90,12 +73,7 @@ class Standstill:
     _trail: deque[tuple[float, Where]] = field(default_factory=deque)
 
     def observe(self, time_s: float, place: Where) -> bool:
-        """Returns whether it has stayed within STANDING of a place for STANDING_S.
-
-        Args:
-            time_s: Since the start [s].
-            place: x, y in the world [m].
-        """
+        """Returns whether it has stayed within STANDING of a place [m] for STANDING_S, at a time [s]."""
         trail = self._trail
         trail.append((time_s, place))
         while len(trail) > 2 and trail[1][0] <= time_s - STANDING_S:
@@ -110,23 +88,15 @@ class Standstill:
 
 @dataclass
 class RouteProgress:
-    """Which way points somebody has reached or missed; `observe` is told where it is, step by step.
+    """Which way points somebody has reached or missed; `observe` is told where it is, step by step."""
 
-    Attributes:
-        marks: Of the route.
-        any_order: Whether the nearest one left is next, instead of the next in order.
-        limit: After which all are missed that are left [s].
-        reached: Numbers of way points, in the order in which they were.
-        current: The way point to go to; None when none is left.
-        done_s: When the last one was reached, if none was missed [s]; NaN before.
-    """
-
-    marks: tuple[Mark, ...]
-    any_order: bool = False
-    limit: float = math.inf
+    marks: tuple[Mark, ...]  # of the route
+    any_order: bool = False  # whether the nearest one left is next, instead of the next in order
+    limit: float = math.inf  # after which all are missed that are left [s]
+    # numbers of way points, in the order in which they were
     reached: list[int] = field(default_factory=list)
-    current: int | None = None
-    done_s: float = math.nan
+    current: int | None = None  # the way point to go to; None when none is left
+    done_s: float = math.nan  # when the last one was reached, if none was missed [s]; NaN before
     _left: list[int] = field(init=False)
     _since_s: float = 0.0
     _before: Where | None = None
@@ -136,12 +106,7 @@ class RouteProgress:
         self._left = list(range(len(self.marks)))
 
     def observe(self, time_s: float, place: Where) -> None:
-        """Takes where somebody is.
-
-        Args:
-            time_s: Since the start [s].
-            place: x, y in the world [m].
-        """
+        """Takes where somebody is, x and y in the world [m], at a time since the start [s]."""
         before, self._before = self._before or place, place
         due = list(self._left) if self.any_order else self._left[:1]
         stands = self._standstill.observe(time_s, place)

@@ -26,17 +26,12 @@ LARGEST_MAP = 2**28  # [bytes]
 
 @dataclass(frozen=True, eq=False)
 class Soils:
-    """The soils of a ground.
+    """The soils of a ground."""
 
-    Attributes:
-        kinds: Which there are.
-        patches: Which of them lies at each vertex of the ground, uint8 of shape (rows, columns).
-        keeps_ruts: Whether ruts stay when all rovers are put back.
-    """
-
-    kinds: tuple[Soil, ...]
+    kinds: tuple[Soil, ...]  # which there are
+    # which of them lies at each vertex of the ground, uint8 of shape (rows, columns)
     patches: NDArray[np.uint8]
-    keeps_ruts: bool = False
+    keeps_ruts: bool = False  # whether ruts stay when all rovers are put back
 
     @property
     def leaves_ruts(self) -> bool:
@@ -58,11 +53,7 @@ class SoilMap(Value):
 
 
 def find_soils(text: str) -> tuple[tuple[Soil, ...], str]:
-    """Returns the soils that a name or a file means, and where their map is, "" for none.
-
-    Raises:
-        UsageError: There is no such soil or file, or one that is not valid.
-    """
+    """Returns the soils that a name or a file means, and their map's file or ""; else UsageError."""
     soil_map = _map_of(text)
     if soil_map is None:
         return (find_soil(text),), ""
@@ -88,9 +79,9 @@ def _map_of(text: str) -> SoilMap | None:
     values, folder = read_mapping(Path(text)), Path(text).parent
     if not values.keys() & SoilMap.model_fields.keys():
         return None
-    found = made(SoilMap, values, where=text)
-    soils = tuple(str(folder / soil) if _is_file(soil) else soil for soil in found.soils)
-    return found.model_copy(update={"soils": soils, "map": str(folder / found.map)})
+    stated = made(SoilMap, values, where=text)
+    soils = tuple(str(folder / soil) if _is_file(soil) else soil for soil in stated.soils)
+    return stated.model_copy(update={"soils": soils, "map": str(folder / stated.map)})
 
 
 def check_soil(text: str, terrain: str) -> None:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Color = tuple[float, float, float, float]  # RGBA, 0..1
+from harness.world.obstacles import Color
 
 
 @dataclass(frozen=True)

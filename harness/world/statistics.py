@@ -40,8 +40,19 @@ class Promise:
 
 def slopes(ground: Heightfield) -> Field:
     """Returns the slope at each vertex [deg], by central differences."""
-    along_y, along_x = np.gradient(ground.heights, ground.cell)
-    return np.asarray(np.degrees(np.arctan(np.hypot(along_x, along_y))))
+    return np.asarray(np.degrees(np.arctan(steepness(ground.heights, ground.cell))))
+
+
+def steepness(heights: Field, cell: float) -> Field:
+    """Returns the tangent of the slope at each vertex, by central differences."""
+    along_y, along_x = np.gradient(heights, cell)
+    return np.asarray(np.hypot(along_x, along_y))
+
+
+def averaged(ground: Heightfield, window: float) -> Field:
+    """Returns the heights of a ground [m], each the mean of the window [m] around it."""
+    inset = reach(ground, window)
+    return box_means(np.pad(ground.heights, inset, mode="edge"), inset)
 
 
 def residuals(ground: Heightfield, window: float) -> Field:

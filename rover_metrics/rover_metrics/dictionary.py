@@ -3,7 +3,6 @@
 python -m rover_metrics.dictionary
 """
 
-import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
@@ -43,11 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    return OneLineParser(
-        prog="python -m rover_metrics.dictionary",
-        description="Prints what the columns of a log and the thresholds mean, as Markdown.",
-    )
+def _parser() -> OneLineParser:
+    about = "Prints what the columns of a log and the thresholds mean, as Markdown."
+    return OneLineParser(prog="python -m rover_metrics.dictionary", description=about)
 
 
 def dictionary() -> str:

@@ -100,7 +100,7 @@ def run_program(name: str, work: Callable[[], int]) -> int:
     try:
         return work()
     except (KnownError, ImportError, OSError) as error:
-        code = _told(name, error)
+        code = _reported(name, error)
         if code is None:
             raise
         return code
@@ -109,14 +109,14 @@ def run_program(name: str, work: Callable[[], int]) -> int:
 def _end_with_a_line(
     name: str, kind: type[BaseException], error: BaseException, trace: TracebackType | None
 ) -> None:
-    code = _told(name, error)
+    code = _reported(name, error)
     if code is not None:
         raise SystemExit(code)
     sys.__excepthook__(kind, error, trace)
 
 
-def _told(name: str, error: BaseException) -> int | None:
-    """Tells of a known error on stderr and returns its exit code; None, and nothing told, of a bug."""
+def _reported(name: str, error: BaseException) -> int | None:
+    """Prints the line of a known error and returns its exit code; None, without a line, of a bug."""
     line = _known_line(error)
     if line is None:
         return None

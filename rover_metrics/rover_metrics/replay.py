@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 
 try:
@@ -27,7 +28,7 @@ except ImportError as error:
 from rover_metrics.errors import LogError, OneLineParser, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
-from rover_metrics.log.files import json_safe, whole_file
+from rover_metrics.log.files import json_safe, write_whole
 from rover_metrics.session import MetricsSession
 from rover_metrics.sheet.sheet import Sheet
 from rover_metrics.topics import CLOCK, ENERGY, SENSORS, TRUTH
@@ -108,11 +109,11 @@ def _write_files(options: argparse.Namespace, playback: Playback, log: CsvLog, s
     """Writes what came of it for --json, and the page of the log for --page."""
     topics = {topic: vars(count) for topic, count in sorted(playback.counts.items())}
     if options.json is not None:
-        counts = {"rows": log.rows, "distance": playback.metrics.total_distance}
-        counts |= {"collisions": playback.metrics.total_collisions}
-        told = {"log": str(log.path), "time": playback.time_source.value, **counts, "topics": topics}
-        with whole_file(options.json) as part:
-            part.write_text(json.dumps(json_safe(told | {"said": said}), indent=2), encoding="utf-8")
+        metrics = playback.metrics
+        place = {"log": str(log.path), "time": playback.time_source.value, "rows": log.rows}
+        counts = {"distance": metrics.total_distance, "collisions": metrics.total_collisions}
+        everything = json_safe({**place, **counts, "topics": topics, "said": said})
+        write_whole(options.json, json.dumps(everything, indent=2))
     if options.page is not None:
         from rover_metrics.analysis.command import page_of_log  # noqa: PLC0415 - pandas takes a second
 
@@ -120,8 +121,7 @@ def _write_files(options: argparse.Namespace, playback: Playback, log: CsvLog, s
             {"topic": topic} | {n: f"{v:,}" for n, v in one.items()} for topic, one in topics.items()
         )
         recording = Sheet.of(rows, f"Messages of {options.bag.name}", findings=tuple(said))
-        with whole_file(options.page) as part:
-            part.write_text(page_of_log(log.path, [recording]), encoding="utf-8")
+        write_whole(options.page, page_of_log(log.path, [recording]))
 
 
 def _warnings(playback: Playback) -> list[str]:
@@ -151,45 +151,29 @@ def parser() -> argparse.ArgumentParser:
         "killed, cut off or damaged are read as far as they go; the exit code is then 1. A topic that a "
         "whole recording lacks is a warning.",
     )
-    parser.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")
-    parser.add_argument(
-        *("-o", "--csv", "--out", "--output"),
-        dest="output",
-        type=Path,
-        metavar="CSV",
-        help=f"file, or folder for a metrics_log_*.csv; default: {DEFAULT_LOG_DIR}/",
+    add, switch = parser.add_argument, partial(parser.add_argument, action="store_true")
+    add("bag", type=Path, metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")
+    about = f"file, or folder for a metrics_log_*.csv; default: {DEFAULT_LOG_DIR}/"
+    add("-o", "--csv", "--out", "--output", dest="output", type=Path, metavar="CSV", help=about)
+    switch("--overwrite", help="replace the file of -o")
+    about = "write a page about the log: pictures, statistics, messages of the recording"
+    add("--page", type=Path, metavar="FILE.html", help=about)
+    add("--json", type=Path, metavar="FILE", help="write what came of it")
+    switch("--require-all", help="exit with 1 too if a topic is missing or a message was left out")
+    add("--params", type=Path, metavar="FILE", help="ROS parameter file (YAML)")
+    about = (
+        "write the extended columns too (docs/metrics.md); so does extended_columns in --params, "
+        "which may also name footprint and lidar_pose"
     )
-    parser.add_argument("--overwrite", action="store_true", help="replace the file of -o")
-    page = "write a page about the log: pictures, statistics, messages of the recording"
-    parser.add_argument("--page", type=Path, metavar="FILE.html", help=page)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write what came of it")
-    parser.add_argument(
-        "--require-all",
-        action="store_true",
-        help="exit with 1 too if a topic is missing or a message was left out",
+    switch("--extended", help=about)
+    about = "read topic FROM from the recorded topic TO, e.g. scan:=front/scan; repeatable"
+    add("--remap", type=_remap, action="append", default=[], metavar="FROM:=TO", help=about)
+    about = (
+        "what rows follow: /clock (sim), when messages were recorded, their header stamps; "
+        "auto is sim where the recording has /clock, else recorded"
     )
-    parser.add_argument("--params", type=Path, metavar="FILE", help="ROS parameter file (YAML)")
-    parser.add_argument(
-        "--extended",
-        action="store_true",
-        help="write the extended columns too (docs/metrics.md); so does extended_columns in --params, "
-        "which may also name footprint and lidar_pose",
-    )
-    parser.add_argument(
-        "--remap",
-        type=_remap,
-        action="append",
-        default=[],
-        metavar="FROM:=TO",
-        help="read topic FROM from the recorded topic TO, e.g. scan:=front/scan; repeatable",
-    )
-    parser.add_argument(
-        "--time",
-        choices=[source.value for source in TimeSource],
-        default=TimeSource.AUTO.value,
-        help="what rows follow: /clock (sim), when messages were recorded, their header stamps; "
-        "auto is sim where the recording has /clock, else recorded",
-    )
+    times = [source.value for source in TimeSource]
+    add("--time", choices=times, default=TimeSource.AUTO.value, help=about)
     return parser
 
 

@@ -20,22 +20,13 @@ from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program
 if __name__ == "__main__":
     begin_program("social")
 
-from rover_metrics.analysis.program import (
-    add_documents,
-    different,
-    hand_over,
-    inside,
-    level,
-    positive,
-    read_each,
-    tell,
-)
+from rover_metrics.analysis import program
 from rover_metrics.analysis.social.comparison import Group as Runs
 from rover_metrics.analysis.social.comparison import differences, make_group
 from rover_metrics.analysis.social.log import SocialLog, read_social_log
 from rover_metrics.analysis.social.metrics import RISK_DISTANCE, WINDOW_GOALS
 from rover_metrics.analysis.social.sheets import social_sheets
-from rover_metrics.log.files import json_safe, whole_file
+from rover_metrics.log.files import json_safe, write_whole
 from rover_metrics.number import whole
 from rover_metrics.sheet.render import csv_of
 
@@ -50,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    logs, _, code = read_each("social", _files(options.logs), read_social_log)
+    logs, _, code = program.read_each("social", _files(options.logs), read_social_log)
     if not logs:
         return code
     groups = {
@@ -62,25 +53,23 @@ def _run(options: argparse.Namespace) -> int:
     if options.page is not None:
         from rover_metrics.analysis.social.page import render  # noqa: PLC0415 - matplotlib takes a second
 
-        with whole_file(options.page) as part:
-            part.write_text(render(groups, sheets), encoding="utf-8")
+        write_whole(options.page, render(groups, sheets))
     if options.csv is not None:
-        with whole_file(options.csv) as part:
-            part.write_text(csv_of(sheets), encoding="utf-8", newline="")
-    told = "" if options.page is None else f"page: {options.page}"
-    hand_over(options.json, lambda: _as_json(groups, compared), sheets, told)
+        write_whole(options.csv, csv_of(sheets))
+    written = "" if options.page is None else f"page: {options.page}"
+    program.hand_over(options.json, lambda: _as_json(groups, compared), sheets, written)
     return code
 
 
 def _as_json(groups: dict[str, Runs], compared: Sequence[Any]) -> str:
     """All results."""
-
-    def runs(group: Runs) -> list[dict[str, Any]]:
-        each = zip(group.logs, group.figures, strict=True)
-        return [{"log": str(log.path), "findings": log.findings, **asdict(run)} for log, run in each]
-
-    made = {name: {"runs": runs(one), "windows": one.windows.tolist()} for name, one in groups.items()}
-    values = {"groups": made, "differences": [asdict(each) for each in compared]}
+    values: dict[str, Any] = {"groups": {}, "differences": [asdict(each) for each in compared]}
+    for name, group in groups.items():
+        runs = [
+            {"log": str(log.path), "findings": log.findings, **asdict(run)}
+            for log, run in zip(group.logs, group.figures, strict=True)
+        ]
+        values["groups"][name] = {"runs": runs, "windows": group.windows.tolist()}
     return json.dumps(json_safe(values), indent=2)
 
 
@@ -88,12 +77,12 @@ def _files(named: Sequence[Path]) -> list[Path]:
     """The logs named, and those in the folders named and below; each once."""
     files: list[Path] = []
     for path in named:
-        found = [*inside([path], "social_log*.csv")]
-        found = [*inside([path], "*.csv")] if found == [path] else found
-        if found == [path] and path.is_dir():
+        there = [*program.inside([path], "social_log*.csv")]
+        there = [*program.inside([path], "*.csv")] if there == [path] else there
+        if there == [path] and path.is_dir():
             raise GroupError(f"{path}: there is no log (*.csv) in this folder; name another")
-        files += found
-    return different("social", files)
+        files += there
+    return program.different("social", files)
 
 
 def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list[SocialLog]]:
@@ -104,7 +93,11 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
         name, _, pattern = text.partition("=")
         if not name or name in groups:
             raise GroupError(f"--groups '{text}': give each group a name of its own")
-        groups[name] = [log for log in logs if _belongs(log.path, name, pattern)]
+        groups[name] = [
+            log
+            for log in logs
+            if (fnmatchcase(str(log.path), pattern) if pattern else _folder(log.path) == name)
+        ]
         if not groups[name]:
             raise GroupError(
                 f"group '{name}' has no log; the folders of the logs are: {', '.join(folders)}; "
@@ -115,16 +108,12 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
         if len(homes) > 1:
             raise GroupError(f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one")
         if not homes:
-            tell("social", f"{log.path} is in no group and left out")
+            program.tell("social", f"{log.path} is in no group and left out")
     return groups
 
 
 def _folder(path: Path) -> str:
     return path.resolve().parent.name
-
-
-def _belongs(path: Path, name: str, pattern: str) -> bool:
-    return fnmatchcase(str(path), pattern) if pattern else _folder(path) == name
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -144,11 +133,11 @@ def _parser() -> argparse.ArgumentParser:
     about = "goals of a window"
     add("--window", type=_goals, default=WINDOW_GOALS, metavar="N", help=about)
     about = "distance below which a second counts as risk"
-    add("--risk-distance", type=positive, default=RISK_DISTANCE, metavar="M", help=about)
+    add("--risk-distance", type=program.positive, default=RISK_DISTANCE, metavar="M", help=about)
     about = "of the intervals, between 0 and 1"
-    add("--confidence-level", type=level, default=0.95, metavar="P", help=about)
+    add("--confidence-level", type=program.level, default=0.95, metavar="P", help=about)
     add("--csv", type=Path, metavar="FILE", help="write the rows of the tables as CSV")
-    add_documents(parser)
+    program.add_documents(parser)
     return parser
 
 

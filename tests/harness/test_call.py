@@ -72,7 +72,7 @@ def test_services_are_listed_and_called(
         assert call.main(words) == code
         expected = f"harness.call: {err}\n" if err else ""
         assert capfd.readouterr() == (out, expected)
-    monkeypatch.setattr(call, "_found", lambda *_: dict.fromkeys(kinds, ""))
+    monkeypatch.setattr(call, "_find", lambda *_: dict.fromkeys(kinds, ""))
     assert call.main(["/nope"]) == 2
     told = "there is no service /nope; available: /ask, /clear, /switch\n"
     assert capfd.readouterr() == ("", f"harness.call: {told}")

@@ -83,7 +83,8 @@ def test_a_run_with_people_has_a_social_log_and_drives_as_without(
 def test_run_that_reaches_the_edge_keeps_its_rows_and_exits_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.physics.physics.EDGE_MARGIN", 19.5)
+    for module in ("physics", "health"):
+        monkeypatch.setattr(f"harness.physics.{module}.EDGE_MARGIN", 19.5)
     words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path)]) == 1
     assert "harness.run: the rover reached the edge of the map at t = " in capsys.readouterr().err

@@ -56,10 +56,7 @@ class Rig:
         self.nodes: list[Any] = []
 
     def start(
-        self,
-        *ros_args: str,
-        settings: "Settings | None" = None,
-        **parameters: Any,  # noqa: ANN401
+        self, *ros_args: str, settings: "Settings | None" = None, **parameters: object
     ) -> "MetricsNode":
         import rclpy  # noqa: PLC0415
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
@@ -69,18 +66,16 @@ class Rig:
 
         # The level is the process's: whoever ran before may have changed it.
         args = ["--ros-args", "--log-level", "info", *ros_args]
-        rclpy.init(args=args, context=self.context, domain_id=self.domain)
+        if not self.context.ok():  # where a node was refused it is up already
+            rclpy.init(args=args, context=self.context, domain_id=self.domain)
         values = {"log_dir": str(self.folder), **parameters}
+        given = [Parameter(name, value=value) for name, value in values.items()]
         node = MetricsNode(
-            settings,
-            context=self.context,
-            parameter_overrides=[Parameter(name, value=value) for name, value in values.items()],
-            now=lambda: STARTED,
+            settings, context=self.context, parameter_overrides=given, now=lambda: STARTED
         )
         self.executor = SingleThreadedExecutor(context=self.context)
-        self.simulator = rclpy.create_node(
-            "simulator", context=self.context, namespace=node.get_namespace()
-        )
+        space = node.get_namespace()
+        self.simulator = rclpy.create_node("simulator", context=self.context, namespace=space)
         self.nodes += [node, self.simulator]
         for each in self.nodes:
             self.executor.add_node(each)

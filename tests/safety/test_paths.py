@@ -11,7 +11,7 @@ from harness.drivers.policy import read_policy
 from harness.robots.strangers import read_xml
 from harness.run import main as run
 from harness.validate.single_wheel import read_trials
-from harness.world.actors.trajectory import read_trajectories
+from harness.world.actors.people import read_trajectories
 from harness.world.heightmap.raster import read_raster
 from harness.world.solids.mesh_file import read_mesh
 from rover_metrics import analyze

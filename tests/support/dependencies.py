@@ -92,13 +92,14 @@ def hide(modules: Iterable[str], folder: Path) -> None:
 @cache
 def _providers() -> Mapping[str, set[str]]:
     """As packages_distributions, which in Python 3.10 knows only those with a top_level.txt."""
-    found: dict[str, set[str]] = {}
+    providers: dict[str, set[str]] = {}
     for distribution in distributions():
-        for file in distribution.files or ():
-            module = file.parts[0].partition(".")[0]
-            if file.suffix in (".py", ".so") and module.isidentifier():
-                found.setdefault(module, set()).add(distribution.metadata["Name"])
-    return found
+        name = distribution.metadata["Name"]  # is parsed anew each time
+        files = (file for file in distribution.files or () if file.suffix in (".py", ".so"))
+        for module in {file.parts[0].partition(".")[0] for file in files}:
+            if module.isidentifier():
+                providers.setdefault(module, set()).add(name)
+    return providers
 
 
 def _plain(distribution: str) -> str:

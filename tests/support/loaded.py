@@ -4,6 +4,8 @@ import contextlib
 import gc
 from importlib import import_module
 
+from harness.base.errors import UsageError
+
 for _module in (
     "harness.episode.episode",
     "harness.episode.direct",
@@ -11,6 +13,9 @@ for _module in (
     "harness.cli.run_command",
 ):
     import_module(_module)
+with contextlib.suppress(ImportError, UsageError):  # without the extra [gym]
+    import_module("harness.gym.point_nav")
+    import_module("harness.gym.processes")
 with contextlib.suppress(ImportError):  # without ROS there is less to load
     import_module("harness.ros.session")
     import_module("rover_metrics.metrics_node")

@@ -23,7 +23,6 @@ from harness.course.tracks.base import Track, to
 from harness.course.tracks.sdf import Circle, world_text
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
-from harness.spec.run import Run
 
 START, NEAR = (*PLACE, 1.57), 1.0  # [m]: so near is there
 CELL = 0.15  # [m] of the grid
@@ -68,10 +67,10 @@ class Barn(Track):
         run = self.run(
             terrain=str(file), start=START, route=to(GOAL, NEAR), seed=case.seed, lidar_beams=960
         )
-        return self.asked(run, case.world.length or self._length(run), REFERENCE_SPEED)
-
-    def _length(self, run: Run) -> float:
-        return Planner(world_of(run), find_rover(self.robot)).length((PLACE, GOAL))
+        length = case.world.length
+        if length is None:
+            length = Planner(world_of(run), find_rover(self.robot)).length((PLACE, GOAL))
+        return self.asked(run, length, REFERENCE_SPEED)
 
 
 BARN = Barn()

@@ -51,10 +51,10 @@ def path_length(points: Iterable[Point]) -> float:
 
 
 def _of_files(folder: Path) -> list[WorldFile]:
-    found = (path for path in folder.rglob("*") if path.suffix.lower() in (".world", ".sdf"))
+    paths = (path for path in folder.rglob("*") if path.suffix.lower() in (".world", ".sdf"))
     return [
         WorldFile(path.name, read_bytes(path, LARGEST), _path_of(path))
-        for path in sorted(found, key=lambda path: (_number(path), path.name, path))
+        for path in sorted(paths, key=lambda path: (_number(path), path.name, path))
     ]
 
 

@@ -55,11 +55,7 @@ class Track(ABC):
 
     @abstractmethod
     def task(self, case: Case, folder: Path) -> Task:
-        """Returns what an episode asks.
-
-        Args:
-            case: Which one.
-            folder: Gets the files that the run reads.
+        """Returns what an episode asks; a folder gets the files that its run reads.
 
         Raises:
             UsageError: Its world cannot be read, or has no way to the goal.

@@ -68,12 +68,12 @@ DYNABARN = DynaBarn()
 @cache
 def key_frames() -> dict[int, list[KeyFrames]]:
     """Returns the key frames of each mover of each world, by the world's number."""
-    found: dict[tuple[int, int], list[Circle]] = defaultdict(list)
+    by_mover: dict[tuple[int, int], list[Circle]] = defaultdict(list)
     lines = files("harness.course").joinpath("worlds/dynabarn.csv").read_text().splitlines()
     for world, mover, t, x, y in (line.split(",") for line in lines[1:]):
-        found[int(world), int(mover)].append((float(x), float(y), float(t)))
+        by_mover[int(world), int(mover)].append((float(x), float(y), float(t)))
     worlds: dict[int, list[KeyFrames]] = defaultdict(list)
-    for (world_number, _), frames in sorted(found.items()):
+    for (world_number, _), frames in sorted(by_mover.items()):
         worlds[world_number].append(frames)
     return dict(worlds)
 

@@ -30,22 +30,15 @@ IMU = re.compile(r"(^|_)imu(_|$)", re.IGNORECASE)
 
 @dataclass
 class Equipment:
-    """What was added to a model.
+    """What was added to a model."""
 
-    Attributes:
-        guesses: What nobody states, by the key of rover.yaml or the part of the model it is of.
-        lidar: The link that carries the lidar; empty if there is none.
-        imu: The link that carries the IMU; empty if there is none.
-        driven: The wheels with motors.
-        steering_rate: How fast the mean steered wheel turns [rad/s].
-        beliefs: What the URDF says of its controller, by the keys of rover.yaml.
-    """
-
+    # what nobody states, by the key of rover.yaml or the part of the model it is of
     guesses: dict[str, str] = field(default_factory=dict)
-    lidar: str = ""
-    imu: str = ""
-    driven: tuple[str, ...] = ()
-    steering_rate: float = STEERING_SPEED
+    lidar: str = ""  # the link that carries the lidar; empty if there is none
+    imu: str = ""  # the link that carries the IMU; empty if there is none
+    driven: tuple[str, ...] = ()  # the wheels with motors
+    steering_rate: float = STEERING_SPEED  # how fast the mean steered wheel turns [rad/s]
+    # what the URDF says of its controller, by the keys of rover.yaml
     beliefs: dict[str, float] = field(default_factory=dict)
 
 
@@ -70,7 +63,9 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     workshop.fit_steering()
     equipment = workshop.equipment
     for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
-        if link := _link(spec, pattern):
+        # of several links that are called so the last, which others carry
+        links = [body.name for body in spec.bodies if pattern.search(body.name)]
+        if link := next(reversed(links), ""):
             setattr(equipment, name, link)
             spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
         else:
@@ -192,9 +187,3 @@ def _beliefs(robot: ET.Element) -> dict[str, float]:
             if value > 0:
                 matches.setdefault(key, value / 2 if "iameter" in element.tag else value)
     return matches
-
-
-def _link(spec: mujoco.MjSpec, pattern: re.Pattern[str]) -> str:
-    """The link whose name says what it carries; of several the last, which others carry."""
-    matches = [body.name for body in spec.bodies if pattern.search(body.name)]
-    return matches[-1] if matches else ""

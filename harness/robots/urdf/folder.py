@@ -36,18 +36,12 @@ GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step
 
 @dataclass(frozen=True)
 class Written:
-    """What came of a URDF.
+    """What came of a URDF."""
 
-    Attributes:
-        folder: Where the rover is.
-        notes: What was dropped or mended, and what hangs loose.
-        guesses: What nobody states, and the value that was chosen.
-    """
-
-    folder: Path
+    folder: Path  # where the rover is
     rover: RoverSpec
-    notes: tuple[str, ...]
-    guesses: tuple[str, ...]
+    notes: tuple[str, ...]  # what was dropped or mended, and what hangs loose
+    guesses: tuple[str, ...]  # what nobody states, and the value that was chosen
 
 
 def write_folder(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, unknown
-from harness.robots.model import at_origin, by_side, extent
+from harness.robots.model import at_origin, body_box, by_side
 
 ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis
 NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
@@ -15,23 +15,16 @@ NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
 
 @dataclass(frozen=True)
 class Joints:
-    """The joints that matter; left ones front to rear, then right ones.
+    """The joints that matter; left ones front to rear, then right ones."""
 
-    Attributes:
-        left: Joints of the left wheels.
-        right: Joints of the right wheels.
-        steering: Of the left and the right front wheel, if those two are steered and no other.
-        held: Steering joints that are held straight, since no controller here steers so many.
-        radius: Of each wheel [m].
-        backwards: Wheels and steering whose axes point the other way.
-    """
-
-    left: tuple[str, ...]
-    right: tuple[str, ...]
+    left: tuple[str, ...]  # joints of the left wheels
+    right: tuple[str, ...]  # joints of the right wheels
+    # of the left and the right front wheel, if those two are steered and no other
     steering: tuple[str, ...]
+    # steering joints that are held straight, since no controller here steers so many
     held: tuple[str, ...]
-    radius: dict[str, float]
-    backwards: tuple[str, ...]
+    radius: dict[str, float]  # of each wheel [m]
+    backwards: tuple[str, ...]  # wheels and steering whose axes point the other way
 
     @property
     def wheels(self) -> tuple[str, ...]:
@@ -59,7 +52,7 @@ def find_joints(
     for name in (*left, *right):
         if name not in names:
             raise UsageError(f"{where}: {unknown('hinge', name, names)}")
-    boxes = {name: _box(model, data, j) for name, j in names.items()}
+    boxes = {name: body_box(model, data, model.jnt_bodyid[j]) for name, j in names.items()}
     wheels = [*left, *right] or _rolling(model, data, names, boxes)
     on_left, on_right = by_side({name: boxes[name].mean(axis=0) for name in wheels})
     left, right = left or on_left, right or on_right
@@ -106,13 +99,6 @@ def _rolling(
     lowest = min((boxes[name] for name in rolling), key=lambda box: box[0][2])
     reach = lowest[0][2] + NEAR_GROUND * np.ptp(lowest[:, 2]) / 2
     return [name for name in rolling if boxes[name][0][2] <= reach]
-
-
-def _box(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> NDArray[np.float64]:
-    """Lowest and highest x, y, z of what collides and is fixed to a joint's body, shape (2, 3) [m]."""
-    body = model.jnt_bodyid[joint]
-    fixed = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_contype > 0)
-    return np.array(extent(model, data, np.flatnonzero(fixed).tolist()))
 
 
 def _steering_above(model: mujoco.MjModel, data: mujoco.MjData, wheel: int) -> int | None:

@@ -22,17 +22,11 @@ XACRO = "xmlns:xacro"
 
 @dataclass
 class Source:
-    """What a URDF says, beside what MuJoCo reads of it.
+    """What a URDF says, beside what MuJoCo reads of it."""
 
-    Attributes:
-        spec: Its links as bodies, none fused; the root link is free.
-        robot: The element of the file.
-        notes: What was dropped or mended, a line each.
-    """
-
-    spec: mujoco.MjSpec
-    robot: ET.Element
-    notes: list[str] = field(default_factory=list)
+    spec: mujoco.MjSpec  # its links as bodies, none fused; the root link is free
+    robot: ET.Element  # the element of the file
+    notes: list[str] = field(default_factory=list)  # what was dropped or mended, a line each
 
 
 def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = False) -> Source:

@@ -13,19 +13,12 @@ EFFORT, SPEED = 6.0, 10.0  # [N m], [rad/s] of a motor
 
 @dataclass(frozen=True)
 class Template:
-    """A kind of undercarriage.
+    """A kind of undercarriage."""
 
-    Attributes:
-        summary: What it is.
-        axles: Their places along x, front to rear [m].
-        rockers: Whether the wheels of a side sit on a rocker, both joined by a differential.
-        steers: Whether the wheels of the first axle turn.
-    """
-
-    summary: str
-    axles: tuple[float, ...]
-    rockers: bool = False
-    steers: bool = False
+    summary: str  # what it is
+    axles: tuple[float, ...]  # their places along x, front to rear [m]
+    rockers: bool = False  # whether the wheels of a side sit on a rocker, both joined by a differential
+    steers: bool = False  # whether the wheels of the first axle turn
 
 
 TEMPLATES = {

@@ -1,6 +1,6 @@
 """The page of a suite: what its template shows."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from os.path import relpath
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Comparisons
 from harness.scenario.page.figures import height, plots_of
 from harness.scenario.tables import HOW, sheets
-from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+from harness.scenario.verdict import Attempt, Outcome, Verdict, bad_runs, outcome_of, reasons_of
 from rover_metrics.sheet.sheet import NONE, Sheet
 
 CLASSES = {Outcome.PASSED: "complete", Outcome.FAILED: "failed", Outcome.ERROR: "interrupted"}
@@ -33,7 +33,7 @@ def render(several: Sequence[Comparisons], page: Path) -> str:
     content = {
         **_headline(verdicts),
         "version": __version__,
-        "bad": [*_bad(verdicts, page)],
+        "bad": [_bad(attempt, page) for attempt in bad_runs(verdicts)],
         "overview": Sheet.of(_line(number, verdict) for number, verdict in enumerate(verdicts)),
         "scenarios": scenarios,
         "how": " ".join([HOW, *dict.fromkeys(filter(None, (each.power for each in several)))]),
@@ -46,31 +46,23 @@ def _headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
     count = len(verdicts)
     failed, errors = (sum(v.outcome is o for v in verdicts) for o in (Outcome.FAILED, Outcome.ERROR))
     counts = [f"{n} {words}" for n, words in ((failed, "failed"), (errors, "could not run")) if n]
-    scenarios = f"{count} scenario{'' if count == 1 else 's'}"
-    headline = f"{scenarios}: {', '.join(counts) if counts else 'passed'}"
+    headline = f"{count} scenario{'' if count == 1 else 's'}: {', '.join(counts) or 'passed'}"
     worst = Outcome.ERROR if errors and not failed else Outcome.FAILED if failed else Outcome.PASSED
     return {"headline": headline, "state": CLASSES[worst]}
 
 
-def _bad(verdicts: Sequence[Verdict], page: Path) -> Iterator[dict[str, Any]]:
-    """Every run that makes its scenario red."""
-    for verdict in verdicts:
-        if verdict.outcome is Outcome.PASSED:
-            continue
-        for attempt in verdict.attempts:
-            outcome = outcome_of(attempt)
-            if not outcome.is_good:
-                yield {
-                    "name": attempt.case.name,
-                    "state": CLASSES.get(outcome, CLASSES[Outcome.FAILED]),
-                    "outcome": outcome.value,
-                    "reasons": reasons_of(attempt),
-                    "again": attempt.case.command,
-                    "link": next(
-                        (quote(Path(relpath(path, page.parent)).as_posix()) for path in attempt.kept),
-                        None,
-                    ),
-                }
+def _bad(attempt: Attempt, page: Path) -> dict[str, Any]:
+    """A run that makes its scenario red, on a page at a place."""
+    outcome = outcome_of(attempt)
+    links = (quote(Path(relpath(path, page.parent)).as_posix()) for path in attempt.kept)
+    return {
+        "name": attempt.case.name,
+        "state": CLASSES.get(outcome, CLASSES[Outcome.FAILED]),
+        "outcome": outcome.value,
+        "reasons": reasons_of(attempt),
+        "again": attempt.case.command,
+        "link": next(links, None),
+    }
 
 
 def _line(number: int, verdict: Verdict) -> dict[str, str]:

@@ -17,20 +17,15 @@ Doubles = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Lens(ABC):
-    """Base of the lenses; their pixels are square, the optical axis goes through the image's middle.
-
-    Attributes:
-        width, height: Of the image [pixels].
-        fov: Horizontal field of view, from the outer edge of the first column to that of the last [rad].
-    """
+    """Base of the lenses; their pixels are square, the optical axis goes through the image's middle."""
 
     distortion_model: ClassVar[str]
     coefficients: ClassVar[int]  # of distortion, all of which are 0
     widest: ClassVar[float]  # [rad]
 
-    width: int
-    height: int
-    fov: float
+    width: int  # [pixels]
+    height: int  # [pixels]
+    fov: float  # horizontally, from the outer edge of the first column to that of the last [rad]
 
     @property
     @abstractmethod

@@ -1,7 +1,11 @@
 """Draws what the rover's cameras see of a state of the simulation, by OpenGL.
 
-The scene is compiled a second time, with what only is to be seen. Same state, same machine and same
-OpenGL: the same image.
+The scene is compiled a second time, with what only is to be seen: what harness.physics.stage gives it,
+and more texture. Feature trackers need corners wherever they look, so rocks have grain, which a picture
+for people does without. The sun stands still, and nothing shines from the camera: the faces of a
+fisheye's cube must agree. It casts no shadows: their map would have to move with the rover, and the dots
+that it leaves on slopes along the sun's rays with it, which trackers take for corners.
+Same state, same machine and same OpenGL: the same image.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,17 +19,31 @@ from numpy.typing import NDArray
 
 from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas
-from harness.physics.stage import FARTHEST, NEAREST, Quality, aim_sun, visible_groups
+from harness.physics.stage import (
+    FARTHEST,
+    NEAREST,
+    OBSTACLE_COLORS,
+    Quality,
+    aim_sun,
+    dress,
+    visible_groups,
+)
+from harness.physics.world_geoms import OBSTACLE_BODIES
 from harness.robots.model import ROOT_ID
-from harness.sensors.camera.look import SUN_AZIMUTH, dress_for_cameras
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraState
 from harness.sensors.camera.views import Assembly, View
 from harness.world.berths import Member
+from harness.world.heightfield import fractal
 from harness.world.obstacles import rotation_matrix
 from harness.world.world import World
 
 SAMPLES, SHADOW_MAP, SLICES = 4, 16, 16  # nothing casts shadows
 MOST_GEOMS = 20_000
+SUN_AZIMUTH = -145.0  # [deg] of a camera over whose shoulder it shines
+ROCK_PIXELS = 256  # along a side of one face of a cube
+# Of rocks and of what has a colour of its own: gain of the colour, which the grain darkens, and
+# share of the brightness at one deviation of the grain.
+SURFACES = {"rock": (2.0, 0.28), "paint": (1.4, 0.10)}
 
 
 class CameraRenderer(AbstractContextManager["CameraRenderer"]):
@@ -53,7 +71,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         quality = Quality(
             width=width, height=height, samples=SAMPLES, shadow_map=SHADOW_MAP, slices=SLICES
         )
-        dressed = partial(dress_for_cameras, quality=quality)
+        dressed = partial(_dress, quality=quality)
         self._ground = DrawnGround(world)
         self._model = self._ground.scenes(fleet, 0.002, dressed)[0].model
         self._data = mujoco.MjData(self._model)
@@ -103,3 +121,31 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         rng = np.random.default_rng((self._seed, place, stamp_ns))
         noise = rng.normal(0.5, 255.0 * deviation, image.shape)  # a half: rounds
         return np.clip(image + noise, 0.0, 255.0).astype(np.uint8)
+
+
+def _dress(spec: mujoco.MjSpec, quality: Quality) -> None:
+    """Adds soil, sky, sun and rocks with grain to a scene."""
+    dress(spec, quality)
+    spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.5] * 3, [0.0] * 3
+    for light in spec.lights:
+        light.castshadow = False
+    _add_grain(spec)
+
+
+def _add_grain(spec: mujoco.MjSpec) -> None:
+    """Gives all obstacles grain in their own colours: those with colours of a file less than rocks."""
+    noise = partial(fractal, np.random.default_rng(2), seamless=True)
+    grain = noise((ROCK_PIXELS,) * 2, cell=1 / ROCK_PIXELS, longest=1 / 4, shortest=1 / 100, hurst=0.3)
+    for name, (_, contrast) in SURFACES.items():
+        shade = np.clip(0.7 * (1.0 + contrast * grain), 0.0, 1.0)[..., None]
+        size = {"width": ROCK_PIXELS, "height": ROCK_PIXELS, "nchannel": 3}
+        texture = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_CUBE, **size)
+        texture.data = (255.0 * shade * np.ones(3)).astype(np.uint8).tobytes()
+    for body in OBSTACLE_BODIES.values():
+        for geom in spec.body(body).geoms:
+            is_rock = any(np.allclose(geom.rgba, color) for color in OBSTACLE_COLORS.values())
+            surface = "rock" if is_rock else "paint"
+            rgba = np.clip(SURFACES[surface][0] * geom.rgba, 0, 1)
+            material = spec.add_material(name=f"{surface} {geom.name}", rgba=rgba, specular=0.0)
+            material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = surface
+            geom.material = material.name

@@ -21,19 +21,14 @@ MOUNTS = ("camera_link", "camera_frame")  # of rovers that have a place for a ca
 
 @plain_value
 class CameraState:
-    """What an image is drawn from.
-
-    Attributes:
-        position, orientation: Of the optical frame in the world [m], (x, y, z, w): z ahead, y down.
-        state: Of the whole scene, as MuJoCo has it.
-        ground: Its ground nearby, as harness.soil.bed.Bed.around; None on ground that keeps no ruts.
-    """
+    """What an image is drawn from."""
 
     stamp_ns: int
     sensor: str
-    position: Vector3
-    orientation: Quaternion
-    state: NDArray[np.float64]
+    position: Vector3  # of the optical frame in the world [m]
+    orientation: Quaternion  # of that frame, (x, y, z, w): z ahead, y down
+    state: NDArray[np.float64]  # of the whole scene, as MuJoCo has it
+    # its ground nearby, as harness.soil.bed.Bed.around; None on ground that keeps no ruts
     ground: tuple[int, int, NDArray[np.float32]] | None = None
 
 

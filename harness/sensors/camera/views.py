@@ -31,21 +31,15 @@ MARGIN = 1.0  # [pixels] around what is looked up, for its neighbours
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A flat image that is part of a camera's.
+    """A flat image that is part of a camera's; edges are tangents of angles off `ahead`."""
 
-    Attributes:
-        axes: Its right, down and ahead in the camera's optical frame, by rows.
-        left, right, top, bottom: Edges, as tangents of angles off `ahead`; right and down are positive.
-        width, height: Of the image [pixels].
-    """
-
-    axes: Doubles
+    axes: Doubles  # its right, down and ahead in the camera's optical frame, by rows
     left: float
     right: float
     top: float
     bottom: float
-    width: int
-    height: int
+    width: int  # [pixels]
+    height: int  # [pixels]
 
 
 class Assembly:

@@ -90,17 +90,13 @@ def plan(
         raise UsageError(f"seed {seed} is not valid; give a whole number from 0 up")
     if driver:
         find_driver(driver)
-    planned = [
-        Planned(
-            world * len(robots) + place,
-            (Part.TRAIN, Part.TEST)[world % 2],
-            _run(robot, world, seed, duration, driver),
-        )
-        for world in range(episodes)
-        for place, robot in enumerate(robots)
-    ]
-    for episode in planned:
-        check(episode.run)
+    planned: list[Planned] = []
+    for world in range(episodes):
+        part = (Part.TRAIN, Part.TEST)[world % 2]
+        for robot in robots:
+            run = _run(robot, world, seed, duration, driver)
+            check(run)
+            planned.append(Planned(len(planned), part, run))
     return tuple(planned)
 
 

@@ -83,9 +83,8 @@ class Collected:
             nearest = metrics.clearance if math.isfinite(footprint) else math.inf
             near = float(np.count_nonzero(np.isneginf(scan.ranges)))
             _, speed, *_, contact = self._states[-1]
-            self._scan_rows.append(
-                (scan.stamp_ns // 1_000_000, nearest, near, footprint, contact, speed)
-            )
+            stamp_ms = scan.stamp_ns // 1_000_000
+            self._scan_rows.append((stamp_ms, nearest, near, footprint, contact, speed))
 
     def placed_scans(self) -> list[PlacedScan]:
         """Returns each scan with the pose nearest to it in time, at most 10 ms away."""
@@ -100,10 +99,8 @@ class Collected:
 
     def window_rows(self) -> Table:
         """Returns one row of dtype WINDOW per full second."""
-        imu, states, steps = (
-            np.array(rows, np.float64).reshape(-1, width)
-            for rows, width in ((self._imu, 3), (self._states, 5), (self._steps, 2))
-        )
+        kept = ((self._imu, 3), (self._states, 5), (self._steps, 2))
+        imu, states, steps = (np.array(rows, float).reshape(-1, width) for rows, width in kept)
         positions = np.array([pose.position for pose in self.poses]).reshape(-1, 3)
         smoothness = np.diff(imu[:, 2], prepend=0.0)
         strides = np.linalg.norm(positions[STRIDE:] - positions[:-STRIDE], axis=1)
@@ -142,36 +139,41 @@ def event_rows(
         scans: Its scans in order.
         speeds: True forward speed at each of them [m/s], shape (n,).
         world: Where it took place.
-        rover: Who drove.
+        rover: That drove.
     """
     stamps = np.array([placed.scan.stamp_ns for placed in scans])
     hazards = [event for event in events if event.kind == "hazard"]
     rows = np.zeros(len(hazards), EVENT)
     for row, event in zip(rows, hazards, strict=True):
-        first, last = np.searchsorted(
-            stamps, (event.start_ns - BEFORE_NS, event.start_ns + AFTER_NS)
-        ).tolist()
+        around = event.start_ns - BEFORE_NS, event.start_ns + AFTER_NS
+        first, last = np.searchsorted(stamps, around).tolist()
         before = max(int(np.searchsorted(stamps, event.start_ns)) - 1, 0)
         row["start_s"], row["end_s"] = event.start_ns / NANOSECONDS, event.end_ns / NANOSECONDS
-        row["zone"] = _zone(event.point, rover)
+        row["zone"] = zone(event.point, rover)
         touched = world.obstacles[int(event.other.rsplit("_", 1)[1])]
-        row["sight"] = _sight(scans[first:last], touched, rover)
+        row["sight"] = sight(scans[first:last], touched, rover)
         row["part"], row["force"] = event.part, event.force
         row["speed"] = speeds[before] if speeds.size else 0.0
     return rows
 
 
-def _zone(point: Vector3, rover: RoverSpec) -> Zone:
-    """The side of the rover nearest to a point of the model frame."""
+def zone(point: Vector3, rover: RoverSpec) -> Zone:
+    """Returns the side of the rover nearest to a point of the model frame [m]."""
     x, y, _ = point
     x_min, x_max, y_min, y_max = rover.footprint
     sides = {Zone.FRONT: x_max - x, Zone.REAR: x - x_min, Zone.SIDE: min(y_max - y, y - y_min)}
     return min(sides, key=sides.__getitem__)
 
 
-def _sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
-    """What the scans around the start of a contact show of what was touched."""
-    if any(_is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
+def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
+    """Returns what the scans around the start of a contact show of what was touched.
+
+    Args:
+        scans: In order, of the time around that start.
+        hazard: That was touched.
+        rover: That touched it.
+    """
+    if any(is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
         return Sight.SEEN
     top = hazard.position[2] + hazard.half_size[-1]
     if scans and top < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
@@ -181,8 +183,8 @@ def _sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> S
     return Sight.MISSED
 
 
-def _is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
+def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Returns which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
     w, _, _, z = hazard.quaternion
     yaw = 2.0 * math.atan2(z, w)
     offset = points - hazard.position[:2]

@@ -80,20 +80,13 @@ class Ending(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class EpisodeRecord:
-    """An episode in tables.
+    """An episode in tables."""
 
-    Attributes:
-        scans: Of dtype SCAN; `windows` of WINDOW, `events` of EVENT.
-        ending: A diverged episode is not to be scored.
-        path_length: True path [m].
-        driver: Who drove; `terrain` says where.
-    """
-
-    scans: Table
-    windows: Table
-    events: Table
-    ending: Ending
-    path_length: float
+    scans: Table  # of dtype SCAN
+    windows: Table  # of dtype WINDOW
+    events: Table  # of dtype EVENT
+    ending: Ending  # a diverged episode is not to be scored
+    path_length: float  # true path [m]
     driver: str
     terrain: str
 

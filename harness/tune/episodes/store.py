@@ -2,14 +2,12 @@
 
 import io
 import json
-from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.base.documents import read_json
 from harness.base.errors import UsageError
@@ -22,7 +20,7 @@ from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
 from rover_metrics.errors import counted
-from rover_metrics.log.files import json_safe
+from rover_metrics.log.files import json_safe, write_whole
 
 EPISODES, SWEEP = "episodes", "sweep.json"
 UNSET: tuple[Any, ...] = (None, (), [])  # options that an episode does not use; JSON has lists
@@ -55,7 +53,10 @@ def decode(content: bytes) -> EpisodeRecord:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as npz:
             _check_size(npz.zip)
-            tables = {name: _table(npz, name, dtype) for name, dtype in TABLES.items()}
+            tables = dict[str, Table]()
+            for name, dtype in TABLES.items():
+                columns = [npz[f"{name}.{column}"] for column in dtype.names or ()]
+                tables[name] = np.rec.fromarrays(columns, dtype=dtype).view(dtype, np.ndarray)
             ending, driver, terrain = (str(npz[name]) for name in LABELS)
             length = float(npz["path_length"])
     except Exception as error:
@@ -69,11 +70,6 @@ def decode(content: bytes) -> EpisodeRecord:
 def _check_size(file: ZipFile) -> None:
     if sum(info.file_size for info in file.infolist()) > LARGEST:
         raise ValueError(f"it unpacks to more than {LARGEST >> 20} MB")
-
-
-def _table(npz: Mapping[str, NDArray[Any]], name: str, dtype: np.dtype[np.void]) -> Table:
-    columns = [npz[f"{name}.{column}"] for column in dtype.names or ()]
-    return np.rec.fromarrays(columns, dtype=dtype).view(dtype, np.ndarray)
 
 
 class Store:
@@ -113,8 +109,7 @@ class Store:
         if not path.exists():
             if any(self._episodes.iterdir()):
                 raise UsageError(f"{self._episodes} holds files of no known sweep; choose another --out")
-            with whole_file(path) as part:
-                part.write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
+            write_whole(path, json.dumps(identity, indent=2) + "\n")
         elif difference := _difference(path, identity):
             raise UsageError(
                 f"{self.folder} holds another sweep's files ({difference}); "

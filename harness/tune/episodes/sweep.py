@@ -29,13 +29,11 @@ def drive(run: Run) -> EpisodeRecord:
     rover = find_rover(run.rover.robot)
     collected = Collected(rover)
     ending = _ending(run, collected)
-    scans = collected.scan_rows()
+    scans, placed = collected.scan_rows(), collected.placed_scans()
     return EpisodeRecord(
         scans=scans,
         windows=collected.window_rows(),
-        events=event_rows(
-            collected.events, collected.placed_scans(), scans["speed"], world_of(run), rover
-        ),
+        events=event_rows(collected.events, placed, scans["speed"], world_of(run), rover),
         ending=ending,
         path_length=collected.path_length,
         driver=run.rover.driver,

@@ -18,9 +18,8 @@ THRESHOLD = titled("threshold [m]", range=[0.0, float(GRID[-1])])
 FALSE_ALARMS = "false alarms per km"
 NO_CONTACTS = "No contact with a hazard in the test episodes, so there is no curve."
 # Hue says what is measured, the dash whether near returns count.
-STYLES = dict(
-    zip(DETECTORS, ((METRIC, "solid"), (METRIC, "dash"), (SCAN, "solid"), (SCAN, "dash")), strict=True)
-)
+LOOKS = ((METRIC, "solid"), (METRIC, "dash"), (SCAN, "solid"), (SCAN, "dash"))
+STYLES = dict(zip(DETECTORS, LOOKS, strict=True))
 PARTS = (
     ("recall", Part.TEST, METRIC, "solid", 2.0),
     ("precision", Part.TEST, SCAN, "dash", 2.0),
@@ -93,15 +92,10 @@ def operating_points(
     study: CollisionStudy, place: Callable[[DetectorStudy], tuple[float, float]]
 ) -> list[Trace]:
     """Returns a mark for each detector at its tuned value, and for the default, each at its place."""
-    points = [
-        mark(
-            "at its best value",
-            *place(detector),
-            tuned=STYLES[detector.name][0],
-            hover=f"{detector.name} below {detector.events.value:g} m",
-        )
-        for detector in study.detectors
-    ]
+    points = []
+    for one in study.detectors:
+        hover, color = f"{one.name} below {one.events.value:g} m", STYLES[one.name][0]
+        points.append(mark("at its best value", *place(one), tuned=color, hover=hover))
     default = f"default {study.default.events.value:g} m"
     return [*points, mark("the default", *place(study.default), hover=default)]
 

@@ -6,21 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.page.figure import (
-    AXIS,
-    INK,
-    METRIC,
-    MUTED,
-    SCAN,
-    TIMES,
-    TRUTH,
-    Layout,
-    Plot,
-    Trace,
-    common_layout,
-    line,
-    titled,
-)
+from harness.page import figure as fig
+from harness.page.figure import INK, METRIC, MUTED, SCAN, Plot, Trace
 from harness.robots import RoverSpec
 from harness.sensors.lidar_spec import LidarSpec
 from harness.tune.page.outline import ABOVE, SIDE, Span, shares, silent_strips, silhouette
@@ -87,8 +74,8 @@ def drawings(rovers: Sequence[tuple[str, RoverSpec, CollisionStudy]]) -> list[tu
                 f"{name}-above",
                 f"{name} to scale from above, with its footprint, its lidar and its thresholds",
                 traces,
-                titled("ahead of the middle [m]", range=[low[0], high[0]]),
-                titled("to the left [m]", range=[low[1], high[1]]),
+                fig.titled("ahead of the middle [m]", range=[low[0], high[0]]),
+                fig.titled("to the left [m]", range=[low[1], high[1]]),
             ),
             _side(name, rover, (back, front, end), top),
         )
@@ -100,20 +87,19 @@ def _above(rover: RoverSpec, study: CollisionStudy) -> Iterator[Trace]:
     verdict, range_min = study.verdict, LidarSpec().range_min
     default, tuned = verdict.default.value, None if verdict.tuned is None else verdict.tuned.value
     yield _area(f"{rover.name}'s shape", silhouette(rover, ABOVE), BODY)
-    yield _silent(rover, (range_min, default), 0.0, "/", TRUTH)
+    yield _silent(rover, (range_min, default), 0.0, "/", fig.TRUTH)
     if tuned is not None:
         yield _silent(rover, (range_min, tuned), STRIP, "x", METRIC)
     x_min, x_max, y_min, y_max = rover.footprint
     corners = np.array([(x_max, y_max), (x_min, y_max), (x_min, y_min), (x_max, y_min)])
-    size = f"footprint, {rover.length:.2f} {TIMES} {rover.width:.2f} m"
+    size = f"footprint, {rover.length:.2f} {fig.TIMES} {rover.width:.2f} m"
     yield _line(size, corners[[0, 1, 2, 3, 0]], INK, width=1.5)
     best = {study.name: study.events.value for study in study.detectors}.get(FOOTPRINT_CLEARANCE)
     if best is not None:
-        quarters = np.repeat(corners, 19, axis=0) + best * _circle(
-            np.arange(76) // 19 * 18 + np.arange(76) % 19
-        )
+        quarters, steps = np.divmod(np.arange(76), 19)  # of a circle, one at each corner
+        around = np.repeat(corners, 19, axis=0) + best * _circle(18 * quarters + steps)
         name = f"best footprint clearance {best:g} m"
-        yield _line(name, np.vstack([quarters, quarters[:1]]), SCAN, dash="dashdot", width=1.5)
+        yield _line(name, np.vstack([around, around[:1]]), SCAN, dash="dashdot", width=1.5)
     lidar = np.array([rover.lidar_x, rover.lidar_y])
     rings = (
         (f"range_min {range_min:g} m", range_min, MUTED, "dot"),
@@ -154,21 +140,17 @@ def _side(name: str, rover: RoverSpec, places: tuple[float, float, float], top: 
         _line(f"plane of the lidar, {plane:.2f} m up", np.array([(back, plane), (end, plane)]), METRIC),
     ]
     labels = [hazard.label(plane) for hazard in HAZARDS]
-    ticks = {
-        "tickvals": [round(at + hazard.width / 2, 3) for hazard, at in standing],
-        "ticktext": labels,
-    }
+    middles = [round(at + hazard.width / 2, 3) for hazard, at in standing]
     summary = f"{name} to scale from the side; its lidar is {plane:.2f} m up. {', '.join(labels)}"
-    x, y = AXIS | ticks | {"range": [back, end]}, titled("height [m]", range=[0.0, top])
+    x = fig.AXIS | {"tickvals": middles, "ticktext": labels, "range": [back, end]}
+    y = fig.titled("height [m]", range=[0.0, top])
     return _plot(f"{name}-side", summary.replace("<br>", " "), data, x, y)
 
 
-def _plot(name: str, summary: str, data: list[Trace], x: Layout, y: Layout) -> Plot:
+def _plot(name: str, summary: str, data: list[Trace], x: fig.Layout, y: fig.Layout) -> Plot:
     """A figure with equal scales, as far as its place on the page lets both ranges stay."""
-    y = y | {"scaleanchor": "x", "constrain": "domain"}
-    layout = common_layout(
-        xaxis=x | {"constrain": "domain", "showgrid": False}, yaxis=y | {"showgrid": False}
-    )
+    alike = {"constrain": "domain", "showgrid": False}
+    layout = fig.common_layout(xaxis=x | alike, yaxis=y | {"scaleanchor": "x"} | alike)
     return Plot(name, summary, {"data": data, "layout": layout})
 
 
@@ -178,7 +160,7 @@ def _circle(steps: NDArray[np.int_]) -> Points:
 
 
 def _line(name: str, points: Points, color: str, **style: object) -> Trace:
-    return line(name, points[:, 0], points[:, 1], color, hover=None, **style)
+    return fig.line(name, points[:, 0], points[:, 1], color, hover=None, **style)
 
 
 def _area(name: str, shapes: Iterable[Points], color: str) -> Trace:

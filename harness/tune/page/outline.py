@@ -11,7 +11,6 @@ from harness.robots import RoverSpec
 from harness.robots.model import SEEN_GROUP, read_model
 
 ABOVE, SIDE = (0, 1), (0, 2)  # axes of the model frame that are seen
-BOX, MESH = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_MESH)
 STEP = 1e-3  # [m] along the outline, about
 # Directions of a ball, on which the corners of boxes and the ends of cylinders are found too.
 TURN, TILT = np.meshgrid(np.linspace(0.0, 2 * np.pi, 24, endpoint=False), np.linspace(0.0, np.pi, 13))
@@ -38,14 +37,15 @@ def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
 
 def _surface(kind: int, size: NDArray[np.float64]) -> NDArray[np.float64]:
     """Points whose hull is a geom, shape (..., 3) [m]."""
-    if int(kind) in (BOX, MESH):  # the size of a mesh is its box's
-        return np.asarray(np.sign(BALL) * size)
-    if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return np.asarray(BALL * size[0])
-    if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-        return np.asarray(BALL * size)
-    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-        return np.asarray(BALL * size[0] + np.sign(BALL) * (0.0, 0.0, size[1]))
+    match mujoco.mjtGeom(int(kind)):
+        case mujoco.mjtGeom.mjGEOM_BOX | mujoco.mjtGeom.mjGEOM_MESH:  # the size of a mesh is its box's
+            return np.asarray(np.sign(BALL) * size)
+        case mujoco.mjtGeom.mjGEOM_SPHERE:
+            return np.asarray(BALL * size[0])
+        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            return np.asarray(BALL * size)
+        case mujoco.mjtGeom.mjGEOM_CAPSULE:
+            return np.asarray(BALL * size[0] + np.sign(BALL) * (0.0, 0.0, size[1]))
     return np.asarray(ROD * (size[0], size[0], size[1]))
 
 

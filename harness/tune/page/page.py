@@ -44,17 +44,12 @@ def render(
         files: The text of each robot's parameter file, by its name.
     """
     drawn = drawings([(one.name, find_rover(one.robot), one.collision) for one in studies])
-    robots: list[dict[str, Any]] = [
-        {
-            "name": study.name,
-            "conclusions": [*conclusions(study)],
-            "unreachable": unreachable(study.collision),
-            "file": files[study.name],
-            "items": _items(Subject(study, scored_records(study.robot, records)))
-            | {"above": above, "side": side},
-        }
-        for study, (above, side) in zip(studies, drawn, strict=True)
-    ]
+    robots: list[dict[str, Any]] = []
+    for study, (above, side) in zip(studies, drawn, strict=True):
+        items = _items(Subject(study, scored_records(study.robot, records)))
+        about = {"name": study.name, "conclusions": [*conclusions(study)], "file": files[study.name]}
+        about["unreachable"] = unreachable(study.collision)
+        robots.append(about | {"items": items | {"above": above, "side": side}})
     plots = [item for robot in robots for item in robot["items"].values() if isinstance(item, Plot)]
     content = {
         "robots": robots,

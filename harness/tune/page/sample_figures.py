@@ -1,7 +1,7 @@
 """Figures of single scans and seconds: what the samples say by class of the truth, and of steps."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,7 @@ STEPS = (
 Truth = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """A curve with the area under it."""
 
     x: Values

@@ -22,7 +22,7 @@ def thresholds(study: RobotStudy) -> Sheet:
             verdict.measure,
             *_candidate(verdict, verdict.default),
             *_candidate(verdict, verdict.tuned),
-            _text(verdict.gain[verdict.measure], verdict.digits, "+") if verdict.tuned else DASH,
+            score_text(verdict.gain[verdict.measure], verdict.digits, "+") if verdict.tuned else DASH,
             _standing(verdict),
         )
         for verdict in study.verdicts
@@ -33,7 +33,7 @@ def thresholds(study: RobotStudy) -> Sheet:
 def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
     if candidate is None:
         return DASH, DASH, DASH
-    train, test = (_text(candidate.scores[part][verdict.measure], verdict.digits) for part in Part)
+    train, test = (score_text(candidate.scores[part][verdict.measure], verdict.digits) for part in Part)
     return spelled(verdict.written(candidate)), train, test
 
 
@@ -57,7 +57,7 @@ def measures(verdict: Verdict) -> Sheet:
     if verdict.tuned is not None:
         columns["gain, test"] = verdict.gain, "+"
     rows = (
-        (name, *(_text(scores[name], digits, sign) for scores, sign in columns.values()))
+        (name, *(score_text(scores[name], digits, sign) for scores, sign in columns.values()))
         for name in verdict.default.scores[Part.TEST]
         for digits in [digits_for(verdict.gain[name]) if verdict.gain else FEWEST_DIGITS]
     )
@@ -72,10 +72,10 @@ def detectors(study: CollisionStudy) -> Sheet:
         (
             prefix + scored.name,
             unbroken(f"{scored.events.value:g} m"),
-            *(_text(scored.events.scores[Part.TEST][name]) for name in measures),
-            _text(scored.events.scores[Part.TEST]["false alarms per km"], 1),
+            *(score_text(scored.events.scores[Part.TEST][name]) for name in measures),
+            score_text(scored.events.scores[Part.TEST]["false alarms per km"], 1),
             DASH if scored.lead_s is None else f"{scored.lead_s:.2f} s",
-            _text(scored.scans["F1"]),
+            score_text(scored.scans["F1"]),
         )
         for prefix, scored in (("default: ", study.default), *(("", one) for one in study.detectors))
     )
@@ -87,16 +87,13 @@ def zones(study: CollisionStudy) -> Sheet:
     values = {"default": study.default.events.value}
     values |= {one.name: one.events.value for one in study.detectors}
     names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
-    seen = (
-        (
-            f"{row.zone}, seen",
-            str(row.contacts),
-            *(_share(n, row.contacts) for n in row.detected.values()),
-        )
-        for row in study.zones
-    )
-    unseen = ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
-    return Sheet(("Contact", "number", *names), (*seen, *unseen))
+    rows: list[tuple[str, ...]] = []
+    for row in study.zones:
+        of = row.contacts
+        shares = (f"{n} ({100 * n / of:.0f} %)" if of else str(n) for n in row.detected.values())
+        rows.append((f"{row.zone}, seen", str(of), *map(unbroken, shares)))
+    rows += ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
+    return Sheet(("Contact", "number", *names), tuple(rows))
 
 
 def speeds(study: GroundStudy) -> Sheet:
@@ -144,8 +141,14 @@ def driven(study: RobotStudy) -> Sheet:
     return Sheet(("What", "how much"), rows)
 
 
-def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
-    """A score with its interval, short enough for a cell; `sign` is "+" where positive ones have one."""
+def score_text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
+    """Returns a score with its interval, short enough for a cell.
+
+    Args:
+        score: Any.
+        digits: After the point.
+        sign: "+" to write it before what is positive.
+    """
     if math.isnan(score.value):
         return DASH
     value, low, high = (
@@ -153,7 +156,3 @@ def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
         for number in (score.value, score.low, score.high)
     )
     return f"{value} {unbroken('(no interval)' if score.low is None else f'({low} to {high})')}"
-
-
-def _share(part: int, whole: int) -> str:
-    return unbroken(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)

@@ -6,20 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.tune.episodes.record import EpisodeRecord
+from harness.tune.scoring import estimate
 from harness.tune.scoring.choose import Count
-from harness.tune.scoring.estimate import (
-    FN,
-    FP,
-    TN,
-    TP,
-    Counts,
-    Measure,
-    Sums,
-    confusion,
-    ratio,
-    recall,
-    share,
-)
+from harness.tune.scoring.estimate import FN, FP, TN, TP, Counts, Measure, Sums, ratio, share
 from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 GAP = EVENT_GAP_NS / NANOSECONDS  # [s]: alarms, like contacts, that are closer together are one
@@ -100,7 +89,7 @@ def event_counts(detector: Detector) -> Count:
 
 def scan_counts(detector: Detector) -> Count:
     """Returns what gives counts of `confusion` of single scans."""
-    return lambda records, thresholds: confusion(
+    return lambda records, thresholds: estimate.confusion(
         [(detector(record), record.scans["contact"]) for record in records], thresholds
     )
 
@@ -133,6 +122,6 @@ EVENT_MEASURES: dict[str, Measure] = {
 SCAN_MEASURES: dict[str, Measure] = {
     "F1": lambda sums: ratio(2 * sums[..., TP], 2 * sums[..., TP] + sums[..., FP] + sums[..., FN]),
     "precision": share(TP, TP, FP),
-    "recall": recall,
+    "recall": estimate.recall,
     "false positive rate": share(FP, FP, TN),
 }

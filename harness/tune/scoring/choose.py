@@ -9,15 +9,8 @@ from numpy.typing import NDArray
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.estimate import (
-    FEWEST_DIGITS,
-    MOST_DIGITS,
-    Counts,
-    Estimate,
-    Measure,
-    digits_for,
-    estimate,
-)
+from harness.tune.scoring import estimate as est
+from harness.tune.scoring.estimate import Counts, Estimate, Measure
 from rover_metrics.errors import counted
 from rover_metrics.extended.settings import PARAMETERS
 
@@ -40,26 +33,16 @@ class Candidate:
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What the data say of one threshold of one robot.
+    """What the data say of one threshold of one robot."""
 
-    Attributes:
-        name: The ROS parameter; `unit` is its unit.
-        measure: The one by which a value is chosen.
-        default: RoboTerrain's value.
-        tuned: What was chosen; None where the data support no value.
-        gain: Tuned minus default on the test episodes, by measure.
-        lack: Why the data support no value, in a clause; None if they do.
-        note: What the tuned value holds for, or is made of; may be empty.
-    """
-
-    name: str
+    name: str  # of the ROS parameter
     unit: str
-    measure: str
-    default: Candidate
-    tuned: Candidate | None = None
-    gain: Scores = field(default_factory=dict)
-    lack: str | None = None
-    note: str = ""
+    measure: str  # by which a value is chosen
+    default: Candidate  # RoboTerrain's value
+    tuned: Candidate | None = None  # what was chosen; None where the data support no value
+    gain: Scores = field(default_factory=dict)  # tuned minus default on the test episodes, by measure
+    lack: str | None = None  # why the data support no value, in a clause; None if they do
+    note: str = ""  # what the tuned value holds for, or is made of
 
     @property
     def value(self) -> float | None:
@@ -71,12 +54,12 @@ class Verdict:
         if self.tuned is None:
             return None
         low = self.gain[self.measure].low
-        return self.tuned.value if low is not None and round(low, MOST_DIGITS) > 0.0 else None
+        return self.tuned.value if low is not None and round(low, est.MOST_DIGITS) > 0.0 else None
 
     @property
     def digits(self) -> int:
         """How many digits its scores need, so that tuned and default do not look the same."""
-        return FEWEST_DIGITS if self.tuned is None else digits_for(self.gain[self.measure])
+        return est.FEWEST_DIGITS if self.tuned is None else est.digits_for(self.gain[self.measure])
 
     def written(self, candidate: Candidate) -> str:
         """Returns a value with its unit."""
@@ -94,21 +77,13 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Scoring:
-    """How a threshold is judged.
+    """How a threshold is judged."""
 
-    Attributes:
-        count: What is counted of episodes.
-        measures: What is reported of a value, by name.
-        objective: Name of the measure that is maximised.
-        grid: The values to choose from.
-        stratum: By what episodes are of a kind, for the intervals.
-    """
-
-    count: Count
-    measures: Mapping[str, Measure]
-    objective: str
-    grid: NDArray[np.float64]
-    stratum: Literal["driver", "terrain"] = "driver"
+    count: Count  # what is counted of episodes
+    measures: Mapping[str, Measure]  # what is reported of a value, by name
+    objective: str  # name of the measure that is maximised
+    grid: NDArray[np.float64]  # the values to choose from
+    stratum: Literal["driver", "terrain"] = "driver"  # by what episodes are of a kind, for intervals
 
     def best(self, records: Sequence[EpisodeRecord]) -> float:
         """Returns the value with the highest objective; the middle one where several have it."""
@@ -136,7 +111,7 @@ class Scoring:
         self, records: Sequence[EpisodeRecord], counts: Counts, measures: Mapping[str, Measure]
     ) -> Scores:
         strata = [getattr(record, self.stratum) for record in records]
-        return {name: estimate(counts, measure, strata) for name, measure in measures.items()}
+        return {name: est.estimate(counts, measure, strata) for name, measure in measures.items()}
 
 
 def _difference(measure: Measure) -> Measure:

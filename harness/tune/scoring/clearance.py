@@ -33,17 +33,11 @@ FEWEST_HEAD_ON = 5
 
 @dataclass(frozen=True, slots=True)
 class Braking:
-    """A stop from top speed on level ground.
+    """A stop from top speed on level ground."""
 
-    Attributes:
-        speed: Top speed, measured [m/s].
-        distance: From the command to the standstill [m].
-        time: From the command to the standstill [s].
-    """
-
-    speed: float
-    distance: float
-    time: float
+    speed: float  # top speed, measured [m/s]
+    distance: float  # from the command to the standstill [m]
+    time: float  # from the command to the standstill [s]
 
     @property
     def stopping_distance(self) -> float:
@@ -61,18 +55,12 @@ class Braking:
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceStudy:
-    """The safe clearance of one robot, and the sum that makes it.
-
-    Attributes:
-        overhang: From the lidar to the front end [m].
-        braking: The measured stop.
-        margin: Added [m].
-    """
+    """The safe clearance of one robot, and the sum that makes it."""
 
     verdict: Verdict
-    overhang: float
-    braking: Braking
-    margin: float
+    overhang: float  # from the lidar to the front end [m]
+    braking: Braking  # as measured
+    margin: float  # added [m]
 
 
 def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceStudy:
@@ -119,13 +107,9 @@ def _counts(
             lead = contacts["start_s"] - warnings[:, :1]  # (warnings, contacts)
             ongoing = contacts["start_s"] <= warnings[:, 1:] + HORIZON
             follow = (starts >= warnings[:, :1]) & (starts <= warnings[:, 1:] + HORIZON)
-            counts[row, place] = (
-                len(contacts),
-                ((lead >= needed) & ongoing).any(axis=0).sum(),
-                len(warnings),
-                follow.any(axis=1).sum(),
-                record.path_length / 1000.0,
-            )
+            warned, right = ((lead >= needed) & ongoing).any(axis=0).sum(), follow.any(axis=1).sum()
+            km = record.path_length / 1000.0
+            counts[row, place] = len(contacts), warned, len(warnings), right, km
     return counts
 
 

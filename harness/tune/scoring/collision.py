@@ -8,19 +8,8 @@ from numpy.typing import NDArray
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EVENT, EpisodeRecord, Sight, Table, Zone
-from harness.tune.scoring.alarms import (
-    DETECTORS,
-    EVENT_MEASURES,
-    FOOTPRINT_CLEARANCE,
-    NEAREST_RANGE,
-    SCAN_MEASURES,
-    Detector,
-    alarms,
-    event_counts,
-    lead_times,
-    matches,
-    scan_counts,
-)
+from harness.tune.scoring import alarms
+from harness.tune.scoring.alarms import DETECTORS, EVENT_MEASURES, FOOTPRINT_CLEARANCE, NEAREST_RANGE
 from harness.tune.scoring.choose import Candidate, Records, Scores, Scoring, Verdict, judged, lack_of
 from harness.tune.scoring.estimate import Counts
 from rover_metrics.extended.settings import PARAMETERS
@@ -29,7 +18,7 @@ PARAMETER = "collision_threshold"
 NEAR_RETURNS, FOOTPRINT_THRESHOLD = "near_returns_as_contact", "footprint_threshold"
 GRID = np.round(np.arange(0.02, 1.001, 0.01), 2)  # [m]
 SCORINGS = {
-    name: Scoring(event_counts(detector), EVENT_MEASURES, "F1", GRID)
+    name: Scoring(alarms.event_counts(detector), EVENT_MEASURES, "F1", GRID)
     for name, detector in DETECTORS.items()
 }
 FOOTPRINT_DETECTORS = {  # by near_returns_as_contact
@@ -42,18 +31,12 @@ FEWEST_CONTACTS = 10  # of each part: fewer do not support a threshold
 
 @dataclass(frozen=True, kw_only=True)
 class DetectorStudy:
-    """One way to tell contacts from scans, at one threshold.
-
-    Attributes:
-        events: Its threshold and scores per event.
-        scans: Its scores per scan on the test half.
-        lead_s: Median time from alarm to contact there [s]; None if it finds none.
-    """
+    """One way to tell contacts from scans, at one threshold."""
 
     name: str
-    events: Candidate
-    scans: Scores
-    lead_s: float | None
+    events: Candidate  # its threshold and scores per event
+    scans: Scores  # its scores per scan on the test half
+    lead_s: float | None  # median time from alarm to contact there [s]; None if it finds none
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,26 +58,18 @@ class ZoneRow:
 
 @dataclass(frozen=True, kw_only=True)
 class CollisionStudy:
-    """Everything about the contacts of one robot.
+    """Everything about the contacts of one robot; those that are counted are of the test half.
 
-    Attributes:
-        verdict: On RoboTerrain's detector.
-        footprint: On the two parameters of the footprint's collisions.
-        default: RoboTerrain's detector at the default.
-        detectors: RoboTerrain's and those that the metrics node offers beside it, each at its best;
-            empty where the data support none.
-        zones: Contacts by side, on the test half.
-        unseen_contacts: Contacts that no threshold can tell, and why, on the test half.
-        contacts: All contacts of the test half.
+    Detectors are RoboTerrain's and those that the metrics node offers beside it.
     """
 
-    verdict: Verdict
-    footprint: tuple[Verdict, Verdict]
-    default: DetectorStudy
-    detectors: tuple[DetectorStudy, ...]
-    zones: tuple[ZoneRow, ...]
-    unseen_contacts: tuple[UnseenContacts, ...]
-    contacts: int
+    verdict: Verdict  # on RoboTerrain's detector
+    footprint: tuple[Verdict, Verdict]  # on the two parameters of the footprint's collisions
+    default: DetectorStudy  # RoboTerrain's detector at the default
+    detectors: tuple[DetectorStudy, ...]  # each at its best; empty where the data support none
+    zones: tuple[ZoneRow, ...]  # contacts by side
+    unseen_contacts: tuple[UnseenContacts, ...]  # that no threshold can tell, and why
+    contacts: int  # all of them
 
 
 def study_collisions(records: Records) -> CollisionStudy:
@@ -137,20 +112,20 @@ def _footprint_verdicts(records: Records, lack: str | None) -> tuple[Verdict, Ve
 
 
 def zone_rows(
-    records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[Detector, float]]
+    records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[alarms.Detector, float]]
 ) -> tuple[ZoneRow, ...]:
     """Returns how many contacts of each side each detector tells with its threshold [m]."""
     events, detected = _events(records), {}
     for name, (detector, threshold) in detectors.items():
-        each = [matches(one, alarms(one, detector(one) < threshold)).any(axis=0) for one in records]
+        spans = [alarms.alarms(one, detector(one) < threshold) for one in records]
+        each = [alarms.matches(*pair).any(axis=0) for pair in zip(records, spans, strict=True)]
         detected[name] = np.concatenate([np.empty(0, dtype=bool), *each])
     sides = {zone: (events["sight"] == Sight.SEEN) & (events["zone"] == zone) for zone in Zone}
-    return tuple(
-        ZoneRow(
-            zone, int(here.sum()), {name: int((here & those).sum()) for name, those in detected.items()}
-        )
-        for zone, here in sides.items()
-    )
+    rows = []
+    for zone, here in sides.items():
+        counts = {name: int((here & those).sum()) for name, those in detected.items()}
+        rows.append(ZoneRow(zone, int(here.sum()), counts))
+    return tuple(rows)
 
 
 def unseen_contacts(records: Sequence[EpisodeRecord]) -> tuple[UnseenContacts, ...]:
@@ -165,8 +140,8 @@ def _events(records: Sequence[EpisodeRecord]) -> Table:
 
 def _detector_study(name: str, records: Records, candidate: Candidate) -> DetectorStudy:
     detector, test = DETECTORS[name], records[Part.TEST]
-    per_scan = Scoring(scan_counts(detector), SCAN_MEASURES, "F1", GRID)
-    leads = (lead_times(record, detector(record) < candidate.value) for record in test)
+    per_scan = Scoring(alarms.scan_counts(detector), alarms.SCAN_MEASURES, "F1", GRID)
+    leads = (alarms.lead_times(record, detector(record) < candidate.value) for record in test)
     lead = np.concatenate([np.empty(0), *leads])
     return DetectorStudy(
         name=name,

@@ -23,18 +23,12 @@ SECONDS, REFUSED, TAKEN = range(3)
 
 @dataclass(frozen=True, kw_only=True)
 class DistanceStudy:
-    """Steps and jumps of one robot.
-
-    Attributes:
-        possible_step: What the rover covers at top speed while four poses are lost [m].
-        largest_step: The largest that was seen between two poses that follow each other [m].
-        largest_stride: The largest that was seen with four poses lost [m].
-    """
+    """Steps and jumps of one robot."""
 
     verdict: Verdict
-    possible_step: float
-    largest_step: float
-    largest_stride: float
+    possible_step: float  # what it covers at top speed while four poses are lost [m]
+    largest_step: float  # that was seen between two poses that follow each other [m]
+    largest_stride: float  # that was seen with four poses lost [m]
 
 
 def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:

@@ -12,17 +12,9 @@ from numpy.typing import NDArray
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord, Table
+from harness.tune.scoring import estimate as est
 from harness.tune.scoring.choose import Records, Scoring, Verdict, judged
-from harness.tune.scoring.estimate import (
-    Counts,
-    Estimate,
-    Measure,
-    Sums,
-    confusion,
-    estimate,
-    recall,
-    specificity,
-)
+from harness.tune.scoring.estimate import Counts, Estimate, Measure, Sums, recall, specificity
 
 ROUGH = 0.003  # [m] RMS over 0.3 m: half of what the ERC Marsyard DEM has (5.5-6.2 mm)
 STANDING = 0.05  # [m/s]: slower, no IMU can feel the ground
@@ -34,17 +26,11 @@ GRID = np.round(np.arange(9.8, 30.0, 0.05), 2)  # from gravity up
 
 
 class ImuEvents(NamedTuple):
-    """What a metric says of stretches of an episode, and whether they are rough; each of shape (n,).
+    """What a metric says of stretches of an episode, and whether they are rough; each of shape (n,)."""
 
-    Attributes:
-        signal: What is compared with the threshold.
-        rough: The truth.
-        speed: Mean true speed [m/s].
-    """
-
-    signal: NDArray[np.float64]
-    rough: NDArray[np.bool_]
-    speed: NDArray[np.float64]
+    signal: NDArray[np.float64]  # what is compared with the threshold
+    rough: NDArray[np.bool_]  # the truth
+    speed: NDArray[np.float64]  # mean true speed [m/s]
 
     @classmethod
     def joined(cls, each: Sequence["ImuEvents"]) -> "ImuEvents":
@@ -102,36 +88,23 @@ SIGNALS = (
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedBin:
-    """How a signal separates the classes at one speed.
+    """How a signal separates the classes at one speed."""
 
-    Attributes:
-        speeds: From, to [m/s].
-        windows: How many seconds; `rough` of them are.
-        auc: Area under the ROC curve; None with too little of a class, as is `best`.
-        best: Threshold with the highest balanced accuracy there.
-    """
-
-    speeds: tuple[float, float]
-    windows: int
-    rough: int
-    auc: float | None
-    best: float | None
+    speeds: tuple[float, float]  # from, to [m/s]
+    windows: int  # how many seconds
+    rough: int  # how many of them are
+    auc: float | None  # area under the ROC curve; None with too little of a class, as is `best`
+    best: float | None  # threshold with the highest balanced accuracy there
 
 
 @dataclass(frozen=True, kw_only=True)
 class GroundStudy:
-    """One of the two thresholds for one robot.
-
-    Attributes:
-        what: Name of the signal on the page.
-        auc: Area under the ROC curve by part.
-        speed_bins: Over all episodes.
-    """
+    """One of the two thresholds for one robot."""
 
     verdict: Verdict
-    what: str
-    auc: dict[Part, Estimate]
-    speed_bins: tuple[SpeedBin, ...]
+    what: str  # name of the signal on the page
+    auc: dict[Part, Estimate]  # area under the ROC curve by part
+    speed_bins: tuple[SpeedBin, ...]  # over all episodes
 
 
 def study_ground(records: Records, signal: Signal) -> GroundStudy:
@@ -153,7 +126,7 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
 
 def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
     """Returns counts of `confusion` at every threshold, above which ground is called rough."""
-    return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
+    return est.confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
 
 
 def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:
@@ -182,7 +155,7 @@ def _auc(counts: Counts, records: Sequence[EpisodeRecord]) -> Estimate:
         )
         return np.asarray(-np.trapezoid(hits, misses, axis=-1))
 
-    return estimate(flat, area, [record.terrain for record in records])
+    return est.estimate(flat, area, [record.terrain for record in records])
 
 
 def _lack(records: Records, signal: Signal) -> str | None:

@@ -20,17 +20,11 @@ MATERIAL = 0.05  # of a score: a smaller difference is real, but no default is w
 
 @dataclass(frozen=True, kw_only=True)
 class Driven:
-    """What was driven.
+    """What was driven."""
 
-    Attributes:
-        endings: Episodes by how they ended; those that diverged are not scored.
-        seconds: Simulated time that is scored [s].
-        path_length: True path that is scored [m].
-    """
-
-    endings: Mapping[Ending, int]
-    seconds: float
-    path_length: float
+    endings: Mapping[Ending, int]  # episodes by how they ended; those that diverged are not scored
+    seconds: float  # simulated time that is scored [s]
+    path_length: float  # true path that is scored [m]
 
     def text(self) -> str:
         """Returns time, path and endings in one line."""
@@ -70,7 +64,7 @@ def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> Ro
     parts = scored_records(robot, records)
     return RobotStudy(
         robot=robot,
-        driven=_driven(robot, records),
+        driven=driven(robot, records),
         collision=study_collisions(parts),
         clearance=study_clearance(parts, rover, seed),
         grounds=tuple(study_ground(parts, signal) for signal in SIGNALS),
@@ -87,7 +81,8 @@ def scored_records(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Reco
     return parts
 
 
-def _driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
+def driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
+    """Returns how much of a sweep one robot drove, and how its episodes ended."""
     own = [record for planned, record in records.items() if planned.run.rover.robot == robot]
     scored = [record for record in own if record.ending is not Ending.DIVERGED]
     return Driven(

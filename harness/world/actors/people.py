@@ -1,16 +1,95 @@
-"""Who walks in a world: what a user asks for, and what files say, before there is a world."""
+"""Who walks in a world, before there is one: what a user asks for; trajectory files, actors of SDF."""
 
 import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
 
 from harness.base.errors import UsageError
+from harness.base.files import modified_ns
 from harness.spec.actor import NAME, SUFFIXES, ActorOptions, ActorSpec
-from harness.world.actors.trajectory import Trajectory, actors_of, read_trajectories
+from harness.world.actors.route import LONGEST_ROUTE, Point
+from harness.world.sdf.document import Person, read_document
+from harness.world.sdf.poses import read_pose
+from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
+from harness.world.sdf.resources import Resources
 
 MOST_ACTORS = 100
+
+
+# RoboTerrain names its files for the world too: inspect_diag.sdf is of /diag_actor/pose.
+AROUND = re.compile(r"^(?:inspect|construct|island|moon|flat)_|_traject(?:ory)?(?=_|$)")
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """The way points of one person, as a file has them."""
+
+    name: str
+    points: tuple[Point, ...]  # x, y, z of the way points in the world [m]
+    # of an SDF actor's way points [s]; empty in a trajectory alone, where times do not count
+    times: tuple[float, ...] = ()
+    loops: bool = True  # whether the script begins anew at its end
+    delay: float = 0.0  # before it begins [s]
+
+
+def read_trajectories(path: Path, folders: tuple[str, ...] = ()) -> tuple[Trajectory, ...]:
+    """Returns the people of a file: the one whose trajectory it is, or its actors; else UsageError.
+
+    What it includes is looked for in the folders first.
+    """
+    return _read(path, folders, modified_ns(path))
+
+
+def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
+    """Returns the actors of an SDF file and of those that it includes; UsageError for invalid ones."""
+    return _actors(path, folders, modified_ns(path))
+
+
+@lru_cache(maxsize=32)  # asked several times a run, as is the other
+def _read(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Trajectory, ...]:
+    root = read_xml(path)
+    if root.tag == "trajectory":
+        points, _ = _way_points(root, path)
+        return (Trajectory(AROUND.sub("", path.stem), points),)
+    if root.tag == "actor":
+        pose, _ = read_pose(root, name := root.get("name", "actor"))
+        return (_scripted(Person(name, root, pose, path)),)
+    people = tuple(map(_scripted, actors_of(path, folders)))
+    if not people:
+        raise UsageError(f"{path} has neither a <trajectory> nor an <actor>; name a file with one")
+    return people
+
+
+@lru_cache(maxsize=8)
+def _actors(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Person, ...]:
+    return tuple(read_document(path, Resources([*map(Path, folders)])).actors)
+
+
+def _scripted(person: Person) -> Trajectory:
+    path, script = person.file, person.element.find("script")
+    if script is None:
+        return Trajectory(person.name, (tuple(person.pose[:3, 3].tolist()),), (0.0,))
+    points, times = _way_points(script, path)
+    placed = np.array(points) @ person.pose[:3, :3].T + person.pose[:3, 3]
+    loops = is_true(text_of(script, "loop", "true"))
+    where = f"{path}: delay_start of {person.name}"
+    (delay,) = numbers(text_of(script, "delay_start", "0"), 1, where)
+    return Trajectory(person.name, tuple(map(tuple, placed.tolist())), times, loops, delay)
+
+
+def _way_points(parent: Element, path: Path) -> tuple[tuple[Point, ...], tuple[float, ...]]:
+    points = list(parent.iter("waypoint"))
+    if not 1 <= len(points) <= LONGEST_ROUTE:
+        raise UsageError(f"{path} has {len(points)} way points; give 1 to {LONGEST_ROUTE:,}")
+    poses = [numbers(text_of(point, "pose"), 6, f"{path}: way point") for point in points]
+    stamps = (numbers(text_of(point, "time", "0"), 1, f"{path}: time") for point in points)
+    return tuple(pose[:3] for pose in poses), tuple(time for (time,) in stamps)
 
 
 @dataclass(frozen=True)

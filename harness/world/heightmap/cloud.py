@@ -69,14 +69,10 @@ def _check_count(count: int) -> None:
 
 
 def gridded(points: Points, cell: float | None) -> tuple[Field, float, tuple[str, ...]]:
-    """Returns the heights of a cloud, the distance of two of them, and what there is to say of it.
+    """Returns the heights of a cloud [m], the distance of two of them, and notes of what was done.
 
     A height is the mean of the points of a cell around it, NaN where there are none. The first row is
-    in the north, the first column in the west.
-
-    Args:
-        points: The cloud [m].
-        cell: Distance of two heights [m]; None chooses it, so that a cell has A_CELL points.
+    in the north, the first column in the west. Without a cell [m], one has A_CELL points.
     """
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     width, depth = (high - low).tolist()

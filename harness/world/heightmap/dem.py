@@ -12,16 +12,15 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from harness.base.errors import UsageError
-from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, SMALLEST_MAP, WorldSpec
-from harness.world.heightfield import Field, Heightfield, filled, resampled
-from harness.world.heightmap.detail import detailed
+from harness.base.streams import DETAIL, generator
+from harness.spec.world import LARGEST_MAP, LARGEST_RELIEF, ROUGHNESS, SMALLEST_MAP, WorldSpec
+from harness.world.heightfield import Field, Heightfield, filled, finer, finest_cell, resampled
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
-MOST_VERTICES = 1500 * 1500
 MOST_MISSING = 0.5  # share of heights that may be filled in
 SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is noted
 START_REACH = 0.4  # [m] around the start that must not be steeper
@@ -58,12 +57,7 @@ def _ground(raster: Raster, spec: WorldSpec, seed: int, notes: list[str]) -> Hei
         notes.append(note)
     heights = np.round(ground.heights - ground.heights.min(), HEIGHT_DECIMALS) + 0.0
     ground = replace(ground, heights=heights)
-    width, depth = (2 * half for half in ground.half_size)
-    rows, columns = heights.shape
-    notes.append(
-        f"{width:.4g} m along x, {depth:.4g} m along y, {columns} x {rows} heights "
-        f"{ground.cell:.4g} m apart, relief {np.ptp(heights):.4g} m"
-    )
+    notes.append(f"{ground.describe()}, relief {np.ptp(heights):.4g} m")
     return ground
 
 
@@ -132,7 +126,7 @@ def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> t
 
 def _finest(width: float, depth: float) -> float:
     """The smallest cells [m] that a map of a size [m] can be simulated in."""
-    return max(FINEST_CELL, math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1))
+    return max(FINEST_CELL, finest_cell(width, depth))
 
 
 def _start(ground: Heightfield, notes: list[str]) -> Start:
@@ -158,3 +152,44 @@ def _start(ground: Heightfield, notes: list[str]) -> Start:
     start = round(float(x[column]), 3), round(float(y[row]), 3), 0.0
     notes.append(f"starts at {start[0]:g},{start[1]:g}: in its middle, 0,0, the ground is too steep")
     return start
+
+
+# ISO 8608:2016 describes the profile along a line over the ground by its one-sided power spectral
+# density G(n) = G(n0) (n / n0)^-2 of spatial frequency n; each class has four times the density of the
+# one before. An isotropic surface whose profiles have it has the density S(f) = G(n0) n0^2 / (4 f^3)
+# over the plane of frequencies, since the integral of (1 + t^2)^(-3/2) is 2.
+N_0 = 0.1  # [cycles/m]
+HIGHEST = 2.83  # [cycles/m] up to which the standard speaks; what is shorter, tyres swallow
+CLASS_A = 16e-6  # [m^3] density at N_0, the geometric mean of the class
+
+
+def detailed(ground: Heightfield, name: str, seed: int, cell: float) -> tuple[Heightfield, str]:
+    """Returns a ground with detail in finer cells, and what was done.
+
+    Args:
+        ground: In coarse cells, which have nothing shorter than two of them.
+        name: Of a class, one of ROUGHNESS.
+        seed: Of the world.
+        cell: As fine as cells may be [m].
+    """
+    parts = math.floor(ground.cell / cell + 1e-9)
+    if parts < 2:
+        return ground, f"cells of {ground.cell:.3g} m cannot be finer here: there is no detail"
+    fine = finer(ground, parts)
+    longest, density = 2.0 * ground.cell, CLASS_A * 4.0 ** ROUGHNESS.index(name)
+    detail = _surface(generator(seed, DETAIL), fine, longest, density)
+    note = (
+        f"detail of ISO 8608's class {name} below {longest:.3g} m, its RMS {detail.std():.2g} m, "
+        f"in cells of {fine.cell:.3g} m"
+    )
+    return Heightfield(fine.heights + detail, fine.cell, fine.middle), note
+
+
+def _surface(rng: np.random.Generator, ground: Heightfield, longest: float, density: float) -> Field:
+    """Random heights [m] of a density at N_0 [m^3], of wavelengths from HIGHEST to the longest [m]."""
+    shape, cell = ground.heights.shape, ground.cell
+    frequency = np.hypot(np.fft.fftfreq(shape[0], cell)[:, None], np.fft.rfftfreq(shape[1], cell))
+    with np.errstate(divide="ignore"):
+        amplitude = np.sqrt(density * N_0**2 / 4.0 / frequency**3) / cell
+    amplitude[(frequency * longest < 1.0) | (frequency > HIGHEST)] = 0.0
+    return np.asarray(np.fft.irfft2(np.fft.rfft2(rng.standard_normal(shape)) * amplitude, s=shape))

@@ -143,7 +143,8 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
         notes.append("rows do not run from west to east, from north to south: turned so that they do")
     if abs(turn) > SMALLEST_TURN:
         notes.append(f"+x is {turn:.1f} deg north of its coordinates' east")
-    notes.append(_middle(affine, keys, page))
+    x, y = (affine @ _half(keys, page)).tolist()
+    notes.append(f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates")
     return Grid(
         pixel=(columns * metres, rows * metres),
         height_unit=_height_unit(keys, metres),
@@ -152,11 +153,6 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
         upside_down=upside_down,
         notes=tuple(notes),
     )
-
-
-def _middle(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> str:
-    x, y = (affine @ _half(keys, page)).tolist()
-    return f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates"
 
 
 def _height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:

@@ -47,14 +47,12 @@ class Raster:
 def read_raster(path: Path, cell: float | None = None) -> Raster:
     """Reads a file of any format; UsageError if it is missing, too large, damaged or no heightmap.
 
-    Args:
-        path: The file.
-        cell: Distance of the heights that a cloud of points becomes [m]; None chooses it.
+    The heights that a cloud of points becomes are `cell` metres apart; None chooses it.
     """
     kind = _kind(path)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a file's flaws are one line, or nothing
+            warnings.simplefilter("ignore")  # as of tifffile's log below
             if is_cloud(path):
                 raster = _of_cloud(path, cell)
             else:
@@ -136,18 +134,14 @@ def _read_png(path: Path) -> Raster:
     except Image.DecompressionBombError as error:
         raise UsageError(f"too many pixels; at most {MOST_PIXELS / 1e6:.0f} million are read") from error
     with image:
-        return Raster(_grey_values(image), SIZE_UNKNOWN, in_metres=False)
-
-
-def _grey_values(image: Image.Image) -> Field:
-    _check_size(*image.size)
-    if image.mode not in GREY_MODES and not image.mode.startswith("I;16"):
-        raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
-    return np.asarray(image).astype(np.float64)
+        _check_size(*image.size)
+        if image.mode not in GREY_MODES and not image.mode.startswith("I;16"):
+            raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
+        return Raster(np.asarray(image).astype(np.float64), SIZE_UNKNOWN, in_metres=False)
 
 
 def _read_tiff(path: Path) -> Raster:
-    logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # what it finds is told in one line
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # a file's flaws are one line, or nothing
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
         if len(page.shape) != 2:

@@ -11,11 +11,12 @@ from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
 from harness.robots.spec import GRAVITY
+from harness.world.obstacles import Color
 from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file
-from harness.world.solid import Color, Primitive, Solid
+from harness.world.solid import Primitive, Solid
 
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000
@@ -102,9 +103,10 @@ class _Call:
 
     def pose(self, frames: Frames) -> tuple[Transform, str]:
         """The pose of its origin, and in which frame; the include's comes before its own."""
-        is_told = self.include is not None and self.include.find("pose") is not None
-        teller = self.include if self.include is not None and is_told else self.model
-        pose, reference = read_pose(teller, self.name)
+        source = self.include
+        if source is None or source.find("pose") is None:
+            source = self.model
+        pose, reference = read_pose(source, self.name)
         placement = text_of(self.include, "placement_frame", self.model.get("placement_frame", ""))
         return pose @ inverse(frames.find(placement)), reference
 

@@ -39,19 +39,15 @@ def read_shapes(geometry: Element, owner: str, file: Path, resources: Resources)
     return [(shape, IDENTITY), *((Primitive("ellipsoid", (radius,) * 3), end) for end in ends)]
 
 
-def _box(kind: Element, owner: str, *_: object) -> Shape:
-    return Primitive("box", tuple(0.5 * length for length in _lengths(kind, "size", 3, owner)))
-
-
-def _sphere(kind: Element, owner: str, *_: object) -> Shape:
-    return Primitive("ellipsoid", _lengths(kind, "radius", 1, owner) * 3)
-
-
-def _ellipsoid(kind: Element, owner: str, *_: object) -> Shape:
-    return Primitive("ellipsoid", _lengths(kind, "radii", 3, owner))
-
-
-def _cylinder(kind: Element, owner: str, *_: object) -> Shape:
+def _primitive(kind: Element, owner: str, *_: object) -> Primitive:
+    """A box, sphere or ellipsoid; or the cylinder, which a capsule has too."""
+    match kind.tag:
+        case "box":
+            return Primitive("box", tuple(0.5 * length for length in _lengths(kind, "size", 3, owner)))
+        case "sphere":
+            return Primitive("ellipsoid", _lengths(kind, "radius", 1, owner) * 3)
+        case "ellipsoid":
+            return Primitive("ellipsoid", _lengths(kind, "radii", 3, owner))
     (radius,), (length,) = (_lengths(kind, tag, 1, owner) for tag in ("radius", "length"))
     return Primitive("cylinder", (radius, 0.5 * length))
 
@@ -83,11 +79,7 @@ def _mesh(kind: Element, owner: str, file: Path, resources: Resources) -> Shape:
 
 
 READERS: dict[str, Callable[..., Any]] = {
-    "box": _box,
-    "sphere": _sphere,
-    "ellipsoid": _ellipsoid,
-    "cylinder": _cylinder,
-    "capsule": _cylinder,
+    **dict.fromkeys(("box", "sphere", "ellipsoid", "cylinder", "capsule"), _primitive),
     "plane": _plane,
     "mesh": _mesh,
     "heightmap": _heightmap,

@@ -19,9 +19,8 @@ from harness.world.sdf.poses import IDENTITY
 from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
-from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
-from harness.world.solids.pieces import obstacle_of, obstacles_of
+from harness.world.solids.pieces import Kinds, obstacle_of, obstacles_of
 from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
@@ -79,12 +78,9 @@ def assembled(
     whole = joined(parts.ground)
     surface = surface_of(whole, grid, parts.plane, notes)
     ground = surface.ground
-    width, depth = (2 * half for half in ground.half_size)
-    notes.append(
-        f"{width:.4g} m along x, {depth:.4g} m along y, {grid.columns} x {grid.rows} heights "
-        f"{grid.cell:.4g} m apart, relief {np.ptp(ground.heights[surface.has_floor]):.4g} m, "
-        f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
-    )
+    relief = np.ptp(ground.heights[surface.has_floor])
+    middle = f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
+    notes.append(f"{ground.describe()}, relief {relief:.4g} m, {middle}")
     obstacles = _obstacles(parts, whole, surface, kinds, notes)
     world = World(
         Path(spec.terrain).name,

@@ -12,8 +12,9 @@ clears, else hazards. Of other bodies the height of their top above the ground d
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from fnmatch import fnmatchcase
 from itertools import islice
 
 import numpy as np
@@ -23,12 +24,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, unknown
+from harness.spec.world import WorldSpec
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, convex, outline, surface, top
 from harness.world.occupancy import HEADROOM
 from harness.world.solid import Primitive, Solid
-from harness.world.solids.kinds import Kind
 from harness.world.solids.mesh_file import SIMPLER, Mesh, areas_and_normals
 from harness.world.solids.surface import SAMPLES, on_map
 
@@ -50,6 +51,48 @@ DOWNWARD = 0.1  # downward part of the normal of a ceiling
 
 Points = NDArray[np.float64]  # shape (n, 3) [m]
 Halves = Callable[[Mesh, Points], NDArray[np.bool_]]  # a part and its normals -> which are one half
+
+
+Kind = Callable[[float], ObstacleKind]  # of what is that high above the ground [m]
+
+
+class Kinds:
+    """The rule of one world; a pattern that fits no solid is a UsageError.
+
+    Args:
+        spec: With the height and the names that override the rover's clearance.
+        clearance: Height of obstacles that the rover drives over [m].
+        names: Of all solids: model::link::collision.
+
+    Attributes:
+        limit: Height above the ground up to which an obstacle is a rock [m].
+    """
+
+    def __init__(self, spec: WorldSpec, clearance: float, names: Sequence[str]) -> None:
+        self.clearance = clearance
+        self.limit = clearance if spec.rock_height is None else spec.rock_height
+        self._named = {ObstacleKind.HAZARD: spec.hazard, ObstacleKind.ROCK: spec.rock}
+        models = dict.fromkeys(name.split("::")[0] for name in names)
+        for flag, patterns in (("--hazard", spec.hazard), ("--rock", spec.rock)):
+            for pattern in patterns:
+                if not any(_fits(name, pattern) for name in names):
+                    raise UsageError(f"{flag}: {unknown('solid', pattern, [*models][:12])}")
+
+    def by_height(self, height: float) -> ObstacleKind:
+        """Returns what an obstacle is that reaches so high above the ground [m]."""
+        return ObstacleKind.ROCK if height <= self.limit else ObstacleKind.HAZARD
+
+    def of(self, name: str) -> Kind:
+        """Returns the rule for a solid of that name."""
+        for kind, patterns in self._named.items():
+            if any(_fits(name, pattern) for pattern in patterns):
+                return lambda _, kind=kind: kind  # type: ignore[misc]  # bound now
+        return self.by_height
+
+
+def _fits(name: str, pattern: str) -> bool:
+    """Whether a pattern fits the whole name, or that of the model."""
+    return fnmatchcase(name, pattern) or fnmatchcase(name.split("::", maxsplit=1)[0], pattern)
 
 
 def bodies(mesh: Mesh) -> Iterator[Mesh]:

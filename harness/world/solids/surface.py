@@ -13,13 +13,12 @@ from scipy.ndimage import label, maximum_filter
 
 from harness.base.errors import UsageError
 from harness.spec.world import LARGEST_MAP, SMALLEST_MAP
-from harness.world.heightfield import Field, Heightfield, filled
+from harness.world.heightfield import Field, Heightfield, filled, finest_cell
 from harness.world.solids.columns import Crossings, Grid, crossings, floors
 from harness.world.solids.mesh_file import Mesh, areas_and_normals
 from harness.world.terrain import HEIGHT_DECIMALS
 
 CELL = 0.1  # [m], as the named terrains have
-MOST_VERTICES = 1500 * 1500
 ROUNDING = 1e-6  # [m] by which a length may differ once it lies somewhere
 PIT = 2.0  # [m] below the lowest floor
 LARGEST_GAP = 0.25  # [m2] that is filled
@@ -48,7 +47,7 @@ class Surface:
 def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
     """Returns vertices within bounds, around their middle; UsageError if that cannot be driven.
 
-    They are `cell` metres apart; by default CELL, or as much more as MOST_VERTICES need.
+    They are `cell` metres apart; by default CELL, or as much more as the map needs.
     """
     width, depth = bounds[1] - bounds[0], bounds[3] - bounds[2]
     smallest, largest = SMALLEST_MAP - ROUNDING, LARGEST_MAP + ROUNDING
@@ -57,7 +56,7 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
             f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_MAP:g} and {LARGEST_MAP:g} m can "
             "be driven; --mesh-unit gives the unit of a mesh"
         )
-    least = math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1)
+    least = finest_cell(width, depth)
     if cell is not None and cell < least:
         raise UsageError(
             f"cells of {cell:g} m are too many on {width:.4g} x {depth:.4g} m; give --terrain-cell "

@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.spec.target import TargetOptions
+from harness.spec.target import DICTIONARIES, TargetOptions
 from harness.world.obstacles import Color, Obstacle, ObstacleKind, convex, orientation
-from harness.world.targets.aruco import face_edge, face_image
 
 Points = NDArray[np.float64]
 Place = tuple[float, float, float, float]  # x, y, z of the ground [m], yaw [rad]
@@ -19,10 +19,8 @@ Vector3 = tuple[float, float, float]
 Bodies = tuple[Obstacle, ...]
 
 SUNK = 0.1  # [m] of everything that stands, below the ground at its middle
-POLE, BOARD = (
-    0.025,
-    0.01,
-)  # [m] radius of a marker's pole, half the thickness of a board of one or two faces
+# [m] Radius of a marker's pole, half the thickness of a board of one or two faces.
+POLE, BOARD = 0.025, 0.01
 LIFT = 0.002  # [m] of a skin off its body, so that the body does not show through
 WHITE, WOOD = (0.85, 0.85, 0.85, 1.0), (0.45, 0.31, 0.16, 1.0)
 ORANGE, BLUE = (0.95, 0.35, 0.05, 1.0), (0.12, 0.35, 0.75, 1.0)
@@ -37,19 +35,12 @@ QUAD = np.array([(0, 1, 2), (0, 2, 3)])
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """A picture on triangles, which is seen and not touched.
+    """A picture on triangles, which is seen and not touched."""
 
-    Attributes:
-        vertices: In the world [m], shape (v, 3).
-        faces: Numbers of vertices, shape (f, 3), counter-clockwise from outside.
-        picture: Where in the image each vertex is, right and down, 0 to 1, shape (v, 2).
-        image: RGB, shape (height, width, 3).
-    """
-
-    vertices: Points
-    faces: NDArray[np.int64]
-    picture: Points
-    image: NDArray[np.uint8]
+    vertices: Points  # in the world [m], shape (v, 3)
+    faces: NDArray[np.int64]  # numbers of vertices, shape (f, 3), counter-clockwise from outside
+    picture: Points  # where in the image each vertex is, right and down, 0 to 1, shape (v, 2)
+    image: NDArray[np.uint8]  # RGB, shape (height, width, 3)
 
 
 Made = tuple[Bodies, tuple[Skin, ...]]
@@ -75,11 +66,6 @@ def pole(place: Place, radius: float, height: float, color: Color) -> Obstacle:
     return upright("cylinder", (radius, 0.5 * (height + SUNK)), place, -SUNK, color)
 
 
-@lru_cache(maxsize=64)
-def _image(dictionary: str, marker: int) -> NDArray[np.uint8]:
-    return face_image(dictionary, marker)
-
-
 def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
     """Returns a pole with a prism at its top whose sides carry a marker: three in URC 2023."""
     edge, count = face_edge(options.dictionary, options.size), options.faces
@@ -95,7 +81,7 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
         right = np.array([-normal[1], normal[0], 0.0])  # of who looks at it
         across = CORNERS[:, :1] * right + CORNERS[:, 1:] * np.array([0.0, 0.0, 1.0])
         corners = middle + (inner + LIFT) * normal + 0.5 * edge * across
-        skins.append(Skin(corners, QUAD, IMAGE, _image(options.dictionary, marker)))
+        skins.append(Skin(corners, QUAD, IMAGE, face_image(options.dictionary, marker)))
     foot = options.height - 0.5 * edge
     if count == 3:
         rim = np.concatenate([skin.vertices for skin in skins]) - middle
@@ -106,11 +92,6 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
         thickness = BOARD if count < 3 else 0.5 * edge
         head = upright("box", (thickness, 0.5 * edge, 0.5 * edge), place, foot, WHITE)
     return (pole(place, POLE, foot, WOOD), head), tuple(skins)
-
-
-def aruco(options: TargetOptions, place: Place) -> Made:
-    """Returns a post with the marker of `id`."""
-    return marker_post(options, place, options.id)
 
 
 def post(options: TargetOptions, place: Place) -> Made:
@@ -146,8 +127,44 @@ def bottle(_: TargetOptions, place: Place) -> Made:
 
 
 FORMS: dict[str, Callable[[TargetOptions, Place], Made]] = {
-    "aruco": aruco,
+    "aruco": lambda options, place: marker_post(options, place, options.id),
     "post": post,
     "mallet": mallet,
     "bottle": bottle,
 }
+
+
+# OpenCV's published dictionaries of ArUco markers: cv2.aruco's own, without its 70 MB.
+CODES = Path(__file__).with_name("aruco.txt")
+CELL = 16  # [pixels] of a cell in an image
+
+
+@lru_cache(maxsize=1)
+def _codes() -> dict[str, str]:
+    lines = CODES.read_text(encoding="ascii").splitlines()
+    return dict(line.split(maxsplit=1) for line in lines if not line.startswith("#"))
+
+
+def cells(dictionary: str, marker: int) -> NDArray[np.bool_]:
+    """Returns which cells of the marker of an id are white, shape (n + 2, n + 2); its border is not."""
+    _, n = DICTIONARIES[dictionary]
+    digits = -(-n * n // 4)
+    codes = _codes()
+    code = codes.get(dictionary) or codes[dictionary.rpartition("_")[0]]
+    number = int(code[digits * marker :][:digits], 16)
+    bits = [number >> place & 1 for place in reversed(range(n * n))]
+    return np.pad(np.array(bits, bool).reshape(n, n), 1)
+
+
+@lru_cache(maxsize=64)
+def face_image(dictionary: str, marker: int) -> NDArray[np.uint8]:
+    """Returns a marker in a white margin of one cell, as URC prints it: RGB, shape (p, p, 3)."""
+    white = np.pad(cells(dictionary, marker), 1, constant_values=True)
+    grey = np.kron(white, np.full((CELL, CELL), 255)).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=2)
+
+
+def face_edge(dictionary: str, size: float) -> float:
+    """Returns the edge of a face by that of its marker's black square [m]: 0.2 m of 0.15 m in 4x4."""
+    _, n = DICTIONARIES[dictionary]
+    return size * (n + 4) / (n + 2)

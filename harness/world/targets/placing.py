@@ -25,27 +25,17 @@ Where = tuple[float, float]  # x, y in the world [m]
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Something to be found, where it stands.
+    """Something to be found, where it stands."""
 
-    Attributes:
-        name: Unique in its world.
-        spec: What asked for it.
-        position: Of its middle on the ground, x, y, z in the world [m].
-        yaw: Heading of its first face, of a gate its way through [rad].
-        posts: x and y of a gate's left and right post, from before it; of others the place itself.
-        bodies: What it consists of, which are among the world's obstacles.
-        skins: What cameras see on them.
-        files: Those that it was read from, each with its SHA-256.
-    """
-
-    name: str
-    spec: TargetSpec
-    position: tuple[float, float, float]
-    yaw: float
+    name: str  # unique in its world
+    spec: TargetSpec  # what asked for it
+    position: tuple[float, float, float]  # of its middle on the ground, x, y, z in the world [m]
+    yaw: float  # heading of its first face, of a gate its way through [rad]
+    # x and y of a gate's left and right post, from before it; of others the place itself
     posts: tuple[Where, ...]
-    bodies: tuple[Obstacle, ...]
-    skins: tuple[Skin, ...] = ()
-    files: tuple[tuple[str, str], ...] = ()
+    bodies: tuple[Obstacle, ...]  # what it consists of, which are among the world's obstacles
+    skins: tuple[Skin, ...] = ()  # what cameras see on them
+    files: tuple[tuple[str, str], ...] = ()  # those that it was read from, each with its SHA-256
 
     def digest(self) -> bytes:
         """Returns what tells it from others beside its bodies, for the hash of a world."""
@@ -54,11 +44,7 @@ class Target:
 
 
 def target_names(specs: Sequence[TargetSpec]) -> tuple[str, ...]:
-    """Returns the name of each target; those without one are called after their kinds, e.g. post2.
-
-    Raises:
-        UsageError: Two have the same name, or there are too many.
-    """
+    """Returns each target's name, its kind and a number without one; UsageError if two are the same."""
     if len(specs) > MOST_TARGETS:
         raise UsageError(f"{len(specs)} targets are too many; give at most {MOST_TARGETS}")
     names: list[str] = []

@@ -22,7 +22,6 @@ class Flat(Terrain):
     promise = Promise()
 
     def _heights(self, x: Field, _y: Field, _rng: np.random.Generator, /) -> Field:
-        """Zero everywhere [m]."""
         return np.zeros_like(x)
 
 
@@ -41,7 +40,6 @@ class Slope(Terrain):
     roughness: float = constant(0.002, "m")  # RMS of the roughness [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
-        """The incline with its roughness [m]."""
         rough = fractal(rng, x.shape, cell=self.cell, longest=2.0, shortest=0.3)
         return x * math.tan(math.radians(self.incline)) + self.roughness * rough
 
@@ -60,7 +58,6 @@ class Rolling(Terrain):
     wavelength: float = constant(8.0, "m")  # distance from hill to hill [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
-        """Hills of the given relief [m]."""
         longest, shortest = self.wavelength, 0.5 * self.wavelength
         hills = fractal(rng, x.shape, cell=self.cell, longest=longest, shortest=shortest, hurst=1.5)
         return self.relief * hills
@@ -86,7 +83,6 @@ class Gravel(Terrain):
     relief: float = constant(0.05, "m")  # RMS height of the ground below it [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
-        """Ground plus gravel [m]."""
         ground = fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=4.0)
         return self.relief * ground + self.roughness * rng.standard_normal(x.shape)
 
@@ -107,7 +103,6 @@ class Washboard(Terrain):
     meander: float = constant(0.25, "m")  # RMS shift of the crests along x [m]
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
-        """Ripples around zero [m]."""
         bend, swell = (
             fractal(rng, x.shape, cell=self.cell, longest=10.0, shortest=5.0) for _ in range(2)
         )

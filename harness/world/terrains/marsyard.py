@@ -48,7 +48,6 @@ class Marsyard(Terrain):
     roughness: float = parameter(0.018, 0.036, 0.050, "m")  # RMS of the fine roughness [m]
 
     def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
-        """Plain plus features [m]."""
         plain_rng, rough_rng, outline_rng, feature_rng = rng.spawn(4)
         plain = fractal(plain_rng, x.shape, cell=self.cell, longest=10.0, shortest=2.5)
         rough = fractal(rough_rng, x.shape, cell=self.cell, longest=2.5, shortest=0.35)

@@ -38,7 +38,6 @@ class Posts(Terrain):
     cubes: int = parameter(4, 12, 30, "")  # number of cubes of 0.5 m
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
-        """Slightly uneven ground [m]."""
         return self.relief * fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=3.0)
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:

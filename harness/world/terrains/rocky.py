@@ -36,7 +36,6 @@ class Rocky(Terrain):
     boulders: int = parameter(4, 10, 24, "")
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
-        """Rolling ground plus fine roughness [m]."""
         ground = fractal(rng, x.shape, cell=self.cell, longest=10.0, shortest=3.0, hurst=1.0)
         rough = fractal(rng, x.shape, cell=self.cell, longest=1.0, shortest=0.3)
         return self.relief * ground + self.roughness * rough

@@ -12,7 +12,7 @@ import numpy as np
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog, read_header
 from rover_metrics.analysis.logs.log import TimeAxis
 from rover_metrics.analysis.logs.reading import read_log
-from rover_metrics.analysis.metric import ALL, METRICS, Metric, choose
+from rover_metrics.analysis.metric import ALL, METRICS, choose
 from rover_metrics.analysis.options import parse
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.output import page_of, prepare_folder, save_all
@@ -21,7 +21,7 @@ from rover_metrics.analysis.program import different, hand_over, inside, read_ea
 from rover_metrics.analysis.study import Member, Options, Study, labels
 from rover_metrics.analysis.tables import sheets
 from rover_metrics.errors import counted
-from rover_metrics.log.files import whole_file
+from rover_metrics.log.files import write_whole
 from rover_metrics.sheet.sheet import Sheet
 
 SOCIAL = "social_log"  # how the names of logs begin that `social` reads
@@ -37,13 +37,12 @@ def analyze(options: argparse.Namespace) -> int:
     result = replace(analyse(study), skipped=tuple(skipped))
     wanted = {"as_csv": options.csv, "as_latex": options.latex, "outliers": options.save_outliers}
     files = save_all(study, result, options.output, **wanted)
-    told = f"{counted(len(files), 'file')} in {options.output}" if files else ""
+    written = [f"{counted(len(files), 'file')} in {options.output}"] if files else []
     if options.page is not None:
-        with whole_file(options.page) as part:
-            part.write_text(page_of(study, result), encoding="utf-8")
-        told = "; ".join([*filter(None, [told]), f"page: {options.page}"])
+        write_whole(options.page, page_of(study, result))
+        written.append(f"page: {options.page}")
     complete = replace(result, files=tuple(map(str, files)))
-    hand_over(options.json, complete.to_json, sheets(result), told)
+    hand_over(options.json, complete.to_json, sheets(result), "; ".join(written))
     return code
 
 
@@ -70,8 +69,14 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
         skipped += unreadable
     names = labels([member.log for member in members])
     named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
+    known = {
+        column
+        for member in members
+        for column, values in member.log.columns.items()
+        if np.isfinite(values).any()
+    }
     chosen = Options(
-        metrics=tuple(each for each in metrics if each.code in METRICS or _has_number(each, members)),
+        metrics=tuple(each for each in metrics if each.code in METRICS or each.column in known),
         confidence=options.confidence_level,
         iqr_multiplier=options.iqr_multiplier,
         remove_outliers=options.remove_outliers,
@@ -88,12 +93,6 @@ def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
     for path in paths:
         with contextlib.suppress(UnreadableLog):
             yield read_header(path)
-
-
-def _has_number(metric: Metric, members: Sequence[Member]) -> bool:
-    """Whether any log has a number in the column of a metric."""
-    columns = (member.log.columns for member in members)
-    return any(metric.column in each and np.isfinite(each[metric.column]).any() for each in columns)
 
 
 def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequence[Skipped]) -> Pairs:

@@ -34,25 +34,16 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Metric:
-    """One metric.
+    """One metric."""
 
-    Attributes:
-        code: RoboTerrain's short name; of any other column its name in the log.
-        title: What is reported, for tables and axes.
-        kind: How the column is read.
-        thresholds: Names in thresholds.py that bound this very quantity.
-        rough_only: Whether only rows with Is Rough Terrain = 1 count.
-        extended_column: The column of an extended log that says it better, and is used if it is there.
-    """
-
-    code: str
+    code: str  # RoboTerrain's short name; of any other column its name in the log
     column: str
-    title: str
+    title: str  # what is reported, for tables and axes
     unit: str
-    kind: Kind = Kind.LEVEL
-    thresholds: tuple[str, ...] = ()
-    rough_only: bool = False
-    extended_column: str = ""
+    kind: Kind = Kind.LEVEL  # how the column is read
+    thresholds: tuple[str, ...] = ()  # names in core/thresholds.py that bound this very quantity
+    rough_only: bool = False  # whether only rows with Is Rough Terrain = 1 count
+    extended_column: str = ""  # says it better, and is used where a log has it
 
     @property
     def columns(self) -> tuple[str, ...]:

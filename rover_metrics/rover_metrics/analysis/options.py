@@ -62,32 +62,18 @@ def _parser() -> OneLineParser:
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add(
-        "logs",
-        nargs="+",
-        type=Path,
-        metavar="LOG",
-        help="CSV written by metrics_node, or a folder of them and of folders",
+    logs = "CSV written by metrics_node, or a folder of them and of folders"
+    add("logs", nargs="+", type=Path, metavar="LOG", help=logs)
+    metrics = (
+        f"what to report, of {' '.join(METRICS)}; or any column by its name, extended ones too; or "
+        f"{ALL}: every column, with --versus those with the largest effect first; default: the codes"
     )
-    add(
-        "-m",
-        "--metrics",
-        nargs="+",
-        default=list(METRICS),
-        metavar="CODE",
-        help=f"what to report, of {' '.join(METRICS)}; or any column by its name, extended ones too; or "
-        f"{ALL}: every column, with --versus those with the largest effect first; default: the codes",
+    add("-m", "--metrics", nargs="+", default=list(METRICS), metavar="CODE", help=metrics)
+    plots = (
+        f"what to draw, of {' '.join(PLOTS)}; none if none is named; "
+        f"default: time_series, with -m {ALL} comparison"
     )
-    add(
-        "-p",
-        "--plots",
-        "--plot-types",
-        nargs="*",
-        choices=PLOTS,
-        metavar="PLOT",
-        help=f"what to draw, of {' '.join(PLOTS)}; none if none is named; "
-        f"default: time_series, with -m {ALL} comparison",
-    )
+    add("-p", "--plots", "--plot-types", nargs="*", choices=PLOTS, metavar="PLOT", help=plots)
     axes = f"time axis of the plots, of {' '.join(AXES)}; default: percentage"
     add("-n", "--normalize", choices=AXES, metavar="AXIS", help=axes)
     interval = f"seconds per mean with -n fixed_interval; default: {DEFAULT_INTERVAL}"
@@ -126,18 +112,9 @@ def _add_comparison(parser: argparse.ArgumentParser) -> None:
 
 def _add_output(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
+    names = ("-o", "--out", "--output", "--output-dir")
     folder = "folder for whatever is written; default: output"
-    add(
-        "-o",
-        "--out",
-        "--output",
-        "--output-dir",
-        dest="output",
-        type=Path,
-        default=Path("output"),
-        metavar="DIR",
-        help=folder,
-    )
+    add(*names, dest="output", type=Path, default=Path("output"), metavar="DIR", help=folder)
     add("--csv", action="store_true", help="write every number to CSV files in the output folder")
     add("--latex", action="store_true", help="write the tables for LaTeX (booktabs) there, one a file")
     add_documents(parser)

@@ -25,60 +25,38 @@ _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neigh
 
 @dataclass(frozen=True)
 class LogResult:
-    """What there is to say of one log.
+    """What there is to say of one log."""
 
-    Attributes:
-        label: Short name, unique among the logs.
-        rows: Usable rows.
-        duration: Time logged [s].
-        metrics: By code; a metric the log has no column for is missing.
-        per_metre: Rates per metre driven, by code, where they make sense.
-        outliers: Values beyond the fences, by code.
-    """
-
-    label: str
+    label: str  # short, unique among the logs
     path: str
     group: str
-    rows: int
-    duration: float
+    rows: int  # usable
+    duration: float  # time logged [s]
     episodes: int
     findings: tuple[str, ...]
-    metrics: Mapping[str, Summary]
-    per_metre: Mapping[str, float]
-    outliers: Mapping[str, int]
+    metrics: Mapping[str, Summary]  # by code; a metric the log has no column for is missing
+    per_metre: Mapping[str, float]  # rates per metre driven, by code, where they make sense
+    outliers: Mapping[str, int]  # values beyond the fences, by code
     correlations: tuple[Correlation, ...]
 
 
 @dataclass(frozen=True)
 class Result:
-    """The outcome of an analysis.
+    """The outcome of an analysis."""
 
-    Attributes:
-        confidence: Level of every interval.
-        outliers_removed: Whether values beyond the fences were left out.
-        iqr_multiplier: Where the fences stand.
-        unit: What was one observation in the comparison.
-        groups: Names of the groups: one, or two that are compared.
-        across: By group and code, the means of the logs as independent observations.
-        correlations: Combined over the logs.
-        comparisons: Second group against the first, one a metric.
-        titles: What each metric reports, with its unit, by code.
-        notes: What to know before the comparisons are believed.
-    """
-
-    confidence: float
-    outliers_removed: bool
-    iqr_multiplier: float
-    unit: Unit
-    groups: tuple[str, ...]
+    confidence: float  # level of every interval
+    outliers_removed: bool  # whether values beyond the fences were left out
+    iqr_multiplier: float  # where the fences stand
+    unit: Unit  # what was one observation in the comparison
+    groups: tuple[str, ...]  # one, or two that are compared
     logs: tuple[LogResult, ...]
-    across: Mapping[str, Mapping[str, Summary]]
-    correlations: tuple[Correlation, ...]
-    comparisons: tuple[Comparison, ...] = ()
-    titles: Mapping[str, str] = field(
+    across: Mapping[str, Mapping[str, Summary]]  # by group and code: each log's mean an observation
+    correlations: tuple[Correlation, ...]  # combined over the logs
+    comparisons: tuple[Comparison, ...] = ()  # second group against the first, one a metric
+    titles: Mapping[str, str] = field(  # what each metric reports, with its unit, by code
         default_factory=lambda: {metric.code: metric.label for metric in METRICS.values()}
     )
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # what to know before the comparisons are believed
     skipped: tuple[Skipped, ...] = ()
     files: tuple[str, ...] = ()
 
@@ -164,25 +142,19 @@ def _comparisons(study: Study) -> tuple[Comparison, ...]:
     if len(study.groups) != 2:
         return ()
     comparisons = [
-        compare(
-            metric.code,
-            *study.compared(metric),
-            study.options.confidence,
-            paired=bool(study.pairs),
-        )
+        compare(metric.code, *study.compared(metric), study.options.confidence, paired=bool(study.pairs))
         for metric in study.options.metrics
     ]
     if study.options.ranked:
         comparisons.sort(key=lambda item: -item.effect)
-        comparisons = [_untested(item) if _says_nothing(item) else item for item in comparisons]
+        # Untested, lest it make the others' adjusted p-values larger, is what says nothing of the rover.
+        comparisons = [
+            replace(item, test=None, p=None, smallest_p=None) if _says_nothing(item) else item
+            for item in comparisons
+        ]
     return with_holm(comparisons)
 
 
 def _says_nothing(item: Comparison) -> bool:
     """Whether it is a column that is the same in all logs, or of the recording's health."""
     return (item.hedges_g is None and not item.difference) or item.code in HEALTH
-
-
-def _untested(item: Comparison) -> Comparison:
-    """Without a test: it would only make the others' adjusted p-values larger."""
-    return replace(item, test=None, p=None, smallest_p=None)

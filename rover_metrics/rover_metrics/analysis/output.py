@@ -23,7 +23,7 @@ from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables import sheets
 from rover_metrics.core.columns import Field
 from rover_metrics.errors import RoverMetricsError, counted
-from rover_metrics.log.files import whole_file
+from rover_metrics.log.files import write_whole
 from rover_metrics.sheet.render import csv_text, latex
 from rover_metrics.sheet.sheet import Sheet
 
@@ -56,7 +56,7 @@ def save_all(
 
     Args:
         study: Its plots are drawn, two files a figure.
-        result: Its numbers are written.
+        result: Its numbers.
         folder: Where to.
         as_csv: Whether to write all numbers, see `write_csv`.
         as_latex: Whether to write the tables, one a file.
@@ -69,10 +69,10 @@ def save_all(
         files += write_csv(result, folder) if as_csv else []
         for sheet in sheets(result) if as_latex else ():
             files.append(folder / f"{sheet.file}.tex")
-            _write(files[-1], latex(sheet))
+            write_whole(files[-1], latex(sheet))
         if outliers:
             files.append(folder / "outliers.csv")
-            _write(files[-1], csv_text(list(_outliers(study)), OUTLIER))
+            write_whole(files[-1], csv_text(list(_outliers(study)), OUTLIER))
     except OSError as error:
         raise OutputError(folder, error) from error
     return files
@@ -114,21 +114,21 @@ def _file_names(codes: Sequence[str]) -> list[str]:
 
 def write_csv(result: Result, folder: Path) -> list[Path]:
     """Writes logs.csv, and of what there is across.csv, comparison.csv and correlation.csv."""
+    across = (
+        {"group": group, **_record(result, {"code": code, **asdict(summary)})}
+        for group, summaries in result.across.items()
+        for code, summary in summaries.items()
+    )
     tables = {
         "logs": list(_logs(result)),
-        "across": list(_across(result)) if len(result.logs) > 1 else [],
+        "across": list(across) if len(result.logs) > 1 else [],
         "comparison": [_record(result, asdict(item)) for item in result.comparisons],
         "correlation": [asdict(item) for item in result.correlations],
     }
     files = {folder / f"{name}.csv": rows for name, rows in tables.items() if rows}
     for path, rows in files.items():
-        _write(path, csv_text(rows))
+        write_whole(path, csv_text(rows))
     return list(files)
-
-
-def _write(path: Path, text: str) -> None:
-    with whole_file(path) as part:
-        part.write_text(text, encoding="utf-8", newline="")
 
 
 def _logs(result: Result) -> Iterator[dict[str, Any]]:
@@ -144,22 +144,15 @@ def _logs(result: Result) -> Iterator[dict[str, Any]]:
             }
 
 
-def _across(result: Result) -> Iterator[dict[str, Any]]:
-    for group, summaries in result.across.items():
-        for code, summary in summaries.items():
-            yield {"group": group, **_record(result, {"code": code, **asdict(summary)})}
-
-
 def _record(result: Result, values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the values of a metric by column: pairs as two, what it reports beside its code."""
     record: dict[str, Any] = {}
     for name, value in values.items():
-        if name not in _PARTS or isinstance(value, int):
-            record[name] = value
-        else:
-            record |= zip(
-                (f"{name}_{part}" for part in _PARTS[name]), value or (None, None), strict=True
-            )
+        if name in _PARTS and not isinstance(value, int):
+            names = (f"{name}_{part}" for part in _PARTS[name])
+            record |= zip(names, value or (None, None), strict=True)
+            continue
+        record[name] = value
         if name == "code":
             record["title"] = result.titles[value]
     return record

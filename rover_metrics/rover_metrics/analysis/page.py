@@ -36,7 +36,7 @@ def page(
 
     Args:
         title: Of the window.
-        heading: On top.
+        heading: On top of the page.
         pictures: Each with its title and what it shows; drawn as they are asked for.
         sheets: The tables below.
     """
@@ -54,7 +54,7 @@ def page(
             f"<title>{escape(title)}</title><style>{CSS}</style></head><body>",
             f"<h1>{escape(heading)}</h1><main>",
             *drawn,
-            *map(_table, sheets),
+            *map(_section, sheets),
             "</main></body></html>\n",
         ]
     )
@@ -65,13 +65,12 @@ def _svg(figure: Figure, title: str) -> str:
         text.set_parse_math(False)  # a $ in the name of a group is a $
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", dpi=DPI, metadata={"Date": None})
-    drawn = buffer.getvalue()
-    body = drawn[drawn.index("<svg") :]
+    _, tag, body = buffer.getvalue().partition("<svg")
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    return body.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+    return f'{tag} role="img" aria-label="{escape(title)}"{body}'
 
 
-def _table(sheet: Sheet) -> str:
+def _section(sheet: Sheet) -> str:
     odd = "".join(f"<p class=hint>odd: {escape(finding)}</p>" for finding in sheet.findings)
     caption = f"<p class=hint>{escape(sheet.caption)}</p>"
     return f"<section><h2>{escape(sheet.title)}</h2>{odd}{sheet.__html__()}{caption}</section>"

@@ -13,7 +13,7 @@ from rich.console import Group
 
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
-from rover_metrics.log.files import whole_file
+from rover_metrics.log.files import write_whole
 from rover_metrics.number import number
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
@@ -53,21 +53,21 @@ def _json_file(text: str) -> Path:
 def hand_over(
     target: Path | None, as_json: Callable[[], str], sheets: Iterable[Sheet], last: str = ""
 ) -> None:
-    """Prints tables and a last line, and writes everything to a file; or prints that instead.
+    """Prints tables and a last line, if there is one, and writes `as_json` to the target of --json.
 
-    Args:
-        target: Of --json.
-        as_json: Returns everything.
-        sheets: The tables.
-        last: The line; "" for none.
+    Where that is PRINTED, nothing but the JSON is printed.
     """
     if target == PRINTED:
         print(as_json())
         return
     if target is not None:
-        with whole_file(target) as part:
-            part.write_text(as_json() + "\n", encoding="utf-8")
-    show(sheets, last)
+        write_whole(target, as_json() + "\n")
+    console = PlainConsole()
+    if not console.is_terminal:
+        console.width = PRINTED_WIDTH
+    console.print(Group(*terminal(sheets, console.width)))
+    if last:
+        console.print(last, soft_wrap=True)
 
 
 def read_each(
@@ -93,16 +93,12 @@ def read_each(
 def inside(paths: Iterable[Path], pattern: str, *, without: str = "") -> Iterator[Path]:
     """Yields the files named, and those of a pattern in the folders named and in folders below.
 
-    A folder without any is named itself, so that whoever reads it says that it is no log.
-
-    Args:
-        paths: Files and folders.
-        pattern: Of the names of files in folders.
-        without: How names begin that are left out.
+    Names that begin with `without` are left out. A folder without any is named itself, so that whoever
+    reads it says that it is no log.
     """
     for path in paths:
-        found = sorted(path.rglob(pattern)) if path.is_dir() else []
-        yield from [file for file in found if not (without and file.name.startswith(without))] or [path]
+        there = sorted(path.rglob(pattern)) if path.is_dir() else []
+        yield from [file for file in there if not (without and file.name.startswith(without))] or [path]
 
 
 def different(program: str, paths: Iterable[Path]) -> list[Path]:
@@ -112,16 +108,6 @@ def different(program: str, paths: Iterable[Path]) -> list[Path]:
         if first.setdefault(path.resolve(), path) is not path:
             tell(program, f"{path} is named more than once and counts once")
     return list(first.values())
-
-
-def show(sheets: Iterable[Sheet], last: str = "") -> None:
-    """Prints tables, then a line about files that were written."""
-    console = PlainConsole()
-    if not console.is_terminal:
-        console.width = PRINTED_WIDTH
-    console.print(Group(*terminal(sheets, console.width)))
-    if last:
-        console.print(last, soft_wrap=True)
 
 
 def tell(program: str, message: str) -> None:

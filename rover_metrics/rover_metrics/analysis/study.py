@@ -46,7 +46,11 @@ def labels(logs: Sequence[Log]) -> list[str]:
             "/".join(part[-depth:]) if counts[name] > 1 else name
             for part, name in zip(parts, names, strict=True)
         ]
-    names = [_shortened(printable(name)) for name in names]
+    half = _LONGEST_LABEL // 2
+    names = [
+        name if len(name) <= _LONGEST_LABEL else f"{name[: half - 2]}...{name[-half + 1 :]}"
+        for name in map(printable, names)
+    ]
     counts = Counter(names)
     numbers: dict[str, Iterator[int]] = defaultdict(lambda: itertools.count(1))
     return [f"{name} ({next(numbers[name])})" if counts[name] > 1 else name for name in names]
@@ -64,34 +68,18 @@ def _name(log: Log) -> str:
     return f"{arguments['robot']} {terrain.stem} {difficulty:g} seed {arguments['seed']}"
 
 
-def _shortened(name: str) -> str:
-    half = _LONGEST_LABEL // 2
-    return name if len(name) <= _LONGEST_LABEL else f"{name[: half - 2]}...{name[-half + 1 :]}"
-
-
 @dataclass(frozen=True)
 class Options:
-    """What to look at and how.
+    """What to look at and how."""
 
-    Attributes:
-        metrics: In the order of the report.
-        confidence: Level of every interval, between 0 and 1.
-        iqr_multiplier: Interquartile ranges beyond the quartiles where an outlier begins.
-        remove_outliers: Whether outliers are left out of everything; they are counted anyway.
-        unit: One observation of a comparison: the mean of a log or of an episode.
-        ranked: Whether metrics are compared in the order of their effects.
-        plots: What is drawn; pairs of metrics are correlated only if that is.
-        axis: Time axis of the plots that have one.
-    """
-
-    metrics: tuple[Metric, ...] = tuple(METRICS.values())
-    confidence: float = 0.95
-    iqr_multiplier: float = DEFAULT_MULTIPLIER
-    remove_outliers: bool = False
-    unit: Unit = "log"
-    ranked: bool = False
-    plots: tuple[PlotName, ...] = ()
-    axis: TimeAxis = field(default_factory=TimeAxis)
+    metrics: tuple[Metric, ...] = tuple(METRICS.values())  # in the order of the report
+    confidence: float = 0.95  # level of every interval, between 0 and 1
+    iqr_multiplier: float = DEFAULT_MULTIPLIER  # interquartile ranges from the quartiles to an outlier
+    remove_outliers: bool = False  # from everything; they are counted anyway
+    unit: Unit = "log"  # one observation of a comparison: the mean of a log or of an episode
+    ranked: bool = False  # whether metrics are compared in the order of their effects
+    plots: tuple[PlotName, ...] = ()  # pairs of metrics are correlated only if that is drawn
+    axis: TimeAxis = field(default_factory=TimeAxis)  # of the plots that have one
 
 
 @dataclass(frozen=True, eq=False)

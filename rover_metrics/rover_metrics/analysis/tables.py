@@ -40,6 +40,8 @@ def _of_metrics(
 def _statistics(result: Result, log: LogResult, place: int) -> Sheet:
     """Returns the statistics of one log, and what was odd about it."""
     level, removed = _level(result), "removed" if result.outliers_removed else "kept"
+    episodes = f", {log.episodes} episodes" if log.episodes > 1 else ""
+    group = f" ({log.group})" if len(result.groups) > 1 else ""
     cells = {
         code: {
             "Mean": number(summary.mean),
@@ -56,7 +58,7 @@ def _statistics(result: Result, log: LogResult, place: int) -> Sheet:
     return _of_metrics(
         result,
         cells,
-        _heading(result, log),
+        f"{log.label}{group}: {counted(log.rows, 'row')}, {log.duration:.10g} s{episodes}",
         f"{level} rows: interval of the mean as if rows were independent (t; shares: Wilson). "
         f"{level} blocks: by block bootstrap, the one to quote, for rows repeat each other: n of them "
         "say as much as n eff. independent ones. "
@@ -65,12 +67,6 @@ def _statistics(result: Result, log: LogResult, place: int) -> Sheet:
         spare=frozenset({f"{level} rows", "Median", "n", f"Outliers {removed}", "Per metre"}),
         file=f"log_{place}",
     )
-
-
-def _heading(result: Result, log: LogResult) -> str:
-    episodes = f", {log.episodes} episodes" if log.episodes > 1 else ""
-    group = f" ({log.group})" if len(result.groups) > 1 else ""
-    return f"{log.label}{group}: {counted(log.rows, 'row')}, {log.duration:.10g} s{episodes}"
 
 
 def _across(result: Result, group: str, summaries: Mapping[str, Summary], place: int) -> Sheet:

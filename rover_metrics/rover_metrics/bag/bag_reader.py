@@ -124,7 +124,9 @@ class Bag(ExitStack):
             return [self.path]
         there = sorted((p for p in self.path.iterdir() if p.name.endswith(SUFFIXES)), key=_natural)
         if not there:
-            below = _bags_below(self.path)
+            # Names of a few bags among the folders in this one; nothing deeper is looked at.
+            files = (path for suffix in SUFFIXES for path in self.path.glob(f"*/*{suffix}"))
+            below = sorted(islice(dict.fromkeys(path.parent.name for path in files), MOST_NAMED))
             hint = f"; bags in it: {', '.join(below)}" if below else ""
             raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file{hint}")
         return self._listed_paths() or there
@@ -204,12 +206,6 @@ def _unpack(packed: BinaryIO, unpacked: BinaryIO, most: int) -> None:
             return unpacked.write(part)
 
     zstandard.ZstdDecompressor().copy_stream(packed, Bounded())
-
-
-def _bags_below(folder: Path) -> list[str]:
-    """Names of bags among the folders in this one, a few; nothing deeper is looked at."""
-    files = (path for suffix in SUFFIXES for path in folder.glob(f"*/*{suffix}"))
-    return sorted(islice(dict.fromkeys(path.parent.name for path in files), MOST_NAMED))
 
 
 def _first_bytes(path: Path) -> bytes:

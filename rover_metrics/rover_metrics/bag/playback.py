@@ -14,6 +14,7 @@ from typing import Any
 
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
@@ -65,23 +66,21 @@ class Playback:
             raise BagError(
                 f"{bag.path} has no topic to replay ({'; '.join(self.missing)}); its topics: {recorded}"
             )
-        if session.extended is not None:
-            self._sources |= self._there(sources_of(session)[len(SENSORS) :], remaps)[
-                0
-            ]  # a real rover has none
+        further, _ = self._there(sources_of(session)[len(SENSORS) :], remaps)  # a real rover has none
+        self._sources |= further
         clock, no_clock = self._there([CLOCK], remaps)
         self.time_source = _resolved(time_source, no_clock)
         if self.time_source is TimeSource.SIM:
             self._sources |= clock
         self.counts = {topic: Count() for topic in self._sources}
         self._timer = ClockRows() if self.time_source is TimeSource.SIM else FullSeconds()
-        self._other_clock: str | None = None
+        self._other_clock: list[str] = []  # a line at most
         self._store = get_typestore(Stores.LATEST)
 
     @property
     def notes(self) -> list[str]:
         """What was odd about time so far; a line each."""
-        notes = [*([self._other_clock] if self._other_clock else []), *self._timer.jumps]
+        notes = [*self._other_clock, *self._timer.jumps]
         more = len(notes) - MOST_NOTES
         return [*notes[:MOST_NOTES], f"{more} more jumps of time"] if more > 0 else notes
 
@@ -102,11 +101,9 @@ class Playback:
         source = self._sources.get(message.topic)
         if source is None:
             return None
-        try:
-            return self._store.deserialize_cdr(message.data, source.message_type)
-        except (SerdeError, IndexError, AssertionError, MemoryError):
-            self.counts[message.topic].unreadable += 1
-            return None
+        parsed = deserialised(self._store, message.data, source.message_type)
+        self.counts[message.topic].unreadable += parsed is None
+        return parsed
 
     def _time(self, message: Message, parsed: Any | None) -> int | None:  # noqa: ANN401
         if self.time_source is TimeSource.SIM:
@@ -115,8 +112,8 @@ class Playback:
         stamp = stamp_ns(parsed) if hasattr(parsed, "header") else 0  # 0: never set
         if self.time_source is TimeSource.HEADER:
             return stamp or None
-        if stamp and self._other_clock is None and age(message.time_ns, stamp) is None:
-            self._other_clock = (
+        if stamp and not self._other_clock and age(message.time_ns, stamp) is None:
+            self._other_clock.append(
                 f"header stamps ({stamp / NANOSECONDS:.2f} s) are of another clock than the recorded "
                 f"time ({message.time_ns / NANOSECONDS:.2f} s); --time header follows them"
             )
@@ -145,6 +142,14 @@ class Playback:
             else:
                 there[topic] = source
         return there, reasons
+
+
+def deserialised(store: Typestore, data: bytes, message_type: str) -> Any | None:  # noqa: ANN401
+    """Returns a message as rosbags has it; None if the bytes are of none of this type."""
+    try:
+        return store.deserialize_cdr(data, message_type)
+    except (SerdeError, IndexError, AssertionError, MemoryError):
+        return None
 
 
 def _resolved(wish: TimeSource, no_clock: Sequence[str]) -> TimeSource:

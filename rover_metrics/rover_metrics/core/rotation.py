@@ -25,6 +25,11 @@ def upright(attitude: Quaternion) -> float:
     return 1.0 - 2.0 * (x * x + y * y)
 
 
+def tilt(attitude: Quaternion) -> float:
+    """Returns the angle between the vertical axes of frame and world [rad]."""
+    return math.acos(max(-1.0, min(1.0, upright(attitude))))
+
+
 def yaw(attitude: Quaternion) -> float:
     """Returns the heading of the frame's x axis in the world [rad]."""
     x, y, z, w = attitude

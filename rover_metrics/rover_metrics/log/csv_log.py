@@ -96,7 +96,9 @@ class CsvLog(AbstractContextManager["CsvLog"]):
             raise _log_error("cannot finish a log", self.path.parent, error) from error
 
     def _write_line(self, cells: Iterable[Field]) -> None:
-        line = _csv_line(cells)
+        text = io.StringIO(newline="")
+        csv.writer(text).writerow(map(harmless, cells))
+        line = text.getvalue().encode()
         try:
             _write_all(self._file, line)
             if self.fsync:
@@ -104,7 +106,10 @@ class CsvLog(AbstractContextManager["CsvLog"]):
             if os.fstat(self._file.fileno()).st_nlink == 0:
                 self._put_back()
         except (OSError, ValueError) as error:  # ValueError: closed
-            self._forget_torn_line()
+            # Cut the file back to its whole lines; if even that fails, the next line overwrites.
+            with suppress(OSError, ValueError):
+                self._file.seek(self._size)
+                self._file.truncate()
             raise _log_error("cannot write a row", self.path.parent, error) from error
         self._size += len(line)
 
@@ -123,12 +128,6 @@ class CsvLog(AbstractContextManager["CsvLog"]):
         self._file.close()
         self.path, self._file = path, file
 
-    def _forget_torn_line(self) -> None:
-        """Cuts the file back to its whole lines; if even that fails, the next line overwrites."""
-        with suppress(OSError, ValueError):
-            self._file.seek(self._size)
-            self._file.truncate()
-
 
 def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
     """Opens the first of stem.csv, stem_1.csv, ... that does not exist, in a folder that will."""
@@ -138,12 +137,6 @@ def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
         with suppress(FileExistsError):
             return path, path.open("x+b", buffering=0)
     raise AssertionError  # count() does not end
-
-
-def _csv_line(cells: Iterable[Field]) -> bytes:
-    line = io.StringIO(newline="")
-    csv.writer(line).writerow(map(harmless, cells))
-    return line.getvalue().encode()
 
 
 def _write_all(file: BinaryIO, data: bytes) -> None:

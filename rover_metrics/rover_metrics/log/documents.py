@@ -78,7 +78,9 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
 def read_bytes(path: Path, largest: int) -> bytes:
     """Returns the at most so many bytes of a file or a shell's pipe, or raises a DocumentError."""
     try:
-        if path.exists() and not (path.is_file() or path.is_dir() or _is_of_a_shell(path)):
+        # Into a pipe of a shell, as <(...) and /dev/stdin are, somebody writes already.
+        is_of_a_shell = path.is_fifo() and path.is_relative_to("/dev")
+        if path.exists() and not (path.is_file() or path.is_dir() or is_of_a_shell):
             raise DocumentError("this is not a file but a device or a pipe")
         with path.open("rb") as file:
             content = file.read(largest + 1)
@@ -87,11 +89,6 @@ def read_bytes(path: Path, largest: int) -> bytes:
     if len(content) > largest:
         raise DocumentError(f"larger than {largest:,} bytes; is it the right file?")
     return content
-
-
-def _is_of_a_shell(path: Path) -> bool:
-    """Whether a path is a pipe that somebody writes into already, as <(...) and /dev/stdin are."""
-    return path.is_fifo() and path.is_relative_to("/dev")
 
 
 def _text_of(path: Path, largest: int) -> str:

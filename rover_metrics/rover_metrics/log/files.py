@@ -40,6 +40,12 @@ def whole_file(target: Path) -> Iterator[Path]:
             part.unlink(missing_ok=True)
 
 
+def write_whole(target: Path, text: str) -> None:
+    """Writes a text as UTF-8, its ends of lines as they are, into a `whole_file`."""
+    with whole_file(target) as part:
+        part.write_text(text, encoding="utf-8", newline="")
+
+
 @contextlib.contextmanager
 def _unwinding() -> Iterator[None]:
     """Within, signals that nobody handles raise SystemExit instead of ending the process at once.

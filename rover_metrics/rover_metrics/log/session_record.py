@@ -13,7 +13,7 @@ from typing import Any
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.log.documents import DocumentError, read_json
-from rover_metrics.log.files import whole_file
+from rover_metrics.log.files import write_whole
 
 Outcome = Mapping[str, str | None]
 
@@ -77,8 +77,7 @@ def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any])
     path = log.with_suffix(".json")
     text = json.dumps({"log": str(log), "outcome": outcome, **details}, indent=2) + "\n"
     try:
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     except OSError as error:
         raise LogError(f"cannot write the session's record to {path}: {error.strerror}") from error
 

@@ -1,4 +1,5 @@
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -12,8 +13,12 @@ from harness.workers import workers_of
 
 
 def driven(entry: str, track: str, seeds: Sequence[int] = (0,)) -> list[EpisodeResult]:
-    cases = find_track(track).cases(max(seeds) + 1)
-    return [attempt(cases[seed], entry=find_entry(entry)) for seed in seeds]
+    return [_driven(entry, track, seed) for seed in seeds]
+
+
+@cache
+def _driven(entry: str, track: str, seed: int) -> EpisodeResult:
+    return attempt(find_track(track).cases(seed + 1)[seed], entry=find_entry(entry))
 
 
 @pytest.fixture(scope="session")

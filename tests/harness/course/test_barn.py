@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.course.attempt import attempt
-from harness.course.entry import find_entry
 from harness.course.task import Case
 from harness.course.tracks.barn import Barn, generated, is_passable
 from harness.course.tracks.barn_files import read_worlds
 from harness.episode.assembly import world_of
 from harness.world.world import World, terrain_hash
+from tests.harness.course.conftest import driven
 
 DATA = Path(__file__).parents[4] / "shared/data/barn"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="BARN's tables are not there")
@@ -53,7 +52,7 @@ def test_files_tables_and_what_ships_are_one_world(tmp_path: Path) -> None:
 
 
 def test_a_success_scores_by_barns_formula() -> None:
-    result = attempt(Barn().cases(2)[1], entry=find_entry("goal"))
+    (result,) = driven("goal", "barn", (1,))
     assert result.is_success
     best = result.shortest / 2.0
     assert result.score == pytest.approx(best / np.clip(result.time, 2 * best, 8 * best), abs=1e-6)
@@ -61,7 +60,7 @@ def test_a_success_scores_by_barns_formula() -> None:
 
 
 def test_a_touch_ends_the_episode_without_a_score() -> None:
-    result = attempt(Barn().cases(1)[0], entry=find_entry("straight"))
+    (result,) = driven("straight", "barn")
     assert (result.ending, result.score, result.spl) == ("contact", 0.0, 0.0)
     assert 0.0 < result.hazard_s <= 0.05
 

@@ -7,14 +7,13 @@ from pathlib import Path
 import pytest
 from pymap3d import geodetic2enu
 
-from harness.course.attempt import attempt
-from harness.course.entry import find_entry
 from harness.course.task import Case
 from harness.course.tracks import find_track
 from harness.episode.assembly import world_of
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
 from harness.world.route import RouteProgress, marks
+from tests.harness.course.conftest import driven
 
 SEEDS = (0, 7, 31)
 
@@ -64,12 +63,7 @@ def test_posts_are_stopped_at_and_the_gate_is_passed_in_this_order(tmp_path: Pat
 
 
 def test_the_one_who_looks_gets_farther() -> None:
-    results = {
-        name: [attempt(Case("mission", seed), entry=find_entry(name)) for seed in SEEDS]
-        for name in ("straight", "mppi")
-    }
-    goals = {name: sum(one.goals for one in some) for name, some in results.items()}
-    assert goals["mppi"] > goals["straight"]
-    for one in results["mppi"]:
-        assert one.of_goals == 3
-        assert (one.score > 0.0) == one.is_success == (one.goals == 3)
+    (blind,), (looking,) = driven("straight", "mission"), driven("mppi", "mission")
+    assert (looking.of_goals, looking.goals, looking.is_success) == (3, 3, True)
+    assert looking.score > blind.score == 0.0
+    assert blind.goals < 3

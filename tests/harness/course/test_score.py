@@ -62,7 +62,7 @@ def test_intervals_are_scipys() -> None:
 
 
 def test_entries_are_paired_by_their_episodes() -> None:
-    (first,) = driven("straight", "rocky")
+    (first,) = driven("straight", "rocky", (1,))
     many = [replace(first, seed=seed, score=0.1 * seed) for seed in range(5)]
     better = [replace(one, score=one.score + 0.2) for one in reversed(many[1:])]
     paired = difference(many, better)
@@ -112,5 +112,5 @@ def test_tracks_are_driven_by_what_listeners_get() -> None:
 
 
 def test_what_was_learned_beats_who_does_not_look() -> None:
-    learned, straight = (driven(entry, "rocky", range(4)) for entry in ("learned", "straight"))
-    assert sum(one.score for one in learned) > 4 * 0.1 + sum(one.score for one in straight)
+    learned, straight = (driven(entry, "rocky", (1, 2)) for entry in ("learned", "straight"))
+    assert sum(one.score for one in learned) > 2 * 0.1 + sum(one.score for one in straight)

@@ -1,6 +1,6 @@
 """The dynamic window approach: what it does where it cannot go on, and what its places cost."""
 
-import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,27 +8,18 @@ from numpy.typing import NDArray
 from scipy.sparse import lil_array
 from scipy.sparse.csgraph import shortest_path
 
-from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base import Observation
+from harness.drivers.base_local_planner import MOVED, OF_PATH, Turns, path_from, place_costs
 from harness.drivers.dwa import Dwa
 from harness.drivers.local_map import CELL, SIDE, LocalMap, MapOptions
-from harness.drivers.map_grid import OF_PATH, path_from, place_costs
-from harness.drivers.turns import MOVED, Turns
-from harness.robots import find_rover
-from harness.sensors.lidar_spec import LidarSpec
+from tests.harness.drivers.jackal import Pose, context, drives, lidar
 
-ROVER = find_rover("jackal")
-BEARINGS = LidarSpec(beams=720).bearings(ROVER.lidar_yaw)
 ROOM = 0.35  # [m] beside the middle of a lane: too little to turn
 
 
-def context() -> DriverContext:
-    return DriverContext(ROVER, (50.0, 50.0), BEARINGS, np.random.default_rng(0))
-
-
-def lane(x: float, y: float, yaw: float, end: float) -> NDArray[np.float32]:
+def lane(pose: Pose, end: float) -> NDArray[np.float32]:
     """Ranges to the walls y = +-ROOM and x = end of a lane that is open behind."""
-    angles = BEARINGS + yaw
-    x, y = x + ROVER.lidar_x * math.cos(yaw), y + ROVER.lidar_x * math.sin(yaw)
+    x, y, angles = lidar(pose)
     with np.errstate(divide="ignore", invalid="ignore"):
         walls = [(end - x) / np.cos(angles), (ROOM - y) / np.sin(angles), (-ROOM - y) / np.sin(angles)]
     ahead = np.array([np.where(wall > 0.0, wall, np.inf) for wall in walls])
@@ -36,16 +27,11 @@ def lane(x: float, y: float, yaw: float, end: float) -> NDArray[np.float32]:
 
 
 def test_at_the_end_of_a_lane_it_backs_up_and_touches_nothing() -> None:
-    driver, end = Dwa(context()), 0.5
+    driver = Dwa(context())
     driver.head_for(-4.0, 0.0, 0.0)
-    x = y = yaw = 0.0
-    for period in range(40):
-        twist = driver.command(Observation(period, x, y, yaw, ranges=lane(x, y, yaw, end)))
-        yaw += 0.05 * twist.angular
-        x, y = x + 0.05 * twist.linear * math.cos(yaw), y + 0.05 * twist.linear * math.sin(yaw)
-        assert abs(y) < 0.02
-        assert abs(yaw) < 0.1
-    assert x < -0.1
+    poses = np.array([pose for pose, _ in drives(driver, partial(lane, end=0.5), 40)])
+    assert np.abs(poses[:, 1:]).max(axis=0) == pytest.approx([0.0, 0.0], abs=0.02)
+    assert poses[-1, 0] < -0.1
 
 
 def test_who_has_turned_back_turns_only_on_until_it_has_moved() -> None:
@@ -61,7 +47,7 @@ def test_who_has_turned_back_turns_only_on_until_it_has_moved() -> None:
 def walled() -> LocalMap:
     """A map of a lane's end 1.5 m ahead, that leads back to a goal behind it."""
     known = LocalMap(context(), MapOptions())
-    known.see(Observation(0, 0.0, 0.0, 0.0, ranges=lane(0.0, 0.0, 0.0, 1.5)))
+    known.see(Observation(0, 0.0, 0.0, 0.0, ranges=lane((0.0, 0.0, 0.0), 1.5)))
     known.plan((0.0, 0.0), (3.0, 0.0))
     return known
 

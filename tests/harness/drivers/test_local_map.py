@@ -1,7 +1,8 @@
 """The map of what the lidar has seen, and who drives by it: against places that are known."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,28 +10,19 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.drivers import DRIVERS
-from harness.drivers.base import DriverContext, Observation
+from harness.drivers.base import Observation
 from harness.drivers.local_map import CELL, LocalMap, MapOptions
 from harness.drivers.mppi import STEPS, blended
 from harness.drivers.rollout import AHEAD, CLOSE, END, FARTHEST, NEAREST, ROOM, rolled, turned
-from harness.robots import find_rover
-from harness.samples import LaserScan
-from harness.sensors.lidar_spec import LidarSpec
+from harness.samples import LaserScan, Twist
+from tests.harness.drivers.jackal import ROVER, Pose, context, drives, lidar
 
-ROVER = find_rover("jackal")
-BEARINGS = LidarSpec(beams=720).bearings(ROVER.lidar_yaw)
 DISC = 0.2  # [m] radius of what stands around
 
 
-def context() -> DriverContext:
-    return DriverContext(ROVER, (50.0, 50.0), BEARINGS, np.random.default_rng(0))
-
-
-def scan(pose: tuple[float, float, float], discs: list[tuple[float, float]]) -> NDArray[np.float32]:
+def scan(pose: Pose, discs: Sequence[tuple[float, float]]) -> NDArray[np.float32]:
     """Ranges to discs of 0.2 m, by the closed form of a ray and a circle."""
-    x, y, yaw = pose
-    x, y = x + ROVER.lidar_x * math.cos(yaw), y + ROVER.lidar_x * math.sin(yaw)
-    angles = BEARINGS + yaw
+    x, y, angles = lidar(pose)
     ranges = np.full(len(angles), np.inf)
     for at_x, at_y in discs:
         along = (at_x - x) * np.cos(angles) + (at_y - y) * np.sin(angles)
@@ -41,7 +33,7 @@ def scan(pose: tuple[float, float, float], discs: list[tuple[float, float]]) -> 
     return ranges.astype(np.float32)
 
 
-def seen(pose: tuple[float, float, float], discs: list[tuple[float, float]]) -> Observation:
+def seen(pose: Pose, discs: Sequence[tuple[float, float]]) -> Observation:
     return Observation(0, *pose, ranges=scan(pose, discs))
 
 
@@ -68,36 +60,30 @@ def test_the_way_leads_around_a_wall() -> None:
     assert 4.0 < around < known.to_go[known.cell((0.0, 0.0))] < 2.0 * around
 
 
+def way(name: str, goal: tuple[float, float], *discs: tuple[float, float]) -> tuple[np.ndarray, Twist]:
+    """Where a driver comes in 20 s, and its last command."""
+    driver: Any = DRIVERS[name](context())
+    driver.head_for(*goal, 0.0)
+    poses, twists = zip(*drives(driver, partial(scan, discs=discs), 400), strict=True)
+    return np.array(poses)[:, :2], twists[-1]
+
+
 @pytest.mark.parametrize("name", ["beeline", "goal", "gap", "dwa", "mppi"])
 def test_a_driver_reaches_its_goal_and_stands_there(name: str) -> None:
-    driver: Any = DRIVERS[name](context())
-    driver.head_for(3.0, 1.0, 0.0)
-    x = y = yaw = 0.0
-    for period in range(400):
-        pose = x, y, yaw
-        twist = driver.command(Observation(period, *pose, ranges=scan(pose, []), readings={}))
-        yaw += 0.05 * twist.angular
-        x, y = x + 0.05 * twist.linear * math.cos(yaw), y + 0.05 * twist.linear * math.sin(yaw)
-    assert math.dist((x, y), (3.0, 1.0)) < 0.3
-    assert abs(twist.linear) < 1e-6
+    places, last = way(name, (3.0, 1.0))
+    assert math.dist(places[-1], (3.0, 1.0)) < 0.3
+    assert abs(last.linear) < 1e-6
 
 
 @pytest.mark.parametrize(
     ("name", "touches"), [("beeline", True), ("gap", False), ("dwa", False), ("mppi", False)]
 )
 def test_who_looks_drives_around_what_stands_in_the_way(name: str, touches: bool) -> None:
-    driver: Any = DRIVERS[name](context())
-    assert (LaserScan in driver.senses) != touches
-    driver.head_for(5.0, 0.0, 0.0)
-    post, x, y, yaw, nearest = (2.5, 0.05), 0.0, 0.0, 0.0, math.inf
-    for period in range(400):
-        pose = x, y, yaw
-        twist = driver.command(Observation(period, *pose, ranges=scan(pose, [post]), readings={}))
-        yaw += 0.05 * twist.angular
-        x, y = x + 0.05 * twist.linear * math.cos(yaw), y + 0.05 * twist.linear * math.sin(yaw)
-        nearest = min(nearest, math.dist((x, y), post))
+    assert (LaserScan in DRIVERS[name].senses) != touches
+    places, _ = way(name, (5.0, 0.0), (2.5, 0.05))
+    nearest = np.hypot(*(places - (2.5, 0.05)).T).min()
     assert (nearest < DISC + 0.5 * ROVER.width) == touches
-    assert math.dist((x, y), (5.0, 0.0)) < 0.3
+    assert math.dist(places[-1], (5.0, 0.0)) < 0.3
 
 
 def test_a_direction_is_turned_as_by_sine_and_cosine() -> None:

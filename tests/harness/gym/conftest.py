@@ -1,6 +1,6 @@
 """Environments on a small map: ready in a fraction of a second."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,19 @@ from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
+from tests.support.forking import ForkedSimulations
 
 SIDE, VERTICES = 14.0, 57  # [m], a vertex every 25 cm
 
 Make = Callable[..., Any]
 MakeConfig = Callable[..., Run]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _forked_environments() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:  # test_processes.py has scripts that spawn theirs
+        patch.setattr("harness.gym.processes.multiprocessing", ForkedSimulations())
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -60,20 +60,29 @@ def test_a_process_that_dies_is_told_and_takes_the_others_with_it(small: dict[st
 STEPPING = """
 import gymnasium, numpy as np, multiprocessing, harness.gym
 if __name__ == "__main__":
-    envs = gymnasium.make_vec("RoverHarness/PointNav-v0", num_envs=2, processes=2, lidar_beams=8)
+    envs = gymnasium.make_vec("RoverHarness/PointNav-v0", num_envs=COUNT, processes=2, lidar_beams=8)
     envs.reset(seed=1)
     print(*(child.pid for child in multiprocessing.active_children()), flush=True)
     while True:
-        envs.step(np.zeros((2, 2), np.float32))
+        envs.step(np.zeros((COUNT, 2), np.float32))
 """
 
 
-def test_a_script_that_fails_between_two_steps_ends(tmp_path: Path) -> None:
-    script = tmp_path / "failing.py"
-    script.write_text(
-        STEPPING.replace("while True:", "raise SystemExit(7)").partition("        envs.step")[0]
+def started(script: Path, text: str, count: int) -> "subprocess.Popen[str]":
+    """A script that has so many environments, in a process each."""
+    script.write_text(text.replace("COUNT", str(count)))
+    return subprocess.Popen(
+        [sys.executable, str(script)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
     )
-    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
+
+
+def test_a_script_that_fails_between_two_steps_ends(tmp_path: Path) -> None:
+    text = STEPPING.replace("while True:", "raise SystemExit(7)").partition("        envs.step")[0]
+    with started(tmp_path / "failing.py", text, 1) as process:
         try:
             assert process.wait(PATIENCE) == 7
         finally:
@@ -83,23 +92,18 @@ def test_a_script_that_fails_between_two_steps_ends(tmp_path: Path) -> None:
     wait_until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in children))
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize(
+    ("number", "count"), [(signal.SIGINT, 1), (signal.SIGTERM, 1), (signal.SIGKILL, 2)]
+)
 def test_whichever_way_the_command_ends_no_process_and_no_memory_is_left(
-    number: signal.Signals, tmp_path: Path
+    number: signal.Signals, count: int, tmp_path: Path
 ) -> None:
-    script, shared = tmp_path / "stepping.py", Path("/dev/shm")  # noqa: S108 - to be looked at
-    script.write_text(STEPPING)
+    shared = Path("/dev/shm")  # noqa: S108 - to be looked at
     before = set(shared.glob("*")) if shared.exists() else set()
-    with subprocess.Popen(
-        [sys.executable, str(script)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        start_new_session=True,
-    ) as process:
+    with started(tmp_path / "stepping.py", STEPPING, count) as process:
         assert process.stdout is not None
         children = [int(pid) for pid in process.stdout.readline().split()]
-        assert len(children) == 2
+        assert len(children) == count
         for pid in (process.pid, *(children if number == signal.SIGINT else ())):  # as a terminal does
             os.kill(pid, number)
         assert process.wait(10.0) != 0

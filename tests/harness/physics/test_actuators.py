@@ -81,10 +81,6 @@ def test_commands_come_late_and_speeds_follow_as_two_lags_do() -> None:
     assert not speeds[:20].any()
 
 
-def test_what_is_ideal_has_no_lag() -> None:
-    assert responses(HUSKY, Twist(0.3, 0.2), 5)[0].all()
-
-
 def test_slow_commands_do_nothing_and_the_sides_differ_by_no_more_than_their_limit() -> None:
     rover = real(delay=0.0, lag=0.0, dead_band=0.05, turn_limit=0.4)
     radius = rover.controller_radius

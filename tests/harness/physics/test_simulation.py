@@ -1,6 +1,5 @@
 """The simulation against MuJoCo stepped beside it, and against scipy's rotations."""
 
-import copy
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -8,7 +7,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import Diverged, RunFailed
@@ -26,34 +24,6 @@ Make = Callable[..., Simulation]
 @pytest.fixture
 def simulation(make_simulation: Make) -> Simulation:
     return make_simulation()
-
-
-def stepped_by_hand(simulation: Simulation, steps: int) -> tuple[mujoco.MjData, NDArray[np.float64]]:
-    """A copy of the state after so many steps, and the sum of the sensor values of each."""
-    data, total = copy.copy(simulation.data), np.zeros(simulation.model.nsensordata)
-    for _ in range(steps):
-        mujoco.mj_step(simulation.model, data)
-        total += data.sensordata
-    return data, total
-
-
-@pytest.mark.parametrize(("timestep_ns", "steps"), [(2_500_000, 4), (5_000_000, 2)])
-def test_a_tick_is_ten_milliseconds_of_steps_whose_sensor_values_are_summed(
-    timestep_ns: int, steps: int, make_simulation: Make
-) -> None:
-    simulation = make_simulation(timestep_ns=timestep_ns)
-    gyro = simulation.summed("imu_gyro")
-    assert simulation.time_ns == 0
-    for tick in (1, 2):
-        simulation.command_wheels(SPEEDS)
-        expected, total = stepped_by_hand(simulation, steps)
-        simulation.tick()
-        assert simulation.time_ns == tick * TICK_NS
-        assert np.array_equal(simulation.data.qpos, expected.qpos)
-        assert np.array_equal(simulation.tick_sum, total)
-        place = simulation.model.sensor("imu_gyro").adr[0]
-        assert np.array_equal(gyro, total[place : place + 3])
-        assert gyro.any()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -145,9 +115,6 @@ def test_half_a_metre_before_the_edge_of_the_map_the_run_ends(
         RunFailed, match=rf"edge .* t = 0\.02 s \(x = -?{place[0]} m, y = -?{place[1]} m\)"
     ):
         simulation.tick()
-
-
-EPISODE_TIMESTEP_NS = 5_000_000
 
 
 @pytest.mark.parametrize("robot", ROVERS)

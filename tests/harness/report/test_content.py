@@ -65,10 +65,8 @@ def test_no_folder_of_whoever_ran_it_is_in_the_titles_or_the_name_of_the_log(tmp
     np.save(heights, np.add.outer(np.arange(20.0), np.zeros(20)))
     config = Run.of(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
     outline = Outline(page := without_plotly(render(replace(RESULT, run=config), RunRecorder())))
-    assert [text for tag, text in outline.headings if tag in ("title", "h1")] == [
-        "leo on yard.npy, seed 0: failed",
-        "leo on yard.npy",
-    ]
+    titles = [text for tag, text in outline.headings if tag in ("title", "h1")]
+    assert titles == ["leo on yard.npy, seed 0: failed", "leo on yard.npy"]
     assert f"10 m {TIMES} 10 m, heights 0.00 to 1.00 m. +x is right and +y is up" in page
     assert "difficulty" not in page
     assert page.count("private") == 1  # among the arguments, as they were given

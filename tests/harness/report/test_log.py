@@ -33,9 +33,8 @@ def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None
 def test_columns_of_any_wheel_are_described_as_the_data_dictionary_does() -> None:
     columns = truth_columns(("front_left", "middle_right_2"), soil=True)
     assert [describe(column.header) for column in columns] == list(columns)
-    assert "Between the plane of the middle right 2 wheel" in caption(
-        "True Slip Angle Middle Right 2 [rad]"
-    )
+    told = caption("True Slip Angle Middle Right 2 [rad]")
+    assert "Between the plane of the middle right 2 wheel" in told
     assert describe("Other [m]").unit == "m"
 
 
@@ -44,12 +43,7 @@ def test_columns_of_any_wheel_are_described_as_the_data_dictionary_does() -> Non
     [
         ((0.4, 0.15, 0.3, None), [1.0, 3.0, 4.0], [0.0, 2.0, 2.0], [(1.0, 3.0, 2.0)]),
         ((None,) * 3, [1.2, 1.4, 2.9], [0.0, 1.0, 1.0], [(1.2, 1.4, 2.0)]),  # the stretch around it
-        (
-            (0.1, 0.2, 0.1),
-            [1.0, 2.0],
-            [0.0, 1.0],
-            [(1.0, 2.0, 2.0)],
-        ),  # not one that has ended
+        ((0.1, 0.2, 0.1), [1.0, 2.0], [0.0, 1.0], [(1.0, 2.0, 2.0)]),  # not one that has ended
         ((None,) * 3, [1.0, 1.6, 2.5], [1.0, 1.0, 2.0], [(0.0, 1.0, 1.0), (1.6, 2.5, 2.0)]),
     ],
 )

@@ -23,12 +23,8 @@ def batch(index: int, *, az: float = 9.81, nearest: float = 5.0, contact_s: floa
     )
     if index % 2:
         samples += (Pose(stamp, (index * 0.02, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)),)
-    truth = Truth(
-        time_ns=stamp,
-        path_length=index * 0.02,
-        position=(index * 0.02, 0.0, 0.0),
-        hazard_contact_s=contact_s,
-    )
+    x = index * 0.02
+    truth = Truth(time_ns=stamp, path_length=x, position=(x, 0.0, 0.0), hazard_contact_s=contact_s)
     return Batch((Tick(stamp, samples),), truth)
 
 

@@ -74,19 +74,21 @@ def test_mounts_of_rover_yaml_place_sensors_that_the_model_lacks(tmp_path: Path)
     assert model.sensor("imu_gyro").objid[0] == model.site("imu").id
 
 
+def asset(text: str) -> dict[str, str]:
+    return {"<worldbody>": f"<asset>{text}</asset><worldbody>"}
+
+
+def hinge(text: str) -> dict[str, str]:
+    return {'name="d" axis': f'name="d" {text} axis'}
+
+
 MISTAKES = {
     "two bodies": ({"</worldbody>": '<body name="x"/></worldbody>'}, "it holds car, x"),
-    "a rail": (
-        {'<body name="car">': '<body name="car"><joint name="s" type="slide"/>'},
-        "take joint 's' away",
-    ),
+    "a rail": ({'="car">': '="car"><joint name="s" type="slide"/>'}, "take joint 's' away"),
     "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "need <velocity> actuators; it has 0"),
     "an axis": ({'name="d" axis="0 1 0"': 'name="d" axis="0 -1 0"'}, "joint 'd' must turn about +y"),
     "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit; give it a ctrlrange"),
-    "no mass": (
-        {'size="0.1 0.03"': 'size="0.1 0.03" mass="0"'},
-        "give its body an <inertial> with a mass",
-    ),
+    "no mass": ({'size="0.1 0.03"': 'size="0.1 0.03" mass="0"'}, "an <inertial> with a mass"),
     "no name": (
         {'joint name="d" axis': "joint axis", '<velocity joint="d"': '<velocity joint="c"'},
         "no name",
@@ -99,52 +101,37 @@ MISTAKES = {
     "endless friction": ({'name="hull"': 'name="hull" friction="1e30"'}, "give 0 to 100"),
     "mass": ({'name="hull"': 'name="hull" mass="1e30"'}, "mass 1e+30 kg of body 'car'"),
     "size": ({'size="0.25': 'size="9e9'}, "size 9e+09 m of geom 'hull'"),
-    "damping": ({'name="d" axis': 'name="d" damping="-1" axis'}, "damping -1 of joint 'd'"),
-    "dry friction": ({'name="d" axis': 'name="d" frictionloss="-1" axis'}, "friction -1 of joint 'd'"),
-    "stiffness": ({'name="d" axis': 'name="d" stiffness="1e99" axis'}, "give 0 to 1e+09"),
+    "damping": (hinge('damping="-1"'), "damping -1 of joint 'd'"),
+    "dry friction": (hinge('frictionloss="-1"'), "friction -1 of joint 'd'"),
+    "stiffness": (hinge('stiffness="1e99"'), "give 0 to 1e+09"),
     "a heightfield": (
-        {"<worldbody>": '<asset><hfield nrow="30000" ncol="30000"/></asset><worldbody>'},
+        asset('<hfield nrow="30000" ncol="30000"/>'),
         "<hfield>: 30000 x 30000 cells are more than 4,194,304",
     ),
     "a picture": (
-        {"<worldbody>": '<asset><hfield name="h" file="big.png" size="1 1 1 1"/></asset><worldbody>'},
+        asset('<hfield name="h" file="big.png" size="1 1 1 1"/>'),
         "big.png: 30000 x 30000 cells",
     ),
     "copies": (
         {"<worldbody>": '<worldbody><replicate count="99"><replicate count="99"/></replicate>'},
         "<replicate> makes 9801 copies",
     ),
-    "an include": (
-        {"<worldbody>": '<include file="../x.xml"/><worldbody>'},
-        "is not in the rover's folder",
-    ),
-    "an include of itself": (
-        {"<worldbody>": '<include file="car.xml"/><worldbody>'},
-        "more than 100 files",
-    ),
-    "a mesh elsewhere": (
-        {"<worldbody>": '<asset><mesh file="/etc/x.stl"/></asset><worldbody>'},
-        "<mesh>: /etc/x.stl is not in the rover's folder",
-    ),
+    "an include": ({"<worldbody>": '<include file="../x.xml"/><worldbody>'}, "is not in the rover's"),
+    "an include of itself": ({"<worldbody>": '<include file="car.xml"/><worldbody>'}, "than 100 files"),
+    "a mesh elsewhere": (asset('<mesh file="/etc/x.stl"/>'), "<mesh>: /etc/x.stl is not in the rover's"),
     "a texture elsewhere": (
-        {"<worldbody>": '<asset><texture type="2d" file="/etc/x.png"/></asset><worldbody>'},
+        asset('<texture type="2d" file="/etc/x.png"/>'),
         "<texture>: /etc/x.png is not in the rover's folder",
     ),
     "textures elsewhere": (
-        {
-            "<worldbody>": '<compiler texturedir="../"/><asset><texture type="2d" file="x.stl"/></asset>'
-            "<worldbody>"
-        },
+        asset('<texture type="2d" file="x.stl"/></asset><compiler texturedir="../"/><asset>'),
         "<texture>: ",
     ),
     "meshes elsewhere": (
-        {"<worldbody>": '<compiler meshdir="../"/><asset><mesh file="x.stl"/></asset><worldbody>'},
+        asset('<mesh file="x.stl"/></asset><compiler meshdir="../"/><asset>'),
         "is not in the rover's folder",
     ),
-    "no mesh": (
-        {"<worldbody>": '<asset><mesh file="x.stl"/></asset><worldbody>'},
-        "x.stl, which does not exist",
-    ),
+    "no mesh": (asset('<mesh file="x.stl"/>'), "x.stl, which does not exist"),
 }
 
 

@@ -17,7 +17,7 @@ from harness.base.sim_time import TICK_NS
 from harness.ros.bridge import Listener
 from harness.ros.effect import awaited_effects
 from harness.samples import LaserScan, Tick
-from harness.spec.effect import Effect
+from harness.spec.ros import Effect
 from tests.support.ros import Ros
 from tests.support.waiting import PATIENCE
 

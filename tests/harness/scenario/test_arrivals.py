@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from harness.scenario.arrivals import Arrivals, topic_series
-from harness.scenario.names import TopicQuantity
+from harness.scenario.names import HeardQuantity
 from harness.scenario.series import Series
 
 TICK_NS, END_NS = 10_000_000, 3_000_000_000
@@ -37,7 +37,7 @@ def _paused(time_ns: int) -> int:
 
 
 def series(what: str, heard: dict[str, Arrivals], of: str | None = None) -> Series:
-    return topic_series(TopicQuantity("/a", what), of, heard, [*heard, "/other"], END_NS)
+    return topic_series(HeardQuantity("/a", what), of, heard, [*heard, "/other"], END_NS)
 
 
 @settings(max_examples=30)
@@ -51,7 +51,7 @@ def test_count_and_rate_are_those_of_plain_counting(ticks: list[int]) -> None:
     assert rate.times == pytest.approx([1.0 + 0.05 * n for n in range(41)])
     ends = [100 + 5 * n for n in range(41)]
     assert list(rate.values) == [sum(end - 100 < tick <= end for tick in ticks) for end in ends]
-    sooner = topic_series(TopicQuantity("/a", "rate"), None, heard, heard, END_NS - 1)
+    sooner = topic_series(HeardQuantity("/a", "rate"), None, heard, heard, END_NS - 1)
     assert list(sooner.times) == list(rate.times[:-1])
 
 

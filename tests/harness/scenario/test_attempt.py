@@ -21,7 +21,7 @@ from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import Outputs, RunResult
 from harness.samples import LaserScan
-from harness.scenario.attempt import attempt
+from harness.scenario.attempt import AttemptOptions, attempt
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Case
 from harness.scenario.judge import Breach
@@ -100,10 +100,10 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
         return (replace(result, failure="it fell", info=None),)
 
     monkeypatch.setattr(USED, fail)
-    done = attempt(case, tmp_path / "out", scratch=tmp_path)
+    done = attempt(case, tmp_path / "out", AttemptOptions(scratch=tmp_path))
     assert (done.breaches, done.model_hash, done.terrain_hash) == (("run: it fell",), "", "")
     assert json.loads(done.kept[2].read_text())["outcome"]["reason"] == "it fell"
-    attempt(case, tmp_path / "out", scratch=tmp_path / "gone")
+    attempt(case, tmp_path / "out", AttemptOptions(scratch=tmp_path / "gone"))
     assert scratch == [tmp_path, Path(tempfile.gettempdir())]
 
     def end_with(error: Exception) -> Attempt:
@@ -162,7 +162,7 @@ def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_p
     (case,) = make_cases(expect, "same_bytes: true")
     path, out = tmp_path / "two.baseline.json", tmp_path / "out"
     assert "there is no baseline of it" in str(attempt(case, out).error)
-    done = attempt(case, out, compare=False)
+    done = attempt(case, out, AttemptOptions(compare=False))
     assert done.recorded is not None
     assert write_baselines([(case, done.recorded)]) == [path]
     recorded = json.loads(path.read_text())["two[0]"]
@@ -230,7 +230,7 @@ def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
     driven: list[Run],
 ) -> None:
     (case,) = make_cases(f"{{{expect}}}", more)
-    attempt(case, tmp_path, compare=False)
+    attempt(case, tmp_path, AttemptOptions(compare=False))
     assert (Scripted.wanted, len(driven)) == (wanted, drives)
 
 

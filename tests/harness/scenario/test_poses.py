@@ -1,11 +1,8 @@
 """Poses against the truth: evo, closed forms, and a run through ROS whose truth is published."""
 
-import json
-import subprocess
-import sys
-import zipfile
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.scenario import trajectory
 from harness.scenario.case import plan
-from harness.scenario.names import pose_quantity
+from harness.scenario.names import POSE, heard_quantity
 from harness.scenario.poses import Row, TruePath, chained, pose_series, rows_of
 
 Poses = trajectory.Poses
@@ -30,42 +27,37 @@ def walk(seed: int, count: int = 400) -> tuple[Poses, Poses, Poses]:
     return times, truth, truth + drift + (0.3, -0.2, 0.1)
 
 
-def tum(path: Path, times: Poses, poses: Poses) -> str:
-    quaternions = Rotation.from_euler("z", poses[:, 2:]).as_quat()
-    flat = np.zeros(len(times))
-    np.savetxt(path, np.column_stack([times, poses[:, :2], flat, quaternions]), fmt="%.12f")
-    return str(path)
+def evo_rmse(metric: Any, estimate: Poses, truth: Poses, *, align: bool = False) -> float:  # noqa: ANN401 - evo's
+    """What evo makes of poses in the plane, as evo_ape and evo_rpe do."""
+    kind = pytest.importorskip("evo.core.trajectory", reason="evo is not installed").PosePath3D
+
+    def path(poses: Poses) -> Any:  # noqa: ANN401
+        quaternions = np.roll(Rotation.from_euler("z", poses[:, 2:]).as_quat(), 1, axis=1)
+        places = np.column_stack([poses[:, :2], np.zeros(len(poses))])
+        return kind(positions_xyz=places, orientations_quat_wxyz=quaternions)
+
+    reference, own = path(truth), path(estimate)
+    if align:
+        own.align(reference)
+    metric.process_data((reference, own))
+    return float(metric.get_all_statistics()["rmse"])
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_errors_are_those_of_evo(seed: int, tmp_path: Path) -> None:
-    if not Path(sys.executable).with_name("evo_ape").exists():
-        pytest.skip("evo's programs are not installed beside this Python")
-    times, truth, estimate = walk(seed)
-    files = [tum(tmp_path / "truth.txt", times, truth), tum(tmp_path / "estimate.txt", times, estimate)]
-
-    def evo(program: str, *words: str) -> float:
-        out = tmp_path / f"{len(list(tmp_path.iterdir()))}.zip"
-        command = [
-            str(Path(sys.executable).with_name(program)),
-            "tum",
-            *files,
-            *words,
-            "--save_results",
-            str(out),
-        ]
-        subprocess.run(command, check=True, capture_output=True, env={"HOME": str(tmp_path)})
-        with zipfile.ZipFile(out) as results:
-            return float(json.loads(results.read("stats.json"))["rmse"])
-
+def test_errors_are_those_of_evo(seed: int) -> None:
+    evo: Any = pytest.importorskip("evo.core.metrics", reason="evo is not installed")
+    relation, (_, truth, estimate) = evo.PoseRelation, walk(seed)
     moved = trajectory.aligned(estimate, truth)
-    rpe = ("evo_rpe", "--delta", "1", "--delta_unit", "m", "--pairs_from_reference")
-    assert trajectory.ate(estimate, truth) == pytest.approx(evo("evo_ape"), abs=1e-6)
-    assert trajectory.ate(moved, truth) == pytest.approx(evo("evo_ape", "--align"), abs=1e-6)
-    assert trajectory.rpe(estimate, truth) == pytest.approx(evo(*rpe), abs=1e-6)
-    angle = ("evo_ape", "--pose_relation", "angle_rad")
-    assert trajectory.yaw_error(estimate, truth) == pytest.approx(evo(*angle), abs=1e-6)
-    assert trajectory.yaw_error(moved, truth) == pytest.approx(evo(*angle, "--align"), abs=1e-6)
+    drift = evo.RPE(relation.translation_part, 1, evo.Unit.meters, pairs_from_reference=True)
+    places, angles = (evo.APE(one) for one in (relation.translation_part, relation.rotation_angle_rad))
+    for ours, metric, align in (
+        (trajectory.ate(estimate, truth), places, False),
+        (trajectory.ate(moved, truth), places, True),
+        (trajectory.rpe(estimate, truth), drift, False),
+        (trajectory.yaw_error(estimate, truth), angles, False),
+        (trajectory.yaw_error(moved, truth), angles, True),
+    ):
+        assert ours == pytest.approx(evo_rmse(metric, estimate, truth, align=align), abs=1e-6)
 
 
 def test_a_filter_that_knows_its_errors_has_a_nees_of_three() -> None:
@@ -110,13 +102,13 @@ def test_what_cannot_be_measured_says_why() -> None:
     pose = SimpleNamespace(position=place, orientation=turn)
     message = SimpleNamespace(header=SimpleNamespace(stamp=stamp, frame_id="map"), pose=pose)
     truth = TruePath([0.5, 1.5], [(0.0, 0.0, 0.0)] * 2)
-    asked = pose_quantity("pose./slam/pose.ate")
+    asked = heard_quantity("pose./slam/pose.ate", POSE)
     assert asked is not None
     assert "1 of 1 poses" in pose_series(asked, {"/slam/pose": [*rows_of(message)]}, truth).nothing
     assert "no pose" in pose_series(asked, {}, truth).nothing
     place.x = 0.0
     for name, words in (("nees", "no covariance"), ("rpe_1m", "shorter")):
-        asked = pose_quantity(f"pose./slam/pose.{name}")
+        asked = heard_quantity(f"pose./slam/pose.{name}", POSE)
         assert asked is not None
         assert words in pose_series(asked, {"/slam/pose": [*rows_of(message)]}, truth).nothing
 

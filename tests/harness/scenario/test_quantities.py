@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from harness.scenario.names import PATTERN, TopicQuantity, check_messages
+from harness.scenario.names import PATTERN, HeardQuantity, check_messages
 from harness.scenario.quantities import check_name, names
 
 
@@ -36,7 +36,7 @@ def test_a_name_that_does_not_exist_is_told_with_the_nearest(name: str, told: st
 
 
 def test_of_a_type_that_turns_up_in_a_run_the_same_is_said() -> None:
-    speed = TopicQuantity("/cmd_vel", "linear.x")
+    speed = HeardQuantity("/cmd_vel", "linear.x")
     assert check_messages(speed, "geometry_msgs/msg/Twist") is None
     problem = check_messages(speed, "geometry_msgs/msg/TwistStamped")
     assert str(problem).startswith("/cmd_vel: field 'linear' does not exist; available: header, twist")

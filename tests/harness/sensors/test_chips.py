@@ -8,9 +8,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
-from harness.sensors.barometer import BarometerOptions, BarometerSensor
-from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
-from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
+from harness.sensors.chips import (
+    BarometerOptions,
+    BarometerSensor,
+    GnssFix,
+    GnssOptions,
+    GnssSensor,
+    MagnetometerOptions,
+    MagnetometerSensor,
+)
 from harness.sensors.noise import HARDWARE, WHITE, NoisePreset
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
@@ -100,21 +106,6 @@ def test_a_magnetometer_sees_the_field_of_the_datum_in_its_own_axes(
     assert (read.sensor, set(read.magnetic_field_covariance)) == ("compass", {0.0})
 
 
-def test_the_bmm150_has_the_errors_of_its_data_sheet() -> None:
-    """BST-BMM150-DS001: 0.3 uT RMS, 0.3 uT resolution, 2 uT left of the offset, +-1300 uT."""
-    rng, (sensor, rover) = np.random.default_rng(4), compass(4, noise=HARDWARE, field=FIELD)
-    exact = np.array(compass(field=FIELD)[0].read().magnetic_field) + rng.normal(0.0, 2e-6, 3)
-    for seconds in (0, 10**6):  # what is left of the offset stays
-        rover.time_ns = seconds * 10**9
-        counts = np.round((exact + rng.normal(0.0, 0.3e-6, 3)) / 0.3e-6)
-        read = sensor.read()
-        assert read.stamp_ns == rover.time_ns
-        assert read.magnetic_field == pytest.approx(0.3e-6 * counts)
-    given = np.array(read.magnetic_field_covariance).reshape(3, 3)
-    np.testing.assert_allclose(given, (0.3**2 + 2.0**2) * 1e-12 * np.eye(3), rtol=1e-9, atol=0)
-    assert compass(preset="bmm150")[0].read() == compass(noise=HARDWARE)[0].read()
-
-
 def barometer(
     preset: str = "", seed: int = 0, height: float = 0.0, noise: NoisePreset | None = None
 ) -> tuple[BarometerSensor, Any]:
@@ -131,17 +122,3 @@ def test_a_barometer_reads_the_pressure_of_table_5_of_iso_2533(altitude: float, 
     read = barometer(height=altitude - 1000.25)[0].read()  # 0.25 m below the sensor, datum at 1000 m
     assert (read.sensor, read.variance) == ("baro", 0.0)
     assert read.fluid_pressure == pytest.approx(pressure, rel=1e-5)
-
-
-def test_the_bmp280_has_the_errors_of_its_data_sheet() -> None:
-    """BST-BMP280-DS001: +-1 hPa absolute (three deviations), 1.3 Pa RMS, 0.16 Pa resolution."""
-    rng, (sensor, rover) = np.random.default_rng(4), barometer("", 4, noise=HARDWARE)
-    exact, wandered = barometer()[0].read().fluid_pressure, rng.normal(0.0, 100 / 3, 3)[0]
-    for reading in range(5):
-        rover.time_ns = reading * 10**13
-        wandered += rng.normal(0.0, 100.0, 3)[0] if reading else 0.0  # 1 Pa/sqrt(s): weather
-        expected = exact + wandered + rng.normal(0.0, 1.3, 3)[0]
-        read = sensor.read()
-        assert read.fluid_pressure == pytest.approx(0.16 * round(expected / 0.16))
-        assert read.stamp_ns == reading * 10**13
-        assert read.variance == pytest.approx((100 / 3) ** 2 + 1.3**2)

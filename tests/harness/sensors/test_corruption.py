@@ -82,23 +82,6 @@ def test_a_lost_return_is_a_miss_and_near_returns_and_faults_are_not_lost() -> N
     assert np.isposinf(read[:, 3]).all()
 
 
-@pytest.mark.parametrize("speed", [0.0, 0.02, -0.1, 0.3, -5.0])
-def test_a_step_may_be_disturbed_and_may_slide_by_the_wheels_speed(speed: float) -> None:
-    """Each by 1 - exp(-v / v0) for itself; the draws are part of what a seed means."""
-    chatter = ContactChatter(
-        speed=0.3, shape=2.0, falling=0.2, landing=5.0, sliding_speed=0.1, friction=0.4
-    )
-    rng, draws, force = np.random.default_rng(5), np.random.default_rng(5), np.array([3.0, 4.0, 12.0])
-    for _ in range(100):
-        load, caught, fate = draws.gamma(2.0, 0.5), 5.0 * draws.exponential(), draws.random()
-        load = 0.0 if fate < 0.2 else caught if fate < 0.25 else load  # 0.05 * 5 is what 0.25 weigh
-        push = 0.4 * 13.0 * draws.uniform(-1.0, 1.0, 2)
-        is_disturbed, slides = draws.random(2) < 1 - np.exp(-abs(speed) / np.array([0.3, 0.1]))
-        expected = (load if is_disturbed else 1.0) * (force + slides * np.append(push, 0.0))
-        assert chatter.shake((3.0, 4.0, 12.0), speed, rng) == pytest.approx(expected)
-    assert rng.random() == draws.random()
-
-
 def test_what_falls_is_caught_so_that_the_mean_load_is_the_weight() -> None:
     chatter = ContactChatter(
         speed=1e-3, shape=1.6, falling=0.04, landing=10.0, sliding_speed=1.0, friction=0.0

@@ -1,7 +1,6 @@
 """The height scan against MuJoCo's own rays from above, and where its cells are."""
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco
@@ -21,11 +20,9 @@ from harness.world.world import World
 from tests.harness.conftest import MakeSimulation
 from tests.harness.sensors.installed import installation
 from tests.harness.sensors.mujoco_rays import meets
-from tests.harness.sensors.test_lidar import terrain_spec
 from tests.support.rovers import LEO
 
 SIZE = (1.6, 0.9)
-SHAPES = ("BOX", "CYLINDER", "CAPSULE", "ELLIPSOID")
 
 
 @pytest.fixture(scope="module")
@@ -110,25 +107,3 @@ def test_what_is_off_the_map_is_not_known(axis: int, end: int) -> None:
     beyond = np.arange(len(heights)) > (len(heights) - 1) / 2
     assert np.isnan(heights[beyond]).all()
     assert np.isfinite(heights[: len(heights) // 2]).all()
-
-
-def test_of_another_rover_every_shape_is_seen_meshes_too() -> None:
-    spec, rng = terrain_spec(np.zeros((41, 41)), 0.1), np.random.default_rng(4)
-    spec.worldbody.add_body(name="rover", pos=[0.0, 0.0, 0.6])
-    spec.add_mesh(name="shell", uservert=rng.uniform(-0.3, 0.3, 24).tolist())
-    other, places = spec.worldbody.add_body(name="other"), [-0.6, -0.3, 0.0, 0.3, 0.6]
-    kinds = [mujoco.mjtGeom.mjGEOM_MESH, *(getattr(mujoco.mjtGeom, f"mjGEOM_{k}") for k in SHAPES)]
-    for kind, x in zip(kinds, places, strict=True):
-        mesh = {"meshname": "shell"} if kind == kinds[0] else {"size": [0.12, 0.1, 0.15]}
-        turn = rng.normal(size=4)
-        other.add_geom(type=kind, pos=[x, 0.1, 0.3], quat=turn, mass=1.0, group=3, **mesh)
-    model = spec.compile()
-    data, others = mujoco.MjData(model), np.flatnonzero(model.geom_group == 3)
-    ground = Heightfield(np.zeros((41, 41)), 0.1)
-    scene = SimpleNamespace(others=others.tolist)
-    simulation = SimpleNamespace(model=model, data=data, scene=scene, ground=ground, time_ns=7)
-    read = scan(simulation, axes="world")
-    geoms, heights = from_above(model, data, read, (0, 3))
-    assert HeightScanOptions(name="scan", size=(0.04, 0.34)).cells == (1, 3)  # one at least
-    assert read.heights == pytest.approx(heights, abs=2e-6)
-    assert set(geoms.ravel().tolist()) == {0, *others.tolist()}

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 from harness.physics.simulation import Simulation
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.depth import DepthOptions
-from harness.sensors.noise import WHITE, NoisePreset
-from harness.sensors.range_sensor import RangeSensor
-from harness.sensors.ranging import RangeReading
+from harness.sensors.noise import NoisePreset
+from harness.sensors.ranging import RangeSensor
 from harness.sensors.rays.bundle import Surroundings
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation
@@ -73,17 +72,3 @@ def test_a_lost_pixel_is_nan_and_not_a_miss(make_simulation: MakeSimulation) -> 
     )
     assert np.isnan(lost).mean() == pytest.approx(0.2, abs=0.04)
     np.testing.assert_array_equal(np.where(np.isnan(lost), exact, lost), exact)
-
-
-@pytest.mark.parametrize(
-    ("noise", "own", "deviation"),
-    [(None, 0.0, 0.0), (WHITE, 0.0, 0.01), (None, 0.1, 0.1), (WHITE, 0.1, 0.1)],
-)
-def test_its_own_errors_stand_before_those_of_the_run(
-    noise: NoisePreset | None, own: float, deviation: float, make_simulation: MakeSimulation
-) -> None:
-    simulation = make_simulation(obstacles=(WALL,))
-    options = DepthOptions(name="eye", width=40, height=40, fov=1.0, noise=RangeErrors(white=own))
-    reading = camera(simulation, options, (0.1, 0.0, 0.9), noise).read()
-    assert isinstance(reading, RangeReading)
-    assert reading.ranges.std() == pytest.approx(deviation, rel=0.1, abs=1e-6)

@@ -1,6 +1,6 @@
 """Pose, true odometry and joint states against MuJoCo's own account of a state written by hand.
 
-And the IMU: means over a window, its mounting, and what it reads on a slope and in free fall.
+And the IMU: means over a window, its mounting, what it reads on a slope; how often people are told of.
 """
 
 import math
@@ -13,7 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
-from harness.sensors.state import GroundTruthSensor, ImuSensor, JointSensor, PoseSensor
+from harness.sensors.state import (
+    ImuSensor,
+    JointSensor,
+    PeopleSensor,
+)
 from tests.support.rovers import LEO
 
 MakeSimulation = Callable[..., Simulation]
@@ -21,37 +25,6 @@ MakeSimulation = Callable[..., Simulation]
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 TORQUE_LIMIT = {"leo": 4.0, "rover_zero4wd": 7.0, "husky": 30.0, "jackal": 8.0}  # [N m]
 SERVO_GAIN = {"leo": 20.0, "rover_zero4wd": 20.0, "husky": 400.0, "jackal": 200.0}  # [N m s/rad]
-
-
-@pytest.fixture(params=range(4), ids="state {}".format)
-def thrown(request: pytest.FixtureRequest, simulate: Callable[..., Simulation]) -> Simulation:
-    """A rover in the air, anyhow, moving and turning; bodies' poses are left where they were."""
-    rng = np.random.default_rng(request.param)
-    simulation = simulate(LEO)
-    simulation.tick()
-    simulation.data.qpos[:3] = rng.normal(size=3)
-    simulation.data.qpos[3:7] = Rotation.random(rng=rng).as_quat(scalar_first=True)
-    simulation.data.qvel[:] = rng.normal(size=simulation.model.nv)
-    return simulation
-
-
-def test_pose_and_true_twist_are_those_of_the_model_frame(thrown: Simulation) -> None:
-    pose, truth = PoseSensor(thrown, 2).read(), GroundTruthSensor(thrown, 2).read()
-    data, velocity = mujoco.MjData(thrown.model), np.empty(6)
-    data.qpos, data.qvel = thrown.data.qpos, thrown.data.qvel
-    mujoco.mj_forward(thrown.model, data)
-    body = data.body("rover")
-    assert (pose.stamp_ns, pose.empty) == (10_000_000, False)
-    assert pose.position == pytest.approx(body.xpos)
-    assert Rotation.from_quat(pose.orientation).as_matrix().ravel() == pytest.approx(body.xmat)
-    local, frame = 1, mujoco.mjtObj.mjOBJ_XBODY
-    mujoco.mj_objectVelocity(thrown.model, data, frame, body.id, velocity, local)
-    assert truth.stamp_ns == 10_000_000
-    assert (truth.x, truth.y) == pytest.approx(body.xpos[:2])
-    ahead = body.xmat.reshape(3, 3)[:, 0]
-    assert truth.yaw == pytest.approx(math.atan2(ahead[1], ahead[0]))
-    assert truth.angular_velocity == pytest.approx(velocity[:3])
-    assert truth.linear_velocity == pytest.approx(velocity[3:])
 
 
 @BOTH
@@ -139,3 +112,20 @@ def test_at_rest_on_a_slope_it_reads_gravity_upwards_in_its_own_frame(
     across = math.hypot(*reading.linear_acceleration[:2])
     assert across == pytest.approx(9.8 * math.sin(slope), abs=0.2)
     assert reading.angular_velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
+
+
+def test_people_are_told_of_thirty_times_in_each_second(
+    make_simulation: Callable[..., Simulation],
+) -> None:
+    simulation = make_simulation(actors=("g=1,1/1,-1", "x=0,1"))
+    assert simulation.crowd is not None
+    sensor = PeopleSensor(simulation, simulation.crowd)
+    due = [tick for tick in range(1, 301) if sensor.due(tick)]
+    assert len(due) == 90
+    assert all(abs(tick / 100 - (n + 1) / 30) < 0.01 for n, tick in enumerate(due))
+    simulation.tick()
+    told = sensor.read()
+    assert told.stamp_ns == simulation.time_ns
+    assert np.array(told.position) == pytest.approx(np.array([[1.0, 0.99, 0.875], [0.0, 1.0, 0.875]]))
+    half = np.sqrt(0.5)
+    assert told.orientation[0] == pytest.approx((0.0, 0.0, -half, half))

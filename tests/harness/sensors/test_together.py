@@ -12,10 +12,9 @@ from harness.episode.assembly import injector
 from harness.episode.episode import Episode
 from harness.frames.rover_frames import rover_frames
 from harness.robots import ROVERS, RoverSpec
-from harness.samples import Odometry, Pose, Tick, Transforms
-from harness.sensors.magnetometer import MagneticField
+from harness.samples import Pose, Tick
+from harness.sensors.chips import MagneticField
 from harness.sensors.optional import SensorOptions
-from harness.sensors.ranging import RangeReading
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.spec.sensor import parse_choice
@@ -46,19 +45,6 @@ def test_what_nobody_mounts_is_where_the_model_has_its_lidar(rover: RoverSpec) -
     assert eye.in_base[:3, :3] == pytest.approx(np.eye(3))
 
 
-def test_a_lost_pixel_a_miss_and_what_a_fault_makes_of_them_can_be_told_apart() -> None:
-    """Hardware loses 1 % of what is met; the fault turns a third of all values into infinity."""
-    shared = {"terrain": "posts", "duration": 1.0, "noise": "hardware"}
-    clean = np.array([r.ranges for r in of(RangeReading, ticks(carrying("depth", **shared)))])
-    faulty = carrying("depth", faults=("depth:inf=0.3",), **shared)
-    read = np.array([r.ranges for r in of(RangeReading, ticks(faulty))])
-    met = np.isfinite(clean) | np.isnan(clean)
-    assert np.isnan(clean).sum() / met.sum() == pytest.approx(0.01, abs=0.002)
-    assert np.isposinf(read).mean() - 0.7 * np.isposinf(clean).mean() == pytest.approx(0.3, abs=0.01)
-    kept = ~np.isposinf(read)
-    np.testing.assert_array_equal(read[kept], clean[kept])
-
-
 def test_a_compass_on_a_map_from_a_file_shows_the_field_of_its_datum(tmp_path: Path) -> None:
     rough = np.random.default_rng(0).normal(0.0, 0.02, (41, 41))
     tifffile.imwrite(tmp_path / "hill.tif", rough.astype(np.float32))
@@ -73,20 +59,3 @@ def test_a_compass_on_a_map_from_a_file_shows_the_field_of_its_datum(tmp_path: P
     for one in read:
         turn = Rotation.from_quat(poses[one.stamp_ns].orientation)
         assert turn.apply(one.magnetic_field) == pytest.approx(field, abs=1e-10)
-
-
-def test_odometry_of_tyres_that_are_not_as_believed_and_its_transform_agree() -> None:
-    """Straight ahead: each seed has its own radii, of half a percent; a rover at rest goes nowhere."""
-    ways = []
-    for seed in range(12):
-        shared = {"terrain": "flat", "duration": 1.0, "seed": seed, "lidar_beams": 9}
-        sent = [
-            ticks(Run.of(driver="straight", noise=noise, **shared), FrameOptions(odom_tf="wheels"))
-            for noise in ("hardware", None)
-        ]
-        noisy, exact = (of(Odometry, some)[-1] for some in sent)
-        ways.append(exact.x / noisy.x)
-        told = {one.stamp_ns: one.translation[:2] for one in of(Transforms, sent[0])}
-        assert told[noisy.stamp_ns] == pytest.approx((noisy.x, noisy.y), abs=1e-12)
-    assert np.std(ways) == pytest.approx(0.005 / 2**0.5, rel=0.6)
-    assert np.mean(ways) == pytest.approx(1.0, abs=0.004)

@@ -57,35 +57,6 @@ def test_a_rolling_wheel_is_resisted_and_a_locked_one_ploughs(soil: Soil, load: 
         )  # its rim slips a little
 
 
-@given(
-    soils.filter(lambda soil: soil.leaves_ruts), loads, st.floats(0.0, 0.3), st.sampled_from([0.0, 1.0])
-)
-@settings(deadline=None)
-def test_the_second_pass_is_shallower_and_resisted_less(
-    soil: Soil, load: float, braking: float, grousers: float
-) -> None:
-    def passed(rut: float) -> tuple[float, float]:
-        """How much deeper than a rut a wheel sinks in it [m], and what resists it [N]."""
-        motion, size = ((1.0 - braking) * SPEED, SPEED, 0.0, 0.0), (RADIUS, WIDTH, grousers)
-        low, high = rut, rut + 1.4 * RADIUS
-        for _ in range(40):
-            h, state = 0.5 * (low + high), np.zeros(STATE)
-            ahead, _, lift, brake, _ = wheel_force(
-                soil.numbers(WIDTH, 9.81), size, (h, rut), (h, rut), motion, state, 1e9
-            )
-            low, high = (low, h) if lift > load else (h, high)
-        return high - rut, brake / RADIUS - ahead  # what the drive gives and no pull comes of
-
-    first, resisted = passed(0.0)
-    second, eased = passed(0.9 * first)
-    assert second < first
-    assert eased < resisted
-
-
-def test_no_load_is_no_force() -> None:
-    assert drawn(SOILS["dry_sand"], SPEED, 1e-6) == pytest.approx(np.zeros(4), abs=2e-3)
-
-
 @pytest.mark.parametrize("name", ["dry_sand", "lll_sand", "clay", "lunar", "firm"])
 def test_pull_grows_with_slip_up_to_three_quarters(name: str) -> None:
     pulls = [drawn(SOILS[name], SPEED / (1.0 - slip), 21.0)[1] for slip in np.linspace(0.0, 0.75, 16)]

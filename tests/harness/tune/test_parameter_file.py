@@ -29,9 +29,7 @@ def test_metrics_node_takes_every_value_of_the_file(small_sweep: "Sweep", tmp_pa
     file.write_text(parameter_file(study, "a command"))
     parameters = YAML(typ="safe").load(file)["/**"]["ros__parameters"]
     words = ["--duration", "1", "--log-dir", str(tmp_path), "--extended"]
-
     exit_code = run.main([*words, "--ros-args", "--params-file", str(file)])
-
     (manifest,) = tmp_path.glob("*.json")
     thresholds = json.loads(manifest.read_text())["thresholds"]
     assert exit_code == 0
@@ -42,9 +40,7 @@ def test_metrics_node_takes_every_value_of_the_file(small_sweep: "Sweep", tmp_pa
 
 def test_a_threshold_that_is_not_supported_is_only_a_comment(small_sweep: "Sweep") -> None:
     study = small_sweep[0][1]  # drove on a smooth floor and touched nothing
-
     text = parameter_file(study, "a command")
-
     parameters = YAML(typ="safe").load(text)["/**"]["ros__parameters"]
     unsupported = [verdict for verdict in study.verdicts if verdict.lack is not None]
     assert unsupported
@@ -57,20 +53,15 @@ def test_a_threshold_that_is_not_supported_is_only_a_comment(small_sweep: "Sweep
     assert "footprint_threshold" not in parameters
 
 
-def test_only_what_beats_its_default_is_written(
-    small_sweep: "Sweep",
-) -> None:
+def test_only_what_beats_its_default_is_written(small_sweep: "Sweep") -> None:
     study = small_sweep[0][0]
     near, threshold = study.collision.footprint
     scores = {Part.TRAIN: {"F1": Estimate(0.9)}, Part.TEST: {"F1": Estimate(0.9961, 0.9932, 0.9975)}}
-    better = replace(
-        near, tuned=Candidate(value=True, scores=scores), gain={"F1": Estimate(0.009, 0.006, 0.012)}
-    )
+    tuned, gain = Candidate(value=True, scores=scores), {"F1": Estimate(0.009, 0.006, 0.012)}
+    better = replace(near, tuned=tuned, gain=gain)
     same = replace(threshold, tuned=threshold.default, gain={"F1": Estimate(0.0, 0.0, 0.0)}, lack=None)
     collision = replace(study.collision, footprint=(better, same))
-
     text = parameter_file(replace(study, collision=collision), "a command")
-
     parameters = YAML(typ="safe").load(text)["/**"]["ros__parameters"]
     assert parameters["near_returns_as_contact"] is True
     assert "# F1 on unseen seeds 0.996 (0.993 to 0.998); with the default, false: " in text

@@ -43,16 +43,13 @@ class Prepared(Workers):
 
 @pytest.fixture
 def content(make_record: MakeRecord) -> bytes:
-    return encode(
-        make_record([1.0, float("inf")], contacts=[(0.05, 0.1)], windows=[{"roughness": 0.01}])
-    )
+    windows = [{"roughness": 0.01}]
+    return encode(make_record([1.0, float("inf")], contacts=[(0.05, 0.1)], windows=windows))
 
 
 def test_a_sweep_drives_everything_once(tmp_path: Path, content: bytes) -> None:
     workers, shown = Prepared(content), list[int]()
-
     records = sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), workers, shown.append)
-
     assert sorted(e.index for e in workers.driven) == list(range(8))
     assert list(records) == list(PLANNED)
     assert [encode(record) for record in records.values()] == [content] * 8
@@ -65,7 +62,6 @@ def test_what_was_driven_before_is_not_driven_again_unless_its_file_is_torn(
     first = Prepared(content, dies_after=[3, 0, 0, 0])
     with pytest.raises(RunFailed, match="the same command goes on"):
         sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), first, lambda _: None)
-
     second, third = Prepared(content), Prepared(content)
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), second, lambda _: None)
     huge = io.BytesIO(content)
@@ -75,7 +71,6 @@ def test_what_was_driven_before_is_not_driven_again_unless_its_file_is_torn(
     for number, damage in enumerate((b"", b"PK", huge.getvalue(), content[:100])):
         next((tmp_path / "episodes").glob(f"000{number}-*.npz")).write_bytes(damage)
     sweeping.sweep(PLANNED, Store(tmp_path, PLANNED), third, lambda _: None)
-
     assert (len(first.driven), len(second.driven)) == (3, 5)
     assert [e.index for e in third.driven] == [3, 2, 1, 0]  # torn files
 
@@ -87,7 +82,6 @@ def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None
         config |= {"of_another_day": None, "some_of_another_day": []}
     (tmp_path / "sweep.json").write_text(json.dumps(sweep))
     Store(tmp_path, PLANNED)
-
     config["some_of_another_day"] = [1.0]
     (tmp_path / "sweep.json").write_text(json.dumps(sweep))
     with pytest.raises(UsageError, match="other robots, driver, seed or duration"):
@@ -102,44 +96,34 @@ def test_a_sweep_of_a_folders_rover_is_another_once_its_model_has_changed(tmp_pa
     Store(tmp_path / "out", planned)
     model = next(rover.glob("*.xml"))
     model.write_text(model.read_text() + "<!-- changed -->")
-
     with pytest.raises(UsageError, match="another sweep's files"):
         Store(tmp_path / "out", planned)
 
 
-def episodes_without_a_sweep(folder: Path) -> None:
-    (folder / "episodes").mkdir(parents=True)
-    (folder / "episodes" / "a.npz").touch()
+def with_text(change: Callable[[str], str]) -> Callable[[Path], None]:
+    """Makes a folder of the sweep whose sweep.json has been changed."""
 
-
-def of_another_version(folder: Path) -> None:
-    Store(folder, PLANNED)
-    sweep = json.loads((folder / "sweep.json").read_text())
-    (folder / "sweep.json").write_text(json.dumps(sweep | {"version": "0.0.1"}))
-
-
-def with_text(text: str) -> Callable[[Path], None]:
-    def damaged(folder: Path) -> None:
+    def changed(folder: Path) -> None:
         Store(folder, PLANNED)
-        (folder / "sweep.json").write_text(text)
+        (folder / "sweep.json").write_text(change((folder / "sweep.json").read_text()))
 
-    return damaged
+    return changed
 
 
 @pytest.mark.parametrize(
     ("before", "mend"),
     [
         (lambda at: Store(at, plan(("leo",), 4, 0, 5.0)), "4 episodes instead of 8"),
+        (lambda at: Store(at, plan(("leo", "rover_zero4wd"), 4, 1, 5.0)), "other robots, driver, seed"),
         (
-            lambda at: Store(at, plan(("leo", "rover_zero4wd"), 4, 1, 5.0)),
-            "other robots, driver, seed or duration",
+            with_text(lambda s: json.dumps(json.loads(s) | {"version": "0.0.1"})),
+            "version 0.0.1 instead of",
         ),
-        (of_another_version, "version 0.0.1 instead of"),
         *(
-            (with_text(text), "is not readable")
+            (with_text(lambda _, text=text: text), "is not readable")  # type: ignore[misc]
             for text in ("", "[]", "{}", "[" * 9**5, '{"episodes": 3}')
         ),
-        (episodes_without_a_sweep, "no known sweep"),
+        (lambda at: (at / "episodes/a.npz").mkdir(parents=True), "no known sweep"),
         (Path.touch, "cannot write to"),
     ],
 )
@@ -148,7 +132,6 @@ def test_a_folder_of_no_or_another_sweep(
 ) -> None:
     folder = tmp_path / "out"
     before(folder)
-
     with pytest.raises(UsageError, match=f"{mend}.*choose another --out") as caught:
         Store(folder, PLANNED)
     assert str(folder) in str(caught.value)

@@ -20,7 +20,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.workers import WorkerLost, add_options, work_off, workers_of
 from harness.workers import clusters as module
 from harness.workers.clusters import Cluster, versions
-from harness.workers.local import LocalWorkers
+from harness.workers.pool import LocalWorkers
 from tests.support.waiting import PATIENCE, wait_until
 
 HERE = Path(__file__).parent
@@ -103,9 +103,8 @@ def test_only_losses_in_a_row_without_any_outcome_count(failures: int, *, given_
     kept: dict[int, int] = {}
 
     def run() -> None:
-        work_off(
-            {n: n for n in range(9)}, abs, Flaky(failures), kept.__setitem__, name=str, mend="go on"
-        )
+        items = {n: n for n in range(9)}
+        work_off(items, abs, Flaky(failures), kept.__setitem__, name=str, mend="go on")
 
     if given_up:
         with pytest.raises(RunFailed, match=r"^lost; not done: 0, 1, 2 and 6 more; go on$"):
@@ -270,13 +269,11 @@ def test_a_process_of_a_cluster_does_one_thing_at_a_time() -> None:
     assert all(isinstance(error, threading.BrokenBarrierError) for _, error in outcomes)
 
 
-def test_a_cluster_gives_every_outcome_once(threads: Quiet, stand_ins: ModuleType) -> None:
-    assert sorted(threads.map(stand_ins.square, range(4))) == [(n, n * n) for n in range(4)]
-
-
-def test_what_work_raises_on_a_cluster_comes_out_with_its_traceback(
+def test_a_cluster_gives_every_outcome_once_and_what_is_raised_with_its_traceback(
     threads: Quiet, stand_ins: ModuleType
 ) -> None:
+    assert sorted(threads.map(stand_ins.square, range(4))) == [(n, n * n) for n in range(4)]
+    threads.pool = ThreadPoolExecutor(2)  # a map ends with `cancel`
     with pytest.raises(ValueError, match="three") as caught:
         list(threads.map(stand_ins.fail_at_3, range(5)))
     assert "in fail_at_3" in caught.value.__notes__[0]

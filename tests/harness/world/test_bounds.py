@@ -10,7 +10,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.drivers import find_driver
 from harness.spec.run import Run
-from harness.world.actors.trajectory import read_trajectories
+from harness.world.actors.people import read_trajectories
 from harness.world.heightfield import Heightfield
 from harness.world.heightmap.raster import read_raster
 from harness.world.sdf import reader

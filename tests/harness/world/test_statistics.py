@@ -52,26 +52,19 @@ def test_a_promise_is_described_with_its_units() -> None:
     )
 
 
-def mean_square(heights: np.ndarray, row: int, column: int, reach: int) -> float:
-    """Over the window around a vertex, of the height above the mean of the window around each."""
-    near = range(-reach, reach + 1)
-    total = 0.0
-    for r, c in ((row + i, column + j) for i in near for j in near):
-        window = heights[r - reach : r + reach + 1, c - reach : c + reach + 1]
-        total += (heights[r, c] - window.mean()) ** 2
-    return float(total / len(near) ** 2)
-
-
 @pytest.mark.parametrize(("cell", "reach"), [(0.03, 5), (0.1, 1), (0.5, 1)])
 def test_roughness_is_the_mean_square_residual_around_the_nearest_vertex_that_has_one(
     cell: float, reach: int
 ) -> None:
-    heights = np.random.default_rng(0).normal(0.0, 0.01, (41, 51))
+    """One vertex is 1 m high: its residual is 1 less its share of a window, of others their shares."""
+    heights, count = np.zeros((41, 51)), (2 * reach + 1) ** 2
+    heights[20, 25] = 1.0
     rough = RoughnessMap(Heightfield(heights, cell, (70.0, -90.0)))
-    for row, column in ((20, 20), (12, 30), (2 * reach, 50 - 2 * reach), (-3, 25), (45, 60), (20, -9)):
-        inset = 2 * reach
-        inner = min(max(row, inset), 40 - inset), min(max(column, inset), 50 - inset)
-        expected = pytest.approx(mean_square(heights, *inner, reach))
-        x, y = 70.0 + (column - 25) * cell, -90.0 + (row - 20) * cell
-        for off in (0.0, 0.49 * cell, -0.49 * cell):
-            assert rough.mean_square(x + off, y - off) == expected
+    expected = ((1.0 - 1.0 / count) ** 2 + (count - 1) / count**2) / count
+    for off in (0.0, 0.49 * cell, -0.49 * cell):
+        assert rough.mean_square(70.0 + off, -90.0 - off) == pytest.approx(expected)
+    assert rough.mean_square(70.0 + (2 * reach + 1) * cell, -90.0) == pytest.approx(0.0, abs=1e-12)
+    heights[20, 2 * reach] = 1.0
+    rough = RoughnessMap(Heightfield(heights, cell, (70.0, -90.0)))
+    for x in (70.0 + (2 * reach - 25) * cell, 70.0 - 40 * cell):  # and beyond the map
+        assert rough.mean_square(x, -90.0) == pytest.approx(expected)

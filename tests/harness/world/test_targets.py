@@ -15,7 +15,7 @@ from harness.spec.run import Run
 from harness.spec.target import DICTIONARIES
 from harness.world.actors.free_space import FreeSpace
 from harness.world.obstacles import bottom, top
-from harness.world.targets.aruco import cells, face_image
+from harness.world.targets.forms import cells, face_image
 from harness.world.targets.placing import Target
 from harness.world.world import terrain_hash
 

@@ -31,11 +31,8 @@ def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     """Run the command with an output folder of its own; gives exit code, stdout, stderr."""
 
     def call(*words: object) -> tuple[int, str, str]:
-        given = [str(word) for word in words]
-        output = [] if "-o" in given else ["-o", str(tmp_path / "out")]
-        code = main([*given, *output])
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
+        output = [] if "-o" in words else ["-o", tmp_path / "out"]
+        return main([*map(str, (*words, *output))]), *capsys.readouterr()
 
     return call
 
@@ -95,16 +92,8 @@ def test_two_groups_are_compared(
     assert comparison["p"] == pytest.approx(2 / 70)
     assert comparison["difference"] == pytest.approx(0.675 - 0.1875, rel=1e-5)
     plots = ("correlation", "aggregate", "comparison")
-    more = [
-        "--confidence-level",
-        "0.9",
-        "--fixed-interval",
-        "5",
-        "--iqr-multiplier",
-        "0.5",
-        "--unit",
-        "log",
-    ]
+    more = ["--confidence-level", "0.9", "--fixed-interval", "5"]
+    more += ["--iqr-multiplier", "0.5", "--unit", "log"]
     code, out, err = run(*words, "-p", *plots, "--csv", "--latex", "--save-outliers", *more)
     assert (code, err, tuple(drawn)) == (0, "", plots)
     files = sorted((tmp_path / "out").iterdir())
@@ -144,14 +133,9 @@ def test_outliers_are_counted(run: Run, write_log: WriteLog, row: Row, tmp_path:
     assert as_json(run(log, *words, "-o", made.parent))["files"] == [str(made)]
     with made.open(newline="") as file:
         (saved,) = csv.DictReader(file)
-    assert saved == {
-        "Log": "'=1+1",  # no formula
-        "Path": str(log),
-        "Timestamp": "130.0",
-        "Metric": "OC",
-        "Value": "50.499803",
-        "Unit": "m",
-    }
+    titles = ("Log", "Path", "Timestamp", "Metric", "Value", "Unit")
+    cells = ("'=1+1", str(log), "130.0", "OC", "50.499803", "m")  # and no formula
+    assert saved == dict(zip(titles, cells, strict=True))
 
 
 def logs_at(write_log: WriteLog, row: Row, group: str, velocities: list[float]) -> list[Path]:
@@ -191,10 +175,7 @@ def test_groups_of_the_same_seeds_are_compared_in_pairs(run: Run, write_log: Wri
 def test_any_column_is_a_metric(
     run: Run, write_log: WriteLog, row: Row, drawn: dict[str, Figure]
 ) -> None:
-    logs = [
-        *logs_at(write_log, row, "a", [0.1, 0.2, 0.3]),
-        *logs_at(write_log, row, "b", [0.5, 0.6, 0.7]),
-    ]
+    logs = logs_at(write_log, row, "a", [0.1, 0.2, 0.3]) + logs_at(write_log, row, "b", [0.5, 0.6, 0.7])
     for i, log in enumerate(logs):
         head, *rows = log.read_text().splitlines()[:11]
         jerk = [f"{line},{40 * i + s},Bob,,{s}" for s, line in enumerate(rows)]
@@ -221,9 +202,8 @@ def test_any_column_is_a_metric(
     names = ["a/b", "A b", "../..", "X\x1b"]  # each gets a file of its own
     logs[0].write_text("\n".join([",".join([head, *names]), *(f"{line},1,2,3,4" for line in rows)]))
     drawn.clear()
-    last = as_json(
-        run(logs[0], logs[0].parent / "." / logs[0].name, "-m", *names, "--gap", "0.5", "--json")
-    )
+    twice = (logs[0], logs[0].parent / "." / logs[0].name)
+    last = as_json(run(*twice, "-m", *names, "--gap", "0.5", "--json"))
     assert [name.removeprefix("time_series_") for name in drawn] == ["a_b", "A_b_2", "column", "X"]
     assert [log["episodes"] for log in last["logs"]] == [len(rows)]  # named twice, counted once
 

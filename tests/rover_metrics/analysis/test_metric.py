@@ -2,15 +2,8 @@
 
 import pytest
 
-from rover_metrics.analysis.metric import (
-    COUNTERS,
-    METRICS,
-    Kind,
-    UnknownMetric,
-    choose,
-    is_other,
-    other_metric,
-)
+from rover_metrics.analysis import metric as of
+from rover_metrics.analysis.metric import METRICS, Kind, choose, is_other, other_metric
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
@@ -33,7 +26,7 @@ def test_any_other_column_is_a_metric_too(column: str, label: str, kind: Kind, s
 
 
 def test_columns_that_only_grow_are_reported_as_rates() -> None:
-    assert tuple(column.name for column in ROBOTERRAIN_COLUMNS if column.cumulative) == COUNTERS
+    assert tuple(column.name for column in ROBOTERRAIN_COLUMNS if column.cumulative) == of.COUNTERS
     others = [name for name in EXTENDED_HEADER if is_other(name)]
     rates = [name for name in others if other_metric(name).kind is Kind.COUNTER]
     counted = ("Events", "Scans", "Collisions", "Rejected", "Lost")
@@ -66,5 +59,5 @@ def test_a_metric_is_named_by_code_or_column_and_counts_once(words: list[str], c
     ],
 )
 def test_a_word_that_is_neither_is_told_with_what_there_is(word: str, told: str) -> None:
-    with pytest.raises(UnknownMetric, match=f"^-m {word}: .*{told}"):
+    with pytest.raises(of.UnknownMetric, match=f"^-m {word}: .*{told}"):
         choose([word], [HEADER])

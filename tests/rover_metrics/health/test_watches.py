@@ -4,22 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.health.watches import (
-    JUMPED_AHEAD,
-    MISSING,
-    NO_STAMP,
-    STANDS_STILL,
-    WENT_BACK,
-    Finding,
-    Silence,
-    SilenceWatch,
-    StampWatch,
-)
+from rover_metrics.health import watches
+from rover_metrics.health.watches import MISSING, Finding, Silence, SilenceWatch, StampWatch
 
 SECOND = 10**9
 PERIOD = 50_000_000  # ns
 START = 1_737_000_000 * SECOND
 BEGUN, OVER = False, True
+JUMPED, NO_STAMP, BACK = (watches.JUMPED_AHEAD, 1), (watches.NO_STAMP, 1), (watches.WENT_BACK, 1)
 
 
 def changes_of_the_rule(looks: Sequence[tuple[int, int]], limit: int) -> list[Silence | None]:
@@ -78,10 +70,10 @@ def watching(period_ns: int = PERIOD, intervals: int = 20) -> StampWatch:
         ([124_999_999], (MISSING, 1)),
         ([125_000_000], (MISSING, 2)),  # 2.5: half and more is one more
         ([10 * SECOND], (MISSING, 199)),
-        ([10 * SECOND + 1], (JUMPED_AHEAD, 1)),
-        ([0], (STANDS_STILL, 1)),
-        ([-1], (WENT_BACK, 1)),
-        ([-20 * PERIOD - START, 0], (NO_STAMP, 1)),
+        ([10 * SECOND + 1], JUMPED),
+        ([0], (watches.STANDS_STILL, 1)),
+        ([-1], BACK),
+        ([-20 * PERIOD - START, 0], NO_STAMP),
         ([-10 * PERIOD, PERIOD], None),  # goes on from where it went
         ([3600 * SECOND, 2 * PERIOD], (MISSING, 1)),
     ],
@@ -111,7 +103,7 @@ def test_eight_intervals_tell_a_period(intervals: int, period: int | None) -> No
     watch.learn()
     assert watch.period_ns == period
     assert after(watch, 4 * PERIOD) == [(MISSING, 3) if period else None]
-    assert after(watching(intervals=2), 10 * SECOND, 10 * SECOND + 1) == [None, (JUMPED_AHEAD, 1)]
+    assert after(watching(intervals=2), 10 * SECOND, 10 * SECOND + 1) == [None, JUMPED]
 
 
 def test_the_period_is_the_median_of_the_latest_64_intervals() -> None:
@@ -137,7 +129,7 @@ def test_odd_steps_teach_no_period_but_those_of_a_slower_sensor_do() -> None:
 def test_a_sensor_that_never_stamps_is_named() -> None:
     watch = StampWatch()
     assert watch.latest_ns == 0
-    assert [watch.take(0) for _ in range(3)] == [(NO_STAMP, 1)] * 3
+    assert [watch.take(0) for _ in range(3)] == [NO_STAMP] * 3
     assert watch.take(5) is None
     assert watch.latest_ns == 5
-    assert [watch.take(stamp) for stamp in (0, START)] == [(WENT_BACK, 1), (JUMPED_AHEAD, 1)]
+    assert [watch.take(stamp) for stamp in (0, START)] == [BACK, JUMPED]

@@ -3,9 +3,6 @@ import errno
 import io
 import os
 import shutil
-from collections.abc import Callable
-from contextlib import AbstractContextManager
-from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -14,13 +11,7 @@ from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.errors import LogError
 from rover_metrics.log.buffered_log import BufferedLog
-
-STARTED = datetime(2025, 1, 16, 12, 4, 57)
-FullDisk = Callable[[int], AbstractContextManager[None]]
-
-
-class Told(list[str]):
-    """What the user has been told."""
+from tests.rover_metrics.conftest import STARTED, FullDisk
 
 
 def row(second: int) -> Row:
@@ -32,12 +23,12 @@ def seconds(path: Path) -> list[int]:
         return [int(line["Timestamp"]) for line in csv.DictReader(file)]
 
 
-def buffered(folder: Path, told: Told, *capacity: int) -> BufferedLog:
+def buffered(folder: Path, told: list[str], *capacity: int) -> BufferedLog:
     return BufferedLog(folder, STARTED, told.append, *capacity)
 
 
 def test_rows_wait_in_order_while_the_disk_is_full(tmp_path: Path, full_disk: FullDisk) -> None:
-    told = Told()
+    told: list[str] = []
     log = buffered(tmp_path, told)
     assert not log.fsync
     log.write(row(0))
@@ -59,16 +50,15 @@ def test_rows_wait_in_order_while_the_disk_is_full(tmp_path: Path, full_disk: Fu
 
 
 def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full_disk: FullDisk) -> None:
-    told = Told()
+    told: list[str] = []
     log = buffered(tmp_path, told, 10)
     with full_disk(1):
         for second in range(25):
             log.write(row(second))
             assert log.waiting <= 10
     assert log.dropped == 15
-    assert [line.split(":")[0] for line in told[1:]] == [
-        f"{lost} rows are lost so far" for lost in (1, 2, 4, 8)
-    ]
+    lost = [f"{rows} rows are lost so far" for rows in (1, 2, 4, 8)]
+    assert [line.split(":")[0] for line in told[1:]] == lost
     log.write(row(25))
     log.close()
     assert seconds(log.path) == list(range(15, 26))
@@ -76,7 +66,7 @@ def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full
 
 
 def test_rows_that_wait_at_the_end_are_tried_once_more(tmp_path: Path, full_disk: FullDisk) -> None:
-    told = Told()
+    told: list[str] = []
     log = buffered(tmp_path, told)
     with full_disk(1):
         for second in range(3):
@@ -90,7 +80,7 @@ def test_rows_that_wait_at_the_end_are_tried_once_more(tmp_path: Path, full_disk
 
 
 def test_rows_outlive_a_folder_that_cannot_be_made_again(tmp_path: Path, full_disk: FullDisk) -> None:
-    told, folder = Told(), tmp_path / "logs"
+    told, folder = list[str](), tmp_path / "logs"
     log = buffered(folder, told)
     log.write(row(0))
     with full_disk(1):
@@ -114,7 +104,7 @@ def test_a_file_that_the_disk_refuses_to_close_is_told(tmp_path: Path) -> None:
             super().close()
             raise OSError(errno.EIO, os.strerror(errno.EIO))
 
-    told = Told()
+    told: list[str] = []
     log = buffered(tmp_path, told)
     log._file.close()
     log._file = Broken(log.path, "r+")

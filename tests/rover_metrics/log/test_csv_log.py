@@ -4,8 +4,7 @@ import gc
 import io
 import os
 import shutil
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -18,6 +17,7 @@ from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.errors import LogError
 from rover_metrics.log import csv_log
 from rover_metrics.log.csv_log import CsvLog, harmless
+from tests.rover_metrics.conftest import FullDisk
 
 Patch = pytest.MonkeyPatch
 
@@ -29,7 +29,6 @@ HEADER = (
     b"Obstacle Clearance,Distance Traveled,Current Velocity,IMU Acceleration Magnitude,"
     b"Is Rough Terrain,Vertical Roughness,Notes\r\n"
 )
-FullDisk = Callable[[int], AbstractContextManager[None]]
 REAL_LOGS = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 
 
@@ -249,20 +248,8 @@ def test_a_row_without_its_fsync_is_an_error(tmp_path: Path, monkeypatch: Patch,
 
 
 def test_no_text_starts_a_formula_and_negative_numbers_stay_numbers(tmp_path: Path) -> None:
-    texts = (
-        "=cmd|calc é",
-        "+1.5",
-        "@x",
-        "\t1",
-        "\r1",
-        "\n1",
-        "-5",
-        "-1.5e3",
-        "-1.50 m",
-        "--1.5",
-        "-.5",
-        "-1.",
-    )
+    texts = ["=cmd|calc é", "+1.5", "@x", "\t1", "\r1", "\n1"]
+    texts += ["-5", "-1.5e3", "-1.50 m", "--1.5", "-.5", "-1."]
     columns = ("=SUM(A1)", *COLUMNS[1:])
     with CsvLog(tmp_path, STARTED, columns=columns) as log:
         for text in texts:

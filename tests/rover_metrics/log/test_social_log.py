@@ -35,15 +35,8 @@ def test_without_a_second_since_the_row_before_there_is_no_speed_and_without_peo
     rows = SocialRows()
     speeds = [rows.next(time_s, (9.0 * time_s, 0.0), {}, 0).speed for time_s in (1.0, 1.0, 0.5, 1.5)]
     assert speeds == pytest.approx([math.nan, math.nan, math.nan, 9.0], nan_ok=True)
-    assert rows.next(2.0, (0.0, 0.0), {}, 3).as_fields() == [
-        5,
-        "2.00",
-        "0.00",
-        "0.00",
-        "27.00",
-        "nan",
-        3,
-    ]
+    last = rows.next(2.0, (0.0, 0.0), {}, 3).as_fields()
+    assert last == [5, "2.00", "0.00", "0.00", "27.00", "nan", 3]
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")
@@ -53,9 +46,8 @@ def test_the_header_and_the_cells_are_those_of_a_real_log() -> None:
     step, time_s, x, y, speed, *distances, nearest, goals = last.split(",")
     place, names = (float(x), float(y)), ("diag_actor", "linear_actor", "triangle_actor")
     people = {n: (place[0] + float(d), place[1]) for n, d in zip(names, distances, strict=True)}
-    cells = [
-        str(cell) for cell in SocialRows().next(float(time_s), place, people, int(goals)).as_fields()
-    ]
+    row = SocialRows().next(float(time_s), place, people, int(goals))
+    cells = [*map(str, row.as_fields())]
     cells[0], cells[4] = step, speed  # of the rows before
     assert ",".join(cells) == last
     assert min(map(float, distances)) == float(nearest)

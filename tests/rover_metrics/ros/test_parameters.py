@@ -80,19 +80,14 @@ def test_values_of_settings_have_the_types_that_ros_declares_and_lead_back_to_th
         assert types == {name: type(value) for name, value in Settings().parameters.items()}
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        *((name, "x" if type(info.default) is not str else 3) for name, info in PARAMETERS.items()),
-        ("rough_terrain_threshold", float("nan")),
-        ("debug_interval", 0),
-        ("stale_after", 5),
-    ],
-)
-def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: Rig, name: str, value: Any) -> None:  # noqa: ANN401
-    with pytest.raises(ParameterError) as refused:
-        rig.start(**{name: value})
-    assert str(refused.value) == f"parameter {name} must be {PARAMETERS[name].constraint}"
+def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: Rig) -> None:
+    wrong = [(name, "x" if type(info.default) is not str else 3) for name, info in PARAMETERS.items()]
+    odd = [("rough_terrain_threshold", float("nan")), ("debug_interval", 0), ("stale_after", 5)]
+    for name, value in (*wrong, *odd):
+        given: dict[str, Any] = {name: value}
+        with pytest.raises(ParameterError) as refused:
+            rig.start(**given)
+        assert str(refused.value) == f"parameter {name} must be {PARAMETERS[name].constraint}"
     assert list(rig.folder.iterdir()) == []
 
 

@@ -62,17 +62,13 @@ class Stage:
         return program.run_node("metrics_node", self.make_node, ["--ros-args"])
 
 
-@pytest.fixture
-def stage(monkeypatch: Patch) -> Stage:
-    return Stage(monkeypatch)
-
-
 UP = [("init", ["--ros-args"])]
 SPUN = ["make node", "standard executor", "add node", "spin"]
 DOWN = ["destroy node", "shutdown executor", "shutdown ROS"]
 
 
-def test_while_a_simulator_waits_the_faster_executor_spins_the_node(stage: Stage) -> None:
+def test_while_a_simulator_waits_the_faster_executor_spins_the_node(monkeypatch: Patch) -> None:
+    stage = Stage(monkeypatch)
     stage.lock_steps = [False, True, True, False]
     assert stage.run() == 0
     fast = ["shutdown executor", "events executor", "add node", *["spin bounded"] * 2]
@@ -84,10 +80,10 @@ def test_while_a_simulator_waits_the_faster_executor_spins_the_node(stage: Stage
 @pytest.mark.parametrize("where", ["make node", "spin"])
 @pytest.mark.parametrize("ros_is_up", [True, False])
 def test_an_error_of_rclpy_after_a_signal_is_a_clean_end(
-    stage: Stage, error: Exception, where: str, ros_is_up: bool
+    monkeypatch: Patch, error: Exception, where: str, ros_is_up: bool
 ) -> None:
-    stage.errors[where] = error
-    stage.ros_is_up = ros_is_up
+    stage = Stage(monkeypatch)
+    stage.errors[where], stage.ros_is_up = error, ros_is_up
     if ros_is_up:
         with pytest.raises(type(error)):
             stage.run()

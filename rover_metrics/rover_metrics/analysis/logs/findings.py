@@ -9,20 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from rover_metrics.analysis import metric as of
 from rover_metrics.analysis.logs.parsing import Table, Tally
-from rover_metrics.analysis.metric import (
-    ACCELERATION,
-    CLEARANCE,
-    COLLISION,
-    COUNTERS,
-    METRIC_COLUMNS,
-    ROUGH,
-    SMOOTHNESS,
-    SMOOTHNESS_SUM,
-    STAMP,
-    Metric,
-    is_other,
-)
+from rover_metrics.analysis.metric import SMOOTHNESS, SMOOTHNESS_SUM, STAMP, Metric
 from rover_metrics.core.metrics import WINDOW
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
@@ -36,7 +25,7 @@ _LARGEST_ERROR = 0.1  # of a quotient, beyond which being whole says nothing
 
 def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric]) -> list[str]:
     """Returns what was not usable of a file."""
-    asked = {*COUNTERS, *(name for each in metrics for name in (*each.columns, each.extended_column))}
+    asked = {*of.COUNTERS, *(name for each in metrics for name in (*each.columns, each.extended_column))}
     findings = [*_absent(header, metrics), *(["spaces before numbers"] if table.spaces else [])]
     too_long = " with more fields than the header, so which is which is unclear"
     findings += table.long.describe("row", too_long)
@@ -45,7 +34,7 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
     for name in filter(asked.__contains__, table.cells):
         findings += table.cells[name].describe("cell", f" without a number in {name}")
     for name in filter(asked.__contains__, table.infinite):
-        when = ", as before the first scan" if name == CLEARANCE else ""
+        when = ", as before the first scan" if name == of.CLEARANCE else ""
         findings += table.infinite[name].describe("infinite value", f" in {name}{when}")
     return findings
 
@@ -77,11 +66,11 @@ def describe_time(rows: pd.DataFrame, gap: float) -> list[str]:
 
 def _absent(header: Sequence[str], metrics: Sequence[Metric]) -> Iterator[str]:
     """Describes the columns that are not there, if a metric asked for needs them."""
-    absent = [name for name in METRIC_COLUMNS if name not in header]
+    absent = [name for name in of.METRIC_COLUMNS if name not in header]
     codes = [metric.code for metric in metrics if not set(metric.columns).isdisjoint(absent)]
     if codes:
         yield f"{len(header)} columns, without {', '.join(absent)}: no {', '.join(codes)}"
-    others = [metric.column for metric in metrics if is_other(metric.column)]
+    others = (metric.column for metric in metrics if of.is_other(metric.column))
     lacking = [name for name in others if name not in header]
     if lacking:
         more = f" and {len(lacking) - _MOST_NAMED} more" if len(lacking) > _MOST_NAMED else ""
@@ -98,10 +87,10 @@ class _Flag(NamedTuple):
 
 
 _FLAGS = (
-    _Flag(COLLISION, CLEARANCE, "collision_threshold", -1),
-    _Flag(ROUGH, ACCELERATION, "rough_terrain_threshold", 1),
+    _Flag(of.COLLISION, of.CLEARANCE, "collision_threshold", -1),
+    _Flag(of.ROUGH, of.ACCELERATION, "rough_terrain_threshold", 1),
 )
-CHECKED_COLUMNS = (COLLISION, CLEARANCE, ROUGH, ACCELERATION, SMOOTHNESS)
+CHECKED_COLUMNS = (*(name for flag in _FLAGS for name in (flag.column, flag.level)), SMOOTHNESS)
 
 
 def describe_consistency(rows: pd.DataFrame, thresholds: Thresholds) -> list[str]:
@@ -110,11 +99,9 @@ def describe_consistency(rows: pd.DataFrame, thresholds: Thresholds) -> list[str
     Rows are by line, with what the log has of CHECKED_COLUMNS and of the sum of smoothness.
     """
     flags = [flag for flag in _FLAGS if {flag.column, flag.level} <= set(rows)]
-    findings = [
-        line
-        for flag in flags
-        for line in _contradiction(rows, flag, getattr(thresholds, flag.threshold))
-    ]
+    findings: list[str] = []
+    for flag in flags:
+        findings += _contradiction(rows, flag, getattr(thresholds, flag.threshold))
     if {SMOOTHNESS, SMOOTHNESS_SUM} <= set(rows) and _is_mean_since_start(rows):
         findings.append(
             f"{SMOOTHNESS} is the mean since the start, as RoboTerrain's node writes it since 2025 "

@@ -20,24 +20,18 @@ DEFAULT_GAP = 10.0  # [s]: ten times the logging period; hand-edited logs lack a
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """One metrics log.
+    """One metrics log; its columns are those that were asked for and exist, one value a row.
 
-    Attributes:
-        stamps: Time of each row [s].
-        columns: The metric columns that were asked for and exist, one value a row. NaN where the
-            file has no number or infinity.
-        starts: First row of each episode, ascending; the first is 0.
-        thresholds: The thresholds at the end of its session; None if its record does not have them.
-        arguments: Arguments of the harness's run by name (robot, terrain, seed, ...); empty without one.
+    They are NaN where the file has no number or infinity.
     """
 
     path: Path
-    stamps: Floats
+    stamps: Floats  # time of each row [s]
     columns: Mapping[str, NDArray[np.floating]]
-    starts: Integers
-    findings: tuple[str, ...] = ()
-    thresholds: Thresholds | None = None
-    arguments: Mapping[str, Any] = field(default_factory=dict)
+    starts: Integers  # first row of each episode, ascending; the first is 0
+    findings: tuple[str, ...] = ()  # what was odd about the file
+    thresholds: Thresholds | None = None  # at the end of its session, if its record has them
+    arguments: Mapping[str, Any] = field(default_factory=dict)  # of the harness's run, by name
 
     def __len__(self) -> int:
         return len(self.stamps)
@@ -64,14 +58,11 @@ class Log:
 class TimeAxis:
     """How the rows of an episode are placed in time.
 
-    Attributes:
-        name: "percentage" of the episode; "fixed_interval" for one mean per interval; "none" for the
-            rows as they were recorded.
-        interval: Length of a fixed interval [s].
+    By percentage of the episode, as one mean per fixed interval, or ("none") as they were recorded.
     """
 
     name: AxisName = "percentage"
-    interval: float = 1.0
+    interval: float = 1.0  # length of a fixed interval [s]
 
     @property
     def label(self) -> str:

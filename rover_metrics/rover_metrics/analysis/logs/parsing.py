@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TextIO
+from typing import BinaryIO, TextIO
 
 import numpy as np
 import pandas as pd
@@ -54,26 +54,18 @@ class Tally:
 class Table:
     """The usable rows of a file, and a tally of what was not usable.
 
-    Attributes:
-        cells: Cells without a number, by column asked for.
-        infinite: Cells that are infinite, by column asked for.
-        rows: Timestamp [s], finite, and the columns asked for, NaN where the file has no finite number.
-            The index is the line of the file that a row stands on, from 1.
-        total: Rows of the file.
-        long: Rows with more fields than the header.
-        short: Rows cut short, or with fewer fields than the header for another reason.
-        untimed: Other rows without a finite time.
-        spaces: Whether cells of the first row begin with a space.
+    A row has its Timestamp [s], finite, and the columns asked for, NaN where the file has no finite
+    number. Its index is the line of the file that it stands on, from 1.
     """
 
-    cells: dict[str, Tally]
-    infinite: dict[str, Tally]
+    cells: dict[str, Tally]  # without a number, by column asked for
+    infinite: dict[str, Tally]  # cells that are infinite, by column asked for
     rows: pd.DataFrame = field(default_factory=pd.DataFrame)
-    total: int = 0
-    long: Tally = field(default_factory=Tally)
-    short: Tally = field(default_factory=Tally)
-    untimed: Tally = field(default_factory=Tally)
-    spaces: bool = False
+    total: int = 0  # rows of the file
+    long: Tally = field(default_factory=Tally)  # rows with more fields than the header
+    short: Tally = field(default_factory=Tally)  # with fewer, of the last one's being cut short too
+    untimed: Tally = field(default_factory=Tally)  # other rows without a finite time
+    spaces: bool = False  # whether cells of the first row begin with a space
 
 
 def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Table:
@@ -90,11 +82,13 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     """
     table = Table(cells={name: Tally() for name in wanted}, infinite={name: Tally() for name in wanted})
     try:
-        with path.open(encoding="utf-8", errors="replace", newline="") as file:
-            chunks = _chunks(_Narrow(file, len(header) + 1), header)
+        with path.open(encoding="utf-8", errors="replace", newline="") as text:
+            chunks = _chunks(_Narrow(text, len(header) + 1), header)
             table.rows = pd.concat([_usable(chunk, table) for chunk in chunks])
-        table.spaces = _has_spaces(path)
-        is_cut = _last_line_is_cut(path, len(header))
+        with path.open("rb") as file:
+            file.readline()
+            table.spaces = b", " in file.readline(_LONGEST_LINE).rpartition(b",")[0]
+            is_cut = _last_line_is_cut(file, len(header))
     except (OSError, ValueError, MemoryError) as error:  # pandas' ParserError is a ValueError
         reason = " ".join(str(error).split()) or "out of memory"
         raise UnreadableLog(f"cannot be read: {reason}") from error
@@ -105,17 +99,10 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     return table
 
 
-def _has_spaces(path: Path) -> bool:
-    with path.open("rb") as file:
-        file.readline()
-        return b", " in file.readline(_LONGEST_LINE).rpartition(b",")[0]
-
-
-def _last_line_is_cut(path: Path, fields: int) -> bool:
-    """Whether the file ends in the middle of a line; its last number may be half a number."""
-    with path.open("rb") as file:
-        file.seek(-min(_LONGEST_LINE, file.seek(0, os.SEEK_END)), os.SEEK_END)
-        last = file.read().rpartition(b"\n")[2]
+def _last_line_is_cut(file: BinaryIO, fields: int) -> bool:
+    """Whether a file ends in the middle of a line; its last number may be half a number."""
+    file.seek(-min(_LONGEST_LINE, file.seek(0, os.SEEK_END)), os.SEEK_END)
+    last = file.read().rpartition(b"\n")[2]
     return bool(last) and last.count(b",") < fields - 1
 
 
@@ -128,13 +115,10 @@ class _Narrow(io.TextIOBase):
     def read(self, size: int | None = -1) -> str:
         """Returns whole lines of about so many characters; all there are for none."""
         lines = self._file.readlines(-1 if size is None else size)
-        if any(line.count(",") >= self._fields for line in lines):
-            lines = [self._cut(line) for line in lines]
+        for place, line in enumerate(lines):
+            if line.count(",") >= self._fields:
+                lines[place] = ",".join(line.split(",", self._fields)[: self._fields]) + "\n"
         return "".join(lines)
-
-    def _cut(self, line: str) -> str:
-        fields = line.split(",", self._fields)
-        return line if len(fields) <= self._fields else ",".join(fields[: self._fields]) + "\n"
 
 
 def _chunks(file: _Narrow, header: Sequence[str]) -> Iterator[pd.DataFrame]:

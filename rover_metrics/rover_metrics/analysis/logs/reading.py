@@ -7,24 +7,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from rover_metrics.analysis.logs.findings import (
-    CHECKED_COLUMNS,
-    describe_consistency,
-    describe_table,
-    describe_time,
-)
+from rover_metrics.analysis.logs import findings as odd
 from rover_metrics.analysis.logs.header import UnreadableLog, read_header
 from rover_metrics.analysis.logs.log import DEFAULT_GAP, Floats, Integers, Log
 from rover_metrics.analysis.logs.parsing import Table, Tally, read_table
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.errors import counted
-from rover_metrics.log.session_record import (
-    SessionEnd,
-    session_arguments,
-    session_end,
-    session_thresholds,
-)
+from rover_metrics.log import session_record as record
 
 
 def read_log(
@@ -43,24 +33,25 @@ def read_log(
     header = read_header(path)
     columns = (column for m in metrics for column in (*m.columns, m.extended_column))
     needed = dict.fromkeys([*COUNTERS, *columns])
-    checked = dict.fromkeys([*needed, *CHECKED_COLUMNS])
+    checked = dict.fromkeys([*needed, *odd.CHECKED_COLUMNS])
     table = read_table(path, header, [name for name in checked if header.count(name) == 1])
     if not any(metric.column in header for metric in metrics):
         raise UnreadableLog(f"it has no column for {', '.join(metric.code for metric in metrics)}")
     _check_usable(table, header)
-    findings = describe_table(table, header, metrics)
+    findings = odd.describe_table(table, header, metrics)
     rows = _without_wrong_flags(table.rows, findings)
-    thresholds = session_thresholds(path)
-    findings += describe_consistency(rows, thresholds or DEFAULT_THRESHOLDS)
-    findings += describe_time(rows, gap)
-    if session_end(path) is SessionEnd.UNMARKED:
-        findings.append(f"the session has no end mark: {SessionEnd.UNMARKED.value}")
+    thresholds = record.session_thresholds(path)
+    findings += odd.describe_consistency(rows, thresholds or DEFAULT_THRESHOLDS)
+    findings += odd.describe_time(rows, gap)
+    if record.session_end(path) is (unmarked := record.SessionEnd.UNMARKED):
+        findings.append(f"the session has no end mark: {unmarked.value}")
     # Of consecutive rows with one time the last counts: its counters are up to date.
     rows = rows[np.append(np.diff(rows[STAMP]) != 0, True)]
     stamps = rows[STAMP].to_numpy()
     values = {name: rows[name].to_numpy() for name in needed if name in table.cells}
     starts = episode_starts(stamps, [values[name] for name in COUNTERS if name in values], gap)
-    return Log(path, stamps, values, starts, tuple(findings), thresholds, session_arguments(path))
+    arguments = record.session_arguments(path)
+    return Log(path, stamps, values, starts, tuple(findings), thresholds, arguments)
 
 
 def _check_usable(table: Table, header: Sequence[str]) -> None:

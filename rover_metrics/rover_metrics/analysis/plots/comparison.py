@@ -3,6 +3,7 @@
 import math
 import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,20 +12,14 @@ from matplotlib.figure import Figure
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.outcome import Result
-from rover_metrics.analysis.plots.style import (
-    MARKERS,
-    draw_thresholds,
-    ends_of,
-    look,
-    lower_end,
-    metric_grid,
-)
+from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import t_interval
 from rover_metrics.analysis.study import Study
 from rover_metrics.sheet.sheet import probability
 
 _MOST_TICKS = 12
+_POINT: Any = {"alpha": 0.7, "markersize": 5, "markeredgewidth": 0, "clip_on": False, "zorder": 3}
 _LINE = 115  # characters that fit below the panels
 _TITLE_LINE = 90  # above them
 
@@ -34,7 +29,7 @@ def draw_comparison(study: Study, result: Result) -> Figure | None:
 
     Returns None if no log has a value.
     """
-    figure, panels, remark = metric_grid(study, [item.code for item in result.comparisons])
+    figure, panels, remark = styling.metric_grid(study, [item.code for item in result.comparisons])
     if not panels:
         return None
     level = f"{100 * result.confidence:g} %"
@@ -64,18 +59,8 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
     for place, values in enumerate(groups):
         if not values.size:  # an empty line, not clipped, would reach to the figure's corner
             continue
-        colour = look(place)["color"]
-        axes.plot(
-            place + _spread(values),
-            values,
-            MARKERS[place],
-            color=colour,
-            alpha=0.7,
-            markersize=5,
-            markeredgewidth=0,
-            clip_on=False,
-            zorder=3,
-        )
+        colour, mark = styling.look(place)["color"], styling.MARKERS[place]
+        axes.plot(place + _spread(values), values, mark, color=colour, **_POINT)
         mean = float(values.mean())
         axes.hlines(mean, place - 0.28, place + 0.28, color=colour, linewidth=2)
         interval = t_interval(values, mean, study.options.confidence)
@@ -104,7 +89,7 @@ def _limits(axes: Axes, groups: Sequence[Floats]) -> tuple[float, float]:
         return 0.0, 1.0
     low, high = (float(end) for end in axes.get_ylim())
     lowest, highest = float(values.min()), float(values.max())
-    bottom = lower_end(lowest, highest)
+    bottom = styling.lower_end(lowest, highest)
     reach = highest - lowest if bottom else max(highest, -lowest)
     return (max(low, lowest - reach) if bottom else 0.0), min(high, highest + reach)
 
@@ -115,7 +100,7 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
         if not member.log.has(metric):
             continue
         values, weights = study.series(member.log, metric).finite()
-        colour = look(place)["color"]
+        colour = styling.look(place)["color"]
         if values.size and metric.kind is Kind.LEVEL:
             _draw_box(axes, place, values, colour)
             shown += [*np.quantile(values, [0.05, 0.95])]
@@ -126,15 +111,16 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])
     axes.set_xlim(-0.6, len(study.members) - 0.4)
     bounds = study.bounds(metric)
-    lowest, highest = ends_of(bounds)
+    lowest, highest = styling.ends_of(bounds)
     lowest = min(lowest, *shown, math.inf)
-    bottom = lower_end(lowest, max(shown)) if shown else 0.0
+    bottom = styling.lower_end(lowest, max(shown)) if shown else 0.0
     top = axes.get_ylim()[1]
     if not bottom:
         top = max(top, 1.3 * highest)
     axes.set_ylim(bottom, top)
     axes.grid(visible=False, axis="x")
-    draw_thresholds(axes, {name: [v for v in values if v < top] for name, values in bounds.items()})
+    shown_bounds = {name: [v for v in values if v < top] for name, values in bounds.items()}
+    styling.draw_thresholds(axes, shown_bounds)
 
 
 def _draw_box(axes: Axes, place: int, values: Floats, colour: str) -> None:

@@ -1,6 +1,7 @@
 """The correlations of all pairs of metrics as one picture, with the sign as a colour and as a number."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -56,19 +57,14 @@ def _draw_cell(
     p = item.p if item.p_holm is None else item.p_holm
     sure = p < alpha
     colour = mpl.colormaps["PuOr"]((item.rho + 1) / 2) if sure else "white"
-    cell = Rectangle(
-        (column - 0.5, line - 0.5), 1, 1, facecolor=colour, edgecolor="#999999", linewidth=0.6
-    )
-    axes.add_patch(cell)
+    corner = (column - 0.5, line - 0.5)
+    axes.add_patch(Rectangle(corner, 1, 1, facecolor=colour, edgecolor="#999999", linewidth=0.6))
     if not written:
         return
     ink = "white" if sure and abs(item.rho) > _DARK else "black" if sure else "#666666"
-    axes.text(column, line - 0.12, f"{item.rho:+.2f}", ha="center", va="center", fontsize=8, color=ink)
-    axes.text(column, line + 0.24, probability(p), ha="center", va="center", fontsize=6, color=ink)
-
-
-def _named(metric: Metric) -> str:
-    return metric.title if metric.short == metric.title else f"{metric.title}  {metric.code}"
+    look: dict[str, Any] = {"ha": "center", "va": "center", "color": ink}
+    axes.text(column, line - 0.12, f"{item.rho:+.2f}", fontsize=8, **look)
+    axes.text(column, line + 0.24, probability(p), fontsize=6, **look)
 
 
 def _frame(axes: Axes, metrics: Sequence[Metric]) -> None:
@@ -78,7 +74,8 @@ def _frame(axes: Axes, metrics: Sequence[Metric]) -> None:
     columns = [shortened(metric.short, _LONGEST_TICK) for metric in metrics[:-1]]
     upright = max(map(len, columns)) > _LONGEST_LEVEL
     axes.set_xticks(range(n - 1), columns, rotation=90 if upright else 0)
-    axes.set_yticks(range(1, n), [shortened(_named(metric), _LONGEST_TICK) for metric in metrics[1:]])
+    lines = (m.title if m.short == m.title else f"{m.title}  {m.code}" for m in metrics[1:])
+    axes.set_yticks(range(1, n), [shortened(line, _LONGEST_TICK) for line in lines])
     axes.grid(visible=False)
     axes.tick_params(length=0)
     for spine in axes.spines.values():

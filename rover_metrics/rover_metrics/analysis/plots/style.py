@@ -60,23 +60,15 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
 
     Logs of several sessions may have had several values of one.
     """
+    look: dict[str, Any] = {"va": "bottom", "fontsize": 7.5, "color": THRESHOLD_LINE, "zorder": 4}
+    look["bbox"] = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5}
+    look |= {"xycoords": ("axes fraction", "data"), "xytext": (0, 1.5), "textcoords": "offset points"}
     for (name, values), dash, right in zip(bounds.items(), ("--", ":"), (1.0, 0.0), strict=False):
-        unit = THRESHOLD_INFO[name].unit.replace("^2", "²")
+        unit, side = THRESHOLD_INFO[name].unit.replace("^2", "²"), "right" if right else "left"
         for value in values:
             axes.axhline(value, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
-            axes.annotate(
-                f" {name.replace('_', ' ')} {value:g} {unit} ",
-                (right, value),
-                xycoords=("axes fraction", "data"),
-                xytext=(0, 1.5),
-                textcoords="offset points",
-                ha="right" if right else "left",
-                va="bottom",
-                fontsize=7.5,
-                color=THRESHOLD_LINE,
-                bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5},
-                zorder=4,
-            )
+            text = f" {name.replace('_', ' ')} {value:g} {unit} "
+            axes.annotate(text, (right, value), ha=side, **look)
 
 
 def lower_end(lowest: float, highest: float) -> float:

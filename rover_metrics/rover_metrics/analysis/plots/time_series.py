@@ -128,7 +128,7 @@ def smoothed(positions: Floats, values: Floats, share: float, how: Smoothing) ->
 
     Args:
         positions: Those of the rows of an episode.
-        values: As many.
+        values: At those positions.
         share: How much of the episode to take; at least nine rows.
         how: The mean suits rates and shares; the median is not lifted by a single jolt.
     """
@@ -154,13 +154,8 @@ def thinned(positions: Floats, values: Floats) -> tuple[Floats, Floats]:
     if values.size <= MOST_POINTS:
         return positions, values
     run = -(-values.size // (MOST_POINTS // 2))
-    begins = np.arange(0, values.size, run)
-    picked = [
-        begin + extreme(values[begin : begin + run])
-        for begin in begins
-        for extreme in (np.argmin, np.argmax)
-    ]
-    rows = np.unique(picked)
+    runs = [(begin, values[begin : begin + run]) for begin in range(0, values.size, run)]
+    rows = np.unique([begin + end for begin, some in runs for end in (some.argmin(), some.argmax())])
     return positions[rows], values[rows]
 
 

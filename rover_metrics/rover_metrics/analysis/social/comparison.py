@@ -15,13 +15,8 @@ import scipy  # loads a part of it when that is named
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.social.log import SocialLog
-from rover_metrics.analysis.social.metrics import (
-    RISK_DISTANCE,
-    WINDOW_GOALS,
-    RunFigures,
-    run_figures,
-    windows,
-)
+from rover_metrics.analysis.social.metrics import RISK_DISTANCE, WINDOW_GOALS, RunFigures, run_figures
+from rover_metrics.analysis.social.metrics import windows as windows_of
 from rover_metrics.analysis.statistics.comparison import Comparison, cohens_d, compare, with_holm
 
 METRICS = {"risk_s_per_goal": "Risk seconds a goal", "s_per_goal": "Seconds a goal"}
@@ -29,15 +24,12 @@ METRICS = {"risk_s_per_goal": "Risk seconds a goal", "s_per_goal": "Seconds a go
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """The runs of one condition, with the figures of each.
-
-    Windows: risk seconds and seconds for a goal of each, shape (windows, 2).
-    """
+    """The runs of one condition, with the figures of each."""
 
     name: str
     logs: tuple[SocialLog, ...]
     figures: tuple[RunFigures, ...]
-    windows: Floats
+    windows: Floats  # risk seconds and seconds for a goal of each, shape (windows, 2)
 
     def of_windows(self, metric: str) -> Floats:
         """Returns a metric's value of each window."""
@@ -51,31 +43,21 @@ class Group:
 
 @dataclass(frozen=True)
 class Difference:
-    """How the second of two groups differs from the first in one metric.
+    """How the second of two groups differs from the first in one metric."""
 
-    Attributes:
-        metric: Of METRICS.
-        windows: By windows; its test is Mann-Whitney's.
-        cohens_d: Of the windows: the difference in pooled standard deviations.
-        runs: By runs.
-    """
-
-    metric: str
+    metric: str  # of METRICS
     groups: tuple[str, str]
-    windows: Comparison
-    cohens_d: float | None
-    runs: Comparison
+    windows: Comparison  # by windows; its test is Mann-Whitney's
+    cohens_d: float | None  # of the windows: the difference in pooled standard deviations
+    runs: Comparison  # by runs
 
 
 def make_group(
-    name: str,
-    logs: Sequence[SocialLog],
-    goals: int = WINDOW_GOALS,
-    risk_distance: float = RISK_DISTANCE,
+    name: str, logs: Sequence[SocialLog], goals: int = WINDOW_GOALS, risk_distance: float = RISK_DISTANCE
 ) -> Group:
     """Returns a group of logs; a window is of so many goals, the risk distance is in m."""
     figures = tuple(run_figures(log, risk_distance) for log in logs)
-    return Group(name, tuple(logs), figures, windows(logs, goals, risk_distance))
+    return Group(name, tuple(logs), figures, windows_of(logs, goals, risk_distance))
 
 
 def differences(groups: Mapping[str, Group], confidence: float) -> list[Difference]:

@@ -28,25 +28,16 @@ LARGEST = 1e12  # of a number in a log: no time, place or count is beyond
 
 @dataclass(frozen=True, eq=False)
 class SocialLog:
-    """One run, a row a second.
-
-    Attributes:
-        actors: The people's names, in the order of the columns.
-        time_s: Of each row; simulation or Unix time [s].
-        position: Of the rover, x and y in the world [m], shape (rows, 2); NaN where it is not known.
-        distance: From the rover to each person [m], shape (rows, people); NaN where it is not known.
-        nearest: To the nearest person [m]; NaN where none is known.
-        goals: Goals reached so far.
-    """
+    """One run, a row a second; what is not known is NaN."""
 
     path: Path
-    actors: tuple[str, ...]
-    time_s: Floats
-    position: Floats
-    distance: Floats
-    nearest: Floats
-    goals: Integers
-    findings: tuple[str, ...] = ()
+    actors: tuple[str, ...]  # names of the people, in the order of the columns
+    time_s: Floats  # simulation or Unix time [s]
+    position: Floats  # x and y of the rover in the world [m], shape (rows, 2)
+    distance: Floats  # from the rover to each person [m], shape (rows, people)
+    nearest: Floats  # to the nearest person [m]
+    goals: Integers  # reached so far
+    findings: tuple[str, ...] = ()  # what was odd about the file
 
     def __len__(self) -> int:
         return len(self.time_s)

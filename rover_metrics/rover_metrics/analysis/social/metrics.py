@@ -25,29 +25,17 @@ FASTEST = 5.0  # [m/s]: who comes nearer faster than that was put there by a res
 
 @dataclass(frozen=True)
 class RunFigures:
-    """What one log comes to.
+    """What one log comes to."""
 
-    Attributes:
-        seconds: Its rows.
-        goals: Reached in it.
-        risk_s: Seconds with somebody nearer than the risk distance.
-        min_distance: Smallest distance to anybody [m]; None if none is known.
-        zone_s: Seconds with the nearest person in each of Hall's zones.
-        intrusions: Times that a person came into, or was first seen in, the personal space.
-        min_time_to_collision: Smallest distance over closing speed [s]; None if nobody ever came nearer.
-        closing_s: Seconds with a time to collision of less than SOON, to anybody.
-        s_per_goal: Seconds for a goal; None without a goal, as is `risk_s_per_goal`.
-    """
-
-    seconds: int
-    goals: int
-    risk_s: int
-    min_distance: float | None
-    zone_s: dict[str, int]
-    intrusions: int
-    min_time_to_collision: float | None
-    closing_s: int
-    risk_s_per_goal: float | None
+    seconds: int  # its rows
+    goals: int  # reached in it
+    risk_s: int  # seconds with somebody nearer than the risk distance
+    min_distance: float | None  # smallest to anybody [m]; None if none is known
+    zone_s: dict[str, int]  # seconds with the nearest person in each of Hall's zones
+    intrusions: int  # times that a person came into, or was first seen in, the personal space
+    min_time_to_collision: float | None  # distance over closing speed [s]; None if nobody came nearer
+    closing_s: int  # seconds with a time to collision of less than SOON, to anybody
+    risk_s_per_goal: float | None  # None without a goal, as the next
     s_per_goal: float | None
 
 

@@ -1,6 +1,7 @@
 """A page about runs among people: its pictures, and what they show."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,14 +18,11 @@ LONGEST = 24  # letters of a group's name
 
 def render(groups: Mapping[str, Group], sheets: Iterable[Sheet]) -> str:
     """Returns the HTML of a page."""
+    near = f"Grey: the rover, each second; coloured: with somebody nearer than {PERSONAL_SPACE:g} m."
     pictures = (
         ("Windows", draw_windows, "Each point one window, in the order of time; line: mean."),
         ("Distances", draw_distances, "Dotted: the outer limits of Hall's zones."),
-        (
-            "Where they met",
-            draw_meetings,
-            f"Grey: the rover, each second; coloured: with somebody nearer than {PERSONAL_SPACE:g} m.",
-        ),
+        ("Where they met", draw_meetings, near),
     )
     drawn = ((title, draw(groups), hint) for title, draw, hint in pictures)
     return page("Rover and people", f"Rover and people: {', '.join(groups)}", drawn, sheets)
@@ -59,16 +57,10 @@ def draw_distances(groups: Mapping[str, Group]) -> Figure:
         values = np.sort(nearest[np.isfinite(nearest)])
         share = 100 * np.arange(1, values.size + 1) / max(values.size, 1)
         axes.step(values, share, where="post", label=shortened(name, LONGEST), **look(number))
+    at_top: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
     for zone, limit in ZONES.items():
         axes.axvline(limit, color="#999999", linewidth=0.8, linestyle=":")
-        axes.annotate(
-            f" {zone} ",
-            (limit, 1.0),
-            xycoords=("data", "axes fraction"),
-            ha="right",
-            va="top",
-            fontsize=7.5,
-        )
+        axes.annotate(f" {zone} ", (limit, 1.0), fontsize=7.5, **at_top)
     axes.set(xlim=(0.0, FARTHEST), ylim=(0.0, 100.0), xlabel="distance to the nearest person [m]")
     axes.set_ylabel("seconds nearer than that [%]")
     axes.legend(loc="lower right")

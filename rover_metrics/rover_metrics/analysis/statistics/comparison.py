@@ -31,31 +31,19 @@ MOST_SPLITS = 20_000  # 8 against 8 is 12870; the signs of 14 pairs are 16384
 
 @dataclass(frozen=True)
 class Comparison:
-    """How the second group differs from the first in one metric; None where that cannot be said.
-
-    Attributes:
-        n: Observations of each group.
-        means: Mean of each group's observations; None for a group without any.
-        difference: Second mean minus first.
-        interval: For the difference, Welch's, which allows different variances; of pairs Student's.
-        p: Two-sided probability of a difference at least this large if there were none.
-        p_holm: The same, adjusted for the number of metrics compared.
-        smallest_p: The lowest p that groups of these sizes can reach at all.
-        hedges_g: Standardised difference.
-        cliffs_delta: From -1 (all of the second below the first) to 1.
-    """
+    """How the second group differs from the first in one metric; None where that cannot be said."""
 
     code: str
-    n: tuple[int, int]
-    means: tuple[float | None, float | None]
-    difference: float | None = None
-    interval: Interval | None = None
+    n: tuple[int, int]  # observations of each group
+    means: tuple[float | None, float | None]  # of each group's observations
+    difference: float | None = None  # second mean minus first
+    interval: Interval | None = None  # Welch's, which allows different variances; of pairs Student's
     test: str | None = None
-    p: float | None = None
-    p_holm: float | None = None
-    smallest_p: float | None = None
-    hedges_g: float | None = None
-    cliffs_delta: float | None = None
+    p: float | None = None  # two-sided probability of a difference this large if there were none
+    p_holm: float | None = None  # the same, adjusted for the number of metrics compared
+    smallest_p: float | None = None  # the lowest p that groups of these sizes can reach at all
+    hedges_g: float | None = None  # standardised difference
+    cliffs_delta: float | None = None  # from -1 (all of the second below the first) to 1
     paired: bool = False
 
     @property
@@ -96,13 +84,14 @@ def compare(
     else:
         test, p = _test(first, second)
         interval = _welch_interval(first, second, confidence)
+    d, freedom = cohens_d(first, second), sum(sizes) - 2
     return replace(
         comparison,
         interval=interval,
         test=test,
         p=p,
         smallest_p=smallest_p(*sizes, paired=paired),
-        hedges_g=_hedges_g(first, second),
+        hedges_g=None if d is None else (1 - 3 / (4 * freedom - 1)) * d,  # for small samples
     )
 
 
@@ -158,12 +147,6 @@ def cohens_d(first: Floats, second: Floats) -> float | None:
     if squares == 0:
         return None
     return float(second.mean() - first.mean()) / sqrt(float(squares) / freedom)
-
-
-def _hedges_g(first: Floats, second: Floats) -> float | None:
-    """Returns Cohen's d, corrected for small samples."""
-    d = cohens_d(first, second)
-    return None if d is None else (1 - 3 / (4 * (first.size + second.size - 2) - 1)) * d
 
 
 def describe_power(comparisons: Sequence[Comparison], unit: str, alpha: float) -> Iterator[str]:

@@ -21,25 +21,15 @@ _RANK_VARIANCE = 1.06  # of Fisher's z of a Spearman correlation, times n - 3 (F
 
 @dataclass(frozen=True)
 class Correlation:
-    """The correlation of two metrics.
+    """The correlation of two metrics."""
 
-    Attributes:
-        first: Code of one metric.
-        second: Code of the other.
-        rho: Spearman's rank correlation, -1 to 1.
-        n: Rows in which both have a value.
-        n_effective: Independent pairs that would say as much.
-        p: Chance of a correlation at least this strong if there were none.
-        p_holm: The same, adjusted for the number of pairs of metrics looked at.
-    """
-
-    first: str
-    second: str
-    rho: float
-    n: int
-    n_effective: float
-    p: float
-    p_holm: float | None = None
+    first: str  # code of one metric
+    second: str  # code of the other
+    rho: float  # Spearman's rank correlation, -1 to 1
+    n: int  # rows in which both have a value
+    n_effective: float  # independent pairs that would say as much
+    p: float  # chance of a correlation at least this strong if there were none
+    p_holm: float | None = None  # the same, adjusted for the number of pairs of metrics looked at
 
 
 def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | None:

@@ -15,15 +15,12 @@ SHORTEST_DISTANCE = 1.0  # m; over less, a rate per metre says how the rover sto
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One metric over the rows of a log.
+    """One metric over the rows of a log, each value with what it counts in a mean.
 
-    Attributes:
-        values: In the metric's unit; NaN in rows that say nothing of it.
-        weights: How much a value counts in a mean: for rates the seconds it is the rate of, so that
-            the mean is the total over the time; else 1.
+    For rates that is the seconds it is the rate of, so that the mean is the total over the time; else 1.
     """
 
-    values: Floats
+    values: Floats  # in the metric's unit; NaN in rows that say nothing of it
     weights: Floats
 
     def finite(self, rows: slice = slice(None)) -> tuple[Floats, Floats]:
@@ -65,8 +62,10 @@ def metric_series(log: Log, metric: Metric) -> Series:
     if metric.extended_column in log.columns:
         return Series(log.columns[metric.extended_column].astype(np.float64), ones)
     column = log.columns[metric.column].astype(np.float64)
-    if metric.kind is Kind.COUNTER:
-        return _rates(log, column)
+    if metric.kind is Kind.COUNTER:  # gains per minute; the first row of an episode has none
+        gains = _gains(log, column)
+        times = _gains(log, np.where(np.isfinite(column), log.stamps, np.nan))
+        return Series(gains / times * SECONDS_PER_MINUTE, times)
     if metric.kind is Kind.FLAG:
         column *= 100.0
     if metric.rough_only:
@@ -82,13 +81,6 @@ def rate_per_metre(log: Log, metric: Metric) -> float | None:
     both = np.isfinite(gained) & np.isfinite(driven)
     metres = float(driven[both].sum())
     return float(gained[both].sum()) / metres if metres >= SHORTEST_DISTANCE else None
-
-
-def _rates(log: Log, counter: Floats) -> Series:
-    """Returns gains per minute; the first row of an episode has none."""
-    gains = _gains(log, counter)
-    times = _gains(log, np.where(np.isfinite(counter), log.stamps, np.nan))
-    return Series(gains / times * SECONDS_PER_MINUTE, times)
 
 
 def _gains(log: Log, column: NDArray[np.floating]) -> Floats:

@@ -22,27 +22,19 @@ _FEWEST_FOR_BOOTSTRAP = 20  # rows; below, blocks are too few to resample
 class Summary:
     """A sample in numbers, in the unit of its metric; None where the sample cannot say.
 
-    Attributes:
-        n_effective: Independent values that would fix the mean as well.
-        mean: Weighted mean: of a rate the total over the time, of a flag the share.
-        median: Of the values; as sd, minimum and maximum None for a flag, which only has a share.
-        sd: Standard deviation of the values, n - 1 in the denominator.
-        interval: For the mean as if the values were independent: Student's t, for a flag Wilson's.
-        bootstrap_interval: For the mean, from a circular block bootstrap, which keeps the
-            autocorrelation within blocks.
-        block_length: Rows per block of that bootstrap.
+    A flag only has a share: no median, standard deviation, minimum and maximum.
     """
 
     n: int
-    mean: float | None = None
-    n_effective: float | None = None
+    mean: float | None = None  # weighted: of a rate the total over the time, of a flag the share
+    n_effective: float | None = None  # independent values that would fix the mean as well
     median: float | None = None
-    sd: float | None = None
+    sd: float | None = None  # n - 1 in the denominator
     minimum: float | None = None
     maximum: float | None = None
-    interval: Interval | None = None
-    bootstrap_interval: Interval | None = None
-    block_length: int | None = None
+    interval: Interval | None = None  # as if values were independent: Student's t, of a flag Wilson's
+    bootstrap_interval: Interval | None = None  # of circular blocks, which keep the autocorrelation
+    block_length: int | None = None  # rows per block of that bootstrap
 
 
 def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) -> Summary:
@@ -64,9 +56,14 @@ def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) ->
         summary = replace(summary, bootstrap_interval=bootstrap, block_length=length)
     if kind is not Kind.FLAG:
         return _with_spread(summary, values, t_interval(values, mean, confidence))
-    ones = scipy.stats.binomtest(round(mean / 100 * values.size), values.size)
-    wilson = ones.proportion_ci(confidence, method="wilson")  # never a point, never beyond 0 to 1
-    return replace(summary, interval=(100 * float(wilson.low), 100 * float(wilson.high)))
+    low, high = wilson(round(mean / 100 * values.size), values.size, confidence)
+    return replace(summary, interval=(100 * low, 100 * high))
+
+
+def wilson(ones: int, count: int, confidence: float) -> Interval:
+    """Returns the interval of a share by Wilson's method: never a point, never beyond 0 to 1."""
+    interval = scipy.stats.binomtest(ones, count).proportion_ci(confidence, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def summarise_independent(values: Floats, kind: Kind, confidence: float) -> Summary:

@@ -8,7 +8,7 @@ import pytest
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
 from harness.truth.traversal import ContactEvent
-from harness.tune.episodes.recompute import _is_on, _sight, _zone, event_rows
+from harness.tune.episodes.recompute import event_rows, is_on, sight, zone
 from harness.tune.episodes.record import Sight, Zone
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
@@ -30,17 +30,14 @@ ANGLES = LidarSpec().angles
     ],
 )
 def test_a_point_belongs_to_the_nearest_edge(point: tuple[float, float, float], side: Zone) -> None:
-    assert _zone(point, ROVER_ZERO4WD) is side
+    assert zone(point, ROVER_ZERO4WD) is side
 
 
 def post(*, height: float, yaw: float = 0.0, level: float = 0.0) -> Obstacle:
     """0.2 m x 0.4 m, a metre ahead of the origin, on ground of a level [m]."""
+    half, at = (0.1, 0.2, height / 2), (1.0, 0.0, level + height / 2)
     return Obstacle(
-        kind=ObstacleKind.HAZARD,
-        shape="box",
-        half_size=(0.1, 0.2, height / 2),
-        position=(1.0, 0.0, level + height / 2),
-        quaternion=orientation(yaw),
+        ObstacleKind.HAZARD, shape="box", half_size=half, position=at, quaternion=orientation(yaw)
     )
 
 
@@ -68,38 +65,30 @@ LIDAR = LEO.lidar_height - 0.02  # [m]: what is lower may pass below the lidar's
     ],
 )
 def test_what_the_lidar_had_of_a_hazard(height: float, value: float, expected: Sight) -> None:
-    assert _sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
-    assert _sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
+    assert sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
+    assert sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
     lifted = [scanned(value, level=7.0)]
-    assert _sight(lifted, post(height=height, level=7.0), LEO) is expected
-    assert _sight([], post(height=height), LEO) is Sight.MISSED
+    assert sight(lifted, post(height=height, level=7.0), LEO) is expected
+    assert sight([], post(height=height), LEO) is Sight.MISSED
 
 
 def test_points_next_to_a_turned_hazard_are_its_own() -> None:
     points = np.array([[1.25, 0.0], [1.0, 0.25], [1.0, 0.15], [1.19, 0.29], [1.21, 0.0], [1.0, 0.31]])
-
-    assert _is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
-    turned = _is_on(post(height=1.0, yaw=math.pi / 2), points)
+    assert is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
+    turned = is_on(post(height=1.0, yaw=math.pi / 2), points)
     assert turned.tolist() == [True, False, True, False, True, False]
     slanted = points @ np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
     moved = slanted - (math.cos(0.5), math.sin(0.5)) + (1.0, 0.0)
-    assert _is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
+    assert is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
     at = (1.0, 0.5, 2.0)
     pole = Obstacle(kind=ObstacleKind.HAZARD, shape="cylinder", half_size=(0.1, 2.0), position=at)
     around = np.array([[1.19, 0.5], [1.0, 0.69], [1.21, 0.5], [1.0, 0.71]])
-    assert _is_on(pole, around).tolist() == [True, True, False, False]
+    assert is_on(pole, around).tolist() == [True, True, False, False]
 
 
 def touch(start_s: float, end_s: float, other: str, kind: str = "hazard") -> ContactEvent:
-    return ContactEvent(
-        kind=kind,  # type: ignore[arg-type]  # one of three words
-        start_ns=round(start_s * 1e9),
-        end_ns=round(end_s * 1e9),
-        part="wheel_FL",
-        other=other,
-        force=12.5,
-        point=(0.26, 0.0, 0.1),
-    )
+    times, point = (round(start_s * 1e9), round(end_s * 1e9)), (0.26, 0.0, 0.1)
+    return ContactEvent(kind, *times, "wheel_FL", other, 12.5, point)  # type: ignore[arg-type]  # kind
 
 
 def test_a_row_tells_when_where_how_fast_and_what_the_scans_around_its_start_had() -> None:
@@ -121,16 +110,12 @@ def test_a_row_tells_when_where_how_fast_and_what_the_scans_around_its_start_had
         touch(0.05, 0.1, "hazard_1"),  # before the first scan
         touch(2.85, 2.9, "hazard_0"),
     ]
-
     rows = event_rows(events, scans, speeds, world, LEO)
-
     assert rows["start_s"].tolist() == [1.5, 1.51, 2.81, 2.79, 0.05, 2.85]
     assert rows["end_s"].tolist() == [1.6, 1.6, 2.9, 2.9, 0.1, 2.9]
     seen, missed = Sight.SEEN, Sight.MISSED
     assert rows["sight"].tolist() == [seen, missed, seen, missed, missed, missed]  # last: another's
     assert rows["speed"].tolist() == [-6, -5, 8, 7, -19, 8]  # of the last scan before
-    assert set(rows["zone"].tolist()) == {Zone.FRONT}
-    assert set(rows["part"].tolist()) == {"wheel_FL"}
-    assert set(rows["force"].tolist()) == {12.5}
+    assert set(rows[["zone", "part", "force"]].tolist()) == {(Zone.FRONT, "wheel_FL", 12.5)}
     without = event_rows(events[:1], [], np.empty(0, np.float16), world, LEO)
     assert without["speed"].tolist() == [0.0]

@@ -50,9 +50,7 @@ def test_a_scan_stands_at_the_pose_nearest_in_time() -> None:
     scans = [LaserScan(ms * MS, np.zeros(2, np.float32)) for ms in (1, 29, 31, 60, 99)]
     collected = Collected(LEO, LidarSpec(beams=2))
     collected.take(batch(state(1), *poses, *scans))
-
     placed = collected.placed_scans()
-
     assert [item.scan.stamp_ns // MS for item in placed] == [1, 29, 31, 60, 99]
     assert [item.pose.position[0] for item in placed] == [20.0, 20.0, 40.0, 60.0, 80.0]
     assert (len(Collected(LEO).scan_rows()), len(Collected(LEO).window_rows())) == (0, 0)
@@ -82,7 +80,6 @@ def test_rows_tell_of_any_threshold_what_a_metrics_session_with_it_counts() -> N
             rough[second] |= bool(row.is_rough_terrain)
             if tick.stamp_ns % 1_000_000_000 == 0:
                 current.append(row.current_smoothness)
-
         # Half floats: what rounds across the threshold may count on the other side.
         counted = session.metrics.total_collisions, row.extended["Footprint Collisions"]
         ours = np.sum(scans["nearest"] < distance), np.sum(scans["footprint"] < distance)
@@ -120,7 +117,5 @@ def test_an_episode_is_kept_up_to_its_end_with_how_it_ended(
             raise error
 
     monkeypatch.setattr(sweep, "together", scripted)
-
     record = sweep.drive(Run.of(terrain="flat", duration=1.0))
-
     assert (record.ending, len(record.scans)) == (ending, scans)

@@ -2,7 +2,6 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -12,9 +11,6 @@ from harness.robots import ROVERS, RoverSpec
 from harness.tune.page.outline import ABOVE, SIDE, shares, silent_strips, silhouette
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO
-
-if TYPE_CHECKING:
-    pass
 
 SQUARE = LEO.but(footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
 

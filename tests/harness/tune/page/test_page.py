@@ -11,7 +11,7 @@ import pytest
 from harness.tune.output import parameter_file
 from harness.tune.page.sample_figures import MOST_POINTS, has_both_classes, precision_recall, roc
 from harness.tune.page.subject import levels
-from harness.tune.page.tables import _text
+from harness.tune.page.tables import score_text
 from harness.tune.scoring.estimate import Estimate
 from tests.harness.tune.conftest import COMMAND, rendered
 from tests.support.pages import Outline, described_page
@@ -41,7 +41,7 @@ def test_a_gain_has_a_sign_and_its_interval() -> None:
         (Estimate(0.5), "+0.50 (no interval)"),
         (Estimate(float("nan")), "\N{EN DASH}"),
     ):
-        assert _text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
+        assert score_text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:

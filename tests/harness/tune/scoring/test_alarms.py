@@ -41,9 +41,7 @@ def found_in(record: EpisodeRecord) -> NDArray[np.float64]:
 def test_alarms_half_a_second_apart_are_one(make_record: MakeRecord, gap_ms: int, expected: int) -> None:
     record = make_record([NEAR] * 3)
     record.scans["stamp_ms"] = (1000, 1250, 1250 + gap_ms)
-
     found = found_in(record)
-
     ends = [[1.0, 1.25], [1.25 + gap_ms / 1e3] * 2] if expected == 2 else [[1.0, 1.75]]
     assert found == pytest.approx(np.array(ends))
 
@@ -63,7 +61,6 @@ def test_which_alarm_belongs_to_a_contact(
     make_record: MakeRecord, start: float, end: float, *, belongs: bool
 ) -> None:
     record = make_record([], contacts=[(2.0, 2.2), (9.0, 9.1)])
-
     assert matches(record, np.array([[start, end]])).tolist() == [[belongs, False]]
 
 
@@ -72,9 +69,7 @@ def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record:
     long = [round(0.05 * n, 2) for n in range(20, 31)]
     record = near_at(make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)])
     other = near_at(make_record, 2.0)
-
     counts = event_counts(nearest_range)([record, other], np.array([NEAR, 0.2, FAR]))  # strict
-
     assert counts.shape == (3, 2, 5)
     assert counts[0].tolist() == [[3, 0, 0, 0, 0.004], [0, 0, 0, 0, 0.004]]
     assert counts[1].tolist() == [[3, 2, 4, 1, 0.004], [0, 0, 1, 0, 0.004]]
@@ -96,9 +91,7 @@ def test_scans_are_scored_as_scikit_learn_does(make_record: MakeRecord) -> None:
     record = make_record(np.round(rng.uniform(0.0, 1.0, 200), 1))
     record.scans["contact"] = rng.random(200) < 0.3
     nearest, truth = nearest_range(record), record.scans["contact"]
-
     counts = scan_counts(nearest_range)([record, record], np.array([nearest[0], 0.45]))[:, 0]
-
     for row, threshold in zip(counts, (nearest[0], 0.45), strict=True):
         says = nearest < threshold  # strict, also where a scan is as near as the threshold
         tn, fp, fn, tp = confusion_matrix(truth, says).ravel().tolist()
@@ -118,6 +111,5 @@ def test_lead_time_runs_from_the_first_alarm_to_each_contact(
 ) -> None:
     # Told by two alarms; told only once it has begun; not told.
     record = near_at(make_record, 0.5, 0.55, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)])
-
     assert lead_times(record, nearest_range(record) < 0.2) == pytest.approx([0.5, 0.0])
     assert lead_times(record, nearest_range(record) < 0.1).size == 0

@@ -66,7 +66,6 @@ def test_the_gain_is_of_the_same_resampled_episodes(
     episodes: list[EpisodeRecord],
 ) -> None:
     gain = scoring((0.0, 1.0, 2.0, 3.5, 4.0, 5.0)).gain(episodes, (0.4, 0.2))
-
     for name, expected in (("mean", 2.5), ("doubled", 5.0)):  # every episode gains as much
         assert (gain[name].value, gain[name].low, gain[name].high) == pytest.approx((expected,) * 3)
 
@@ -82,7 +81,6 @@ def test_a_value_is_chosen_on_one_part_and_judged_on_the_other(
     some = {Part.TRAIN: episodes[:8], Part.TEST: episodes}
     judge = partial(judged, PARAMETER, Scoring(count, one.measures, "mean", GRID), some, lack=None)
     verdict = judge(note="a note")
-
     assert (verdict.name, verdict.unit, verdict.measure) == (PARAMETER, "m", "mean")
     assert (verdict.note, verdict.lack) == ("a note", None)
     assert verdict.default.value == DEFAULT == 0.2
@@ -97,7 +95,6 @@ def test_a_value_is_chosen_on_one_part_and_judged_on_the_other(
 def test_without_support_only_the_default_is_scored(episodes: list[EpisodeRecord]) -> None:
     some = dict.fromkeys(Part, episodes)
     verdict = judged(PARAMETER, scoring((0.0, 1.0, 2.0, 0.0, 0.0, 0.0)), some, lack="too few", value=0.3)
-
     assert (verdict.tuned, verdict.value, verdict.lack) == (None, None, "too few")
     assert (verdict.name, verdict.unit, verdict.measure) == (PARAMETER, "m", "mean")
     assert verdict.default.scores[Part.TEST]["mean"].value == pytest.approx(1.275)

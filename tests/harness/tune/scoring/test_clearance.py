@@ -22,7 +22,6 @@ LATENCY = 0.1  # [s]: a scan and a control period at 20 Hz
 @pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])
 def test_a_stop_from_top_speed_takes_what_the_controller_allows(rover: RoverSpec) -> None:
     braking = measure_braking(rover, seed=0)
-
     assert braking.speed == pytest.approx(rover.top_speed, rel=0.03)
     assert braking.distance == pytest.approx(braking.speed**2 / (2 * rover.linear_acceleration), rel=0.1)
     assert braking.time == pytest.approx(braking.speed / rover.linear_acceleration, rel=0.1)
@@ -53,7 +52,6 @@ def test_the_clearance_is_a_sum_rounded_up(
 ) -> None:
     records = dict.fromkeys(Part, [near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)
     study = study_clearance(records, LEO, seed=0)
-
     # 0.218 m to the bumper - 0.174 m to the lidar + 0.1 m latency + 0.1 m braking + 0.1 m margin
     assert study.overhang == pytest.approx(0.044)
     assert study.verdict.tuned is not None
@@ -89,9 +87,7 @@ def test_a_warning_counts_if_it_comes_in_time_and_a_contact_follows(
 ) -> None:
     record = near_between(make_record, *warned, [(contact_s, contact_s + 0.1)])
     other = make_record([3.0] * 20)
-
     counts = clearance._counts(STOP, [record, other], np.array([0.1, 0.5]))
-
     assert counts[1].tolist() == [[*expected, 0.006], [0, 0, 0, 0, 0.001]]
     assert counts[0, :, 1:4].tolist() == [[0, 0, 0]] * 2
 
@@ -112,9 +108,7 @@ def test_only_contacts_ahead_that_were_seen_while_moving_could_have_been_avoided
     record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])
     for column, value in changed.items():
         record.events[column] = value
-
     counts = clearance._counts(STOP, [record], np.array([0.5]))[0, 0]
-
     assert counts[:2].tolist() == [contacts, contacts]
     assert counts[3] == 1  # any contact makes a warning right
 

@@ -7,9 +7,7 @@ import pytest
 
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
-from harness.tune.scoring.collision import (
-    study_collisions,
-)
+from harness.tune.scoring.collision import study_collisions
 from harness.tune.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
@@ -52,7 +50,6 @@ def test_the_footprints_parameters_are_compared_with_their_defaults(
         record.scans["near_returns"][38:42] = near < 0
     study = study_collisions(dict.fromkeys(Part, (*touching, *passing)))
     switched, tuned = study.footprint
-
     assert (switched.name, switched.default.value is False) == ("near_returns_as_contact", True)
     assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
     assert (switched.value, tuned.value) == (switch, threshold)
@@ -66,7 +63,6 @@ def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) ->
     chosen_on = [*at(0.3, touches=True), *at(0.5, touches=False)]
     checked_on = [*at(0.19, touches=True), *at(0.25, touches=False)]
     study = study_collisions({Part.TRAIN: chosen_on, Part.TEST: checked_on})
-
     assert study.verdict.tuned is not None
     assert study.verdict.value is None
     assert "nothing better is proven" in judgement("rover", study.verdict)
@@ -75,7 +71,6 @@ def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) ->
 def test_too_few_contacts_support_no_value(at: AtDistance) -> None:
     records = [*at(0.225, touches=True, count=9), *at(0.35, touches=False)]
     study = study_collisions(dict.fromkeys(Part, records))
-
     assert (study.verdict.value, study.detectors) == (None, ())
     assert {verdict.lack for verdict in study.footprint} == {study.verdict.lack}
     assert "9 contacts with hazards in the train episodes" in judgement("r", study.verdict)

@@ -22,9 +22,7 @@ def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: M
     windows = [*seconds(0.5, 9.0, 60), *seconds(0.25, 0.25, 20), *seconds(0.25, 0.5, 20)]
     records = [make_record([], windows=windows)]
     study = study_distance(dict.fromkeys(Part, records), ROVER_ZERO4WD)
-
     scores = study.verdict.default.scores[Part.TEST]
-
     assert study.verdict.default.value == 0.5
     assert scores["false reject rate"].value == pytest.approx(0.6)
     assert scores["false accept rate"].value == pytest.approx(0.2)

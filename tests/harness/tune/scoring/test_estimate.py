@@ -31,9 +31,7 @@ def test_a_sum_has_the_error_of_a_stratified_sample(strata: list[str], groups: l
     values[list(groups[0])] -= 20.0
     values[list(groups[-1])] += 20.0  # strata differ: a wrong grouping widens the interval
     values[39] += 9.0
-
     found = estimate(values[:, None], lambda sums: sums[..., 0], strata)
-
     assert found.low is not None
     assert found.high is not None
     members = [values[list(group)] for group in groups]
@@ -55,7 +53,6 @@ def test_fewer_than_eight_episodes_with_counts_give_no_interval_nor_does_what_is
 
 def test_a_ratio_is_undefined_without_a_whole_and_so_is_nothing_to_count() -> None:
     part, whole = np.array([1.0, 0.0, 2.0]), np.array([4.0, 0.0, 0.0])
-
     assert ratio(part, whole).tolist() == pytest.approx([0.25, math.nan, math.nan], nan_ok=True)
     assert estimate(np.zeros((20, 2)), share, ["a"] * 20).text() == "undefined"
     assert Estimate(0.934, 0.876, 0.965).text() == "0.93 (0.88 to 0.96)"

@@ -51,7 +51,6 @@ def test_what_the_height_map_does_not_explain_is_left_out(
 ) -> None:
     windows = [*seconds(11.0, ROUGH, 6), *seconds(40.0, SMOOTH, 1, **changed), *seconds(11.0, ROUGH, 6)]
     record = make_record([], windows=windows)
-
     assert len(peak_acceleration(record).signal) == (13 if kept else 12)
     speeds = np.array([0.1, 0.2, 0.3, 0.4])  # one belongs to the bin that it begins
     assert ImuEvents(speeds, speeds > 0, speeds).within(0.2, 0.4).speed.tolist() == [0.2, 0.3]
@@ -65,9 +64,7 @@ def test_current_smoothness_is_the_mean_of_five_seconds(make_record: MakeRecord)
         *seconds(20.0, 4 * ROUGH, 1, speed=0.7),
         *seconds(15.0, SMOOTH, 1, speed=0.2),
     ]
-
     events = current_smoothness(make_record([], windows=windows))
-
     assert events.signal == pytest.approx([12.0, 13.0])
     assert events.speed == pytest.approx([0.3, 0.3])
     assert events.rough.tolist() == [True, True]  # by the mean, 5.6 mm

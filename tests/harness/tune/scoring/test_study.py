@@ -12,12 +12,7 @@ from harness.tune.episodes.record import Ending, EpisodeRecord, Sight
 from harness.tune.scoring.choose import Candidate, Verdict
 from harness.tune.scoring.collision import UnseenContacts
 from harness.tune.scoring.estimate import Estimate
-from harness.tune.scoring.study import (
-    _driven,
-    judgement,
-    scored_records,
-    unreachable,
-)
+from harness.tune.scoring.study import driven, judgement, scored_records, unreachable
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
@@ -33,14 +28,12 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
         planned[n]: replace(make_record([3.0] * 20 * (n + 1)), ending=endings[n])
         for n in range(5, -1, -1)
     }
-
     parts = scored_records("leo", records)
     scored = {part: [record.duration for record in parts[part]] for part in Part}
-    driven = _driven("leo", records)
-
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
-    assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
-    assert (driven.seconds, driven.path_length) == (16.0, 16.0)
+    leo = driven("leo", records)
+    assert leo.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
+    assert (leo.seconds, leo.path_length) == (16.0, 16.0)
 
 
 def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
@@ -77,7 +70,6 @@ def test_a_default_is_as_bad_as_the_whole_interval_of_the_gain_says(
 ) -> None:
     tuned = None if low is None else Estimate(0.7, low, 0.8)
     sentence = judgement("leo", verdict(tuned, Estimate(*gain), "a note"))
-
     assert sentence.startswith(f"collision_threshold: the default 0.2 m {words}")
     if tuned is not None:
         digits = 3 if gain[1] == 0.004 else 2
@@ -101,5 +93,4 @@ def test_contacts_that_no_threshold_tells_are_counted_by_reason(
     reasons = (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED)
     spots = tuple(map(UnseenContacts, reasons, unseen))
     study = replace(small_sweep[0][0].collision, contacts=contacts, unseen_contacts=spots)
-
     assert re.search(words, unreachable(study))

@@ -10,8 +10,7 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import actor_names, people
 from harness.spec.actor import ActorOptions
 from harness.spec.run import Run
-from harness.world.actors.people import of_terrain
-from harness.world.actors.trajectory import Trajectory, read_trajectories
+from harness.world.actors.people import Trajectory, of_terrain, read_trajectories
 from tests.support.words import parse_actors
 
 POINT = "<waypoint><time>{}</time><pose>{} 0 0 0</pose></waypoint>"

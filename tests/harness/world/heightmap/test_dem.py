@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -75,27 +73,6 @@ def test_the_whole_marsyard_dem_is_driven_as_it_was_measured() -> None:
     )
 
 
-KINDS = (np.uint8, np.int8, np.uint16, np.int16, np.float32, np.float64)
-
-
-@pytest.mark.parametrize(
-    "options", [{"byteorder": ">"}, {"compression": 8}, {"compression": 32946}], ids=str
-)
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_tiff_is_read_as_tifffile_wrote_it(
-    tmp_path: Path, kind: type, options: dict[str, Any]
-) -> None:
-    values: NDArray[Any] = np.random.default_rng(0).integers(0, 100, (12, 9)).astype(kind)
-    predictor = "compression" in options and np.issubdtype(kind, np.integer)
-    tifffile.imwrite(tmp_path / "a.tif", values, **options, predictor=predictor)
-    raster = read_raster(tmp_path / "a.tif")
-    np.testing.assert_array_equal(raster.values, values)
-    assert raster.in_metres is np.issubdtype(kind, np.floating)
-    array = read_raster(saved(tmp_path / "a.npy", values))
-    np.testing.assert_array_equal(array.values, values)
-    assert array.in_metres is raster.in_metres
-
-
 def test_a_strip_of_more_bytes_than_a_short_counts_is_read_as_pillow_wrote_it(tmp_path: Path) -> None:
     heights = np.linspace(0.0, 1.0, 200 * 150, dtype=np.float32).reshape(200, 150)
     Image.fromarray(heights).save(tmp_path / "a.tif", compression="tiff_lzw", tiffinfo={278: 200})
@@ -116,29 +93,18 @@ def test_size_is_as_the_file_says_unless_the_option_overrides_it(tmp_path: Path)
     assert world_of(path).ground.half_size == pytest.approx((10.0, 10.0))
 
 
-@settings(max_examples=30, deadline=None)
-@given(
-    rows=st.integers(8, 60),
-    columns=st.integers(8, 60),
-    width=st.floats(10.0, 80.0),
-    depth=st.floats(10.0, 80.0),
-    east=st.floats(-0.1, 0.1),
-    north=st.floats(-0.1, 0.1),
+@pytest.mark.parametrize(
+    ("rows", "columns", "width", "depth", "east", "north"),
+    [(8, 60, 10.0, 80.0, 0.1, -0.07), (33, 20, 80.0, 11.3, -0.03, 0.1), (60, 60, 10.0, 12.0, 0.0, 0.05)],
 )
 def test_a_plane_keeps_its_slopes_size_and_middle_whatever_its_pixels(
-    tmp_path_factory: pytest.TempPathFactory,
-    rows: int,
-    columns: int,
-    width: float,
-    depth: float,
-    east: float,
-    north: float,
+    tmp_path: Path, rows: int, columns: int, width: float, depth: float, east: float, north: float
 ) -> None:
     """The first row is in the north, and square cells are no larger than either side of a pixel."""
     row, column = np.indices((rows, columns))
     pixel = width / (columns - 1), depth / (rows - 1)
     values = east * pixel[0] * column - north * pixel[1] * row
-    path = saved(tmp_path_factory.getbasetemp() / "plane.npy", values)
+    path = saved(tmp_path / "plane.npy", values)
     world = world_of(path, terrain_size=(width, depth), needs_start=False, seed=7)
     ground, cell = world.ground, world.ground.cell
     assert cell == pytest.approx(min(pixel)) or cell == 0.05 > min(pixel)

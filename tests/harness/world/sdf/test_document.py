@@ -10,6 +10,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.world.sdf import document as module
 from harness.world.sdf.document import Document, read_document
+from harness.world.sdf.reader import read_xml
 from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Plane, Primitive, Relief
 from tests.harness.world.solids.shapes import at
@@ -300,3 +301,19 @@ def test_models_in_no_world_are_loose_but_one_mesh_alone(tmp_path: Path) -> None
         document = read_document(tmp_path / "a.sdf", Resources([]))
         assert (len(document.solids), document.is_loose) == (solids, is_loose), text
         assert document.files == [tmp_path / "a.sdf"]
+
+
+def test_a_large_or_missing_file_is_refused_and_a_hundred_elements_in_each_other_are_read(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "a.world"
+    path.write_text("<sdf>" + " " * 100 + "</sdf>")
+    with pytest.raises(UsageError, match="larger than 110 bytes"):
+        read_xml(path, most_bytes=110)
+    assert read_xml(path, most_bytes=111).tag == "sdf"
+    with pytest.raises(UsageError, match=r"cannot read .*: No such file"):
+        read_xml(tmp_path / "b.world")
+    with pytest.raises(UsageError, match="embedded null byte"):
+        read_xml(tmp_path / "b\0.world")
+    path.write_text("<a>" * 99 + "<b/><c/>" + "</a>" * 99)
+    assert [element.tag for element in read_xml(path).iter()] == ["a"] * 99 + ["b", "c"]

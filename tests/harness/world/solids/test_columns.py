@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.world.heightfield import Heightfield
-from harness.world.solids import columns
 from harness.world.solids.columns import Grid, crossings, floors
 from harness.world.solids.mesh_file import Mesh
-from tests.harness.world.solids.shapes import both, box, flat, sheet
+from tests.harness.world.solids.shapes import both, box, flat
 
 GRID = Grid(-2.0, -2.0, 1.0, 5, 5)
 NOTHING = Mesh(np.empty((0, 3)), np.empty((0, 3), np.int64))
@@ -47,25 +45,3 @@ def test_one_stands_on_the_lowest_floor_with_headroom(
 ) -> None:
     found = floors(crossings(mesh.corners, GRID), GRID, plane)
     assert found[2, 2] == pytest.approx(floor, nan_ok=True)
-
-
-@pytest.mark.parametrize(
-    "grid",
-    [
-        Grid(-4.0, -4.0, 0.25, 33, 33),
-        Grid(-4.3, -3.9, 1.7, 5, 6),  # larger than a triangle
-        Grid(-1.3, -0.9, 0.7, 3, 4),  # in the middle of it
-    ],
-)
-def test_a_surface_is_met_at_every_vertex_within_its_outline_and_nowhere_else(
-    grid: Grid, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Against the heightfield of the same triangles; edges and corners belong to it."""
-    mesh = sheet(lambda x, y: np.sin(x) * y, 3.0, 2.0)
-    field = Heightfield(np.sin(np.arange(-3.0, 4.0)) * np.arange(-2.0, 3.0)[:, None], 1.0)
-    row, column = np.mgrid[: grid.rows, : grid.columns]
-    x, y = grid.x + grid.cell * column, grid.y + grid.cell * row
-    expected = np.where((np.abs(x) <= 3.0) & (np.abs(y) <= 2.0), field.heights_at(x, y), np.nan)
-    for chunk in (columns.CHUNK, 50):
-        monkeypatch.setattr(columns, "CHUNK", chunk)
-        np.testing.assert_allclose(floors(crossings(mesh.corners, grid), grid), expected, atol=1e-9)

@@ -3,17 +3,18 @@
 from dataclasses import asdict, astuple
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.ndimage import label
 
 from harness.world.actors.free_space import from_wall
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import ObstacleKind, outline
+from harness.world.obstacles import ObstacleKind, outline, top
 from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
 from harness.world.terrains import TERRAINS
+from harness.world.terrains.maze import CHAMBERS, PITCH
 from harness.world.world import World, build_world, terrain_hash
 from tests.support.terrain_statistics import TerrainStatistics, measure
 
@@ -131,9 +132,32 @@ def test_a_seed_makes_the_world_that_it_has_made_since_the_first_release(
     assert weighted == pytest.approx(total, abs=0.01)
 
 
-@ALL
-def test_the_page_has_its_values_and_its_promise(name: str) -> None:
-    page = (Path(__file__).parents[4] / "docs/terrains.md").read_text().partition(f"## {name}\n")[2]
-    section = page.partition("\n## ")[0]
-    assert f": {TERRAINS[name].describe()}." in section
-    assert f": {TERRAINS[name].promise.describe()}." in section
+@pytest.mark.parametrize(("seed", "difficulty"), [(0, 0.0), (1, 0.5), (2, 1.0)])
+def test_a_rover_can_reach_every_chamber_of_a_maze_but_not_leave(seed: int, difficulty: float) -> None:
+    """On a grid of 0.1 m, through passages of 1.2 m."""
+    x, y = np.meshgrid(*[0.1 * np.arange(-120, 121)] * 2, indexing="ij")
+    free = np.ones_like(x, dtype=bool)
+    for wall in world_of("maze", seed, difficulty).obstacles:
+        beyond_x = np.maximum(np.abs(x - wall.position[0]) - wall.half_size[0], 0.0)
+        beyond_y = np.maximum(np.abs(y - wall.position[1]) - wall.half_size[1], 0.0)
+        free &= np.hypot(beyond_x, beyond_y) > 0.6
+    parts, _ = label(free)
+    reached = parts == parts[120, 120]
+    chambers = np.round((np.arange(CHAMBERS) - CHAMBERS // 2) * PITCH / 0.1).astype(int) + 120
+    assert reached[np.ix_(chambers, chambers)].all()
+    assert not reached[:15].any()
+    assert not reached[:, -15:].any()
+
+
+def test_rocks_can_be_driven_over_and_half_of_the_boulders_are_seen_by_a_high_lidar_too() -> None:
+    world = world_of("rocky", 1)
+    shown: dict[ObstacleKind, list[float]] = {ObstacleKind.ROCK: [], ObstacleKind.HAZARD: []}
+    for obstacle in world.obstacles:
+        height = top(obstacle) - world.ground.height_at(*obstacle.position[:2])
+        shown[obstacle.kind].append(height)
+    rocks, boulders = shown.values()
+    assert (100 <= len(rocks) <= 200, len(boulders)) == (True, 10)
+    assert 0.01 < min(rocks) < max(rocks) < 0.17
+    assert sum(height < 0.07 for height in rocks) / len(rocks) > 0.7  # Leo's data sheet: 70 mm
+    assert min(boulders) > 0.323 + 0.1  # of rover_zero4wd's lidar; Leo's is higher
+    assert sum(height > 0.798 + 0.1 for height in boulders) == 5

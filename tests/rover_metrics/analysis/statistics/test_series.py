@@ -2,7 +2,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
@@ -87,6 +87,7 @@ def marked(values: list[float], multiplier: float = 1.5, kind: Kind = Kind.LEVEL
     return np.flatnonzero(series.outliers(kind, multiplier)).tolist()
 
 
+@settings(max_examples=40)
 @given(st.lists(st.integers(-20, 20) | st.just(np.nan), max_size=12), st.sampled_from([0.5, 1.5]))
 def test_an_outlier_lies_beyond_tukeys_fences(values: list[float], multiplier: float) -> None:
     known = [value for value in values if not np.isnan(value)]

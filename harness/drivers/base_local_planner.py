@@ -1,7 +1,9 @@
-"""What ROS' base_local_planner knows of a place: how far it is from its path, and from where that ends.
+"""What ROS' base_local_planner knows of places: how far from its path, and which way to turn there.
 
-Both are ways along rows and columns of cells (its MapGrid), so a diagonal is as long as its two legs.
+Lengths are ways along rows and columns of cells (its MapGrid), so a diagonal is as long as its two legs.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from harness.world.grid import STEPS, Lengths, travel
 
 MOVES = np.array([(0, 1), (1, 0), (0, -1), (-1, 0)], np.int64)
 OF_PATH = 0.75  # of a metre beside the path, against a metre of way to its end
+MOVED = 0.05  # [m] from where it turned last: it may turn either way again
 
 
 def place_costs(known: LocalMap, here: tuple[int, int], inscribed: float) -> Lengths:
@@ -40,3 +43,26 @@ def path_from(to_go: Lengths, cell: tuple[int, int]) -> NDArray[np.int64]:
         if not left[best] < to_go[tuple(cells[-1])]:
             return np.array(cells)
         cells.append(around[best])
+
+
+class Turns:
+    """Its oscillation flags: who has turned back on a spot turns on that way until he has moved."""
+
+    def __init__(self) -> None:
+        self._spot = math.inf, math.inf
+        self._done: set[float] = set()
+        self._barred = 0.0  # sign of the rates
+
+    def allowed(self, here: tuple[float, float], rates: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Returns which yaw rates [rad/s] may be driven on the spot at a place [m]."""
+        if math.dist(here, self._spot) > MOVED:
+            self._done, self._barred = set(), 0.0
+        return np.asarray(np.sign(rates) * self._barred <= 0.0)
+
+    def take(self, here: tuple[float, float], rate: float) -> None:
+        """Takes the yaw rate [rad/s] that is driven on the spot at a place [m]."""
+        way = math.copysign(1.0, rate)
+        if -way in self._done:
+            self._barred = -way
+        self._done.add(way)
+        self._spot = here

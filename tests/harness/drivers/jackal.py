@@ -1,0 +1,40 @@
+"""A Jackal that drives as it is told, among what a test's lidar sees."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.drivers.base import DriverContext, Observation
+from harness.robots import find_rover
+from harness.samples import Twist
+from harness.sensors.lidar_spec import LidarSpec
+
+ROVER = find_rover("jackal")
+BEARINGS = LidarSpec(beams=720).bearings(ROVER.lidar_yaw)
+
+Pose = tuple[float, float, float]  # x, y [m], yaw [rad]
+Look = Callable[[Pose], NDArray[np.float32]]
+
+
+def context() -> DriverContext:
+    return DriverContext(ROVER, (50.0, 50.0), BEARINGS, np.random.default_rng(0))
+
+
+def lidar(pose: Pose) -> tuple[float, float, NDArray[np.float64]]:
+    """Where the lidar is in the world [m], and the direction of each beam [rad]."""
+    x, y, yaw = pose
+    return x + ROVER.lidar_x * math.cos(yaw), y + ROVER.lidar_x * math.sin(yaw), BEARINGS + yaw
+
+
+def drives(driver: Any, look: Look, periods: int) -> Iterator[tuple[Pose, Twist]]:  # noqa: ANN401 - takes goals
+    """Yields each pose that is driven to from the origin without slip, and the command there."""
+    x = y = yaw = 0.0
+    for period in range(periods):
+        seen = Observation(period, x, y, yaw, ranges=look((x, y, yaw)), readings={})
+        twist = driver.command(seen)
+        yaw += 0.05 * twist.angular
+        x, y = x + 0.05 * twist.linear * math.cos(yaw), y + 0.05 * twist.linear * math.sin(yaw)
+        yield (x, y, yaw), twist
