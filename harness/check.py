@@ -187,16 +187,14 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exit code 0: proven. 1: disproven, or a run failed. 2: a wrong argument, or ROS is "
         "missing and --no-ros was not given.",
     )
-    parser.add_argument(
-        "--terrain", default=defaults.world.terrain, metavar="NAME", help="see harness.run"
-    )
+    terrain, about = defaults.world.terrain, "see harness.run"
+    parser.add_argument("--terrain", default=terrain, metavar="NAME", help=about)
     about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md)"
     parser.add_argument("--robot", default=defaults.rover.robot, metavar="NAME|FOLDER", help=about)
     about = "of everything random; the other seed is the next"
     parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N", help=about)
-    parser.add_argument(
-        "--duration", type=float, default=DEFAULT_DURATION, metavar="S", help="simulated seconds"
-    )
+    about = "simulated seconds"
+    parser.add_argument("--duration", type=float, default=DEFAULT_DURATION, metavar="S", help=about)
     parser.add_argument("--no-ros", action="store_true", help="leave out the run through ROS")
     add_files(parser)
     return parser

@@ -47,11 +47,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     about = "of --record: MCAP, or a bag's folder"
     parser.add_argument("recording", type=Path, metavar="FILE.mcap", help=about)
-    about = (
-        "manifest of the run, of several rovers all; default: looked for beside the recording and in "
+    about = "manifest of the run, of several rovers all; default: looked for beside the recording and in"
+    parser.add_argument(
+        "--manifest", type=Path, nargs="+", metavar="FILE.json", help=f"{about} {DEFAULT_LOG_DIR}"
     )
-    about += f"{DEFAULT_LOG_DIR}"
-    parser.add_argument("--manifest", type=Path, nargs="+", metavar="FILE.json", help=about)
     add_flags(parser.add_argument_group("live"), LiveOptions)
     return parser
 

@@ -114,18 +114,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--namespace", default="", metavar="NS", help="of the rover; default: none")
     for name, default, about in (
-        ("--speed", 0.4, "forwards [m/s]"),
-        ("--turn", 0.8, "to the left [rad/s]"),
+        ("--speed", 0.4, "forwards [m/s]; default: 0.4"),
+        ("--turn", 0.8, "to the left [rad/s]; default: 0.8"),
     ):
-        parser.add_argument(
-            name, type=positive, default=default, metavar="V", help=f"{about}; default: {default}"
-        )
-    parser.add_argument(
-        "--cmd-vel",
-        choices=("twist", "stamped"),
-        default="twist",
-        help="type of /cmd_vel; default: twist",
-    )
+        parser.add_argument(name, type=positive, default=default, metavar="V", help=about)
+    about = "type of /cmd_vel; default: twist"
+    parser.add_argument("--cmd-vel", choices=("twist", "stamped"), default="twist", help=about)
     return parser
 
 

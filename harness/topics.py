@@ -88,13 +88,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Prints rate, age, QoS and type of each ROS 2 topic, but for rosout and "
         "parameter events.",
     )
-    parser.add_argument(
-        "--seconds",
-        type=positive,
-        default=math.inf,
-        metavar="S",
-        help="look so long, or until rates can be told, print, end; default: until Ctrl-C",
-    )
+    about = "look so long, or until rates can be told, print, end; default: until Ctrl-C"
+    parser.add_argument("--seconds", type=positive, default=math.inf, metavar="S", help=about)
     parser.add_argument("--namespace", default="", metavar="NS", help="topics below it, and /clock")
     return parser
 

@@ -13,7 +13,8 @@ from harness.episode.assembly import actor_names, scenery, sensor_rows, world_of
 from harness.episode.diagnostics import METRICS
 from harness.frames.tree import Description
 from harness.messages.maps import MAP, occupancy_bytes
-from harness.messages.outlets import CLOCK, bursts, clock, outlets
+from harness.messages.optional import Draw
+from harness.messages.outlets import CLOCK, Outlets, bursts, clock, outlets
 from harness.messages.refilled import Fill
 from harness.messages.sink import Intake, Sink, endpoint
 from harness.messages.transforms import DESCRIPTION, STATIC, MovingFrames, transforms_bytes, urdf_bytes
@@ -23,6 +24,7 @@ from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import Topic, row_of
+from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
 from harness.world.occupancy import occupancy
 from rover_metrics.errors import complain
@@ -59,13 +61,12 @@ class _RoverTopics:
     ) -> None:
         setup = run.rovers[number]
         self.space, self._sinks = f"/{setup.name}" if setup.name else "", sinks
-        rover, lidar = find_rover(setup.robot), LidarSpec(beams=setup.lidar_beams)
+        rover = find_rover(setup.robot)
         urdf, static = self.lane(DESCRIPTION, urdf_bytes), self.lane(STATIC, transforms_bytes)
-        rows, actors = sensor_rows(setup), actor_names(run.world)
-        told = outlets(rover, lidar, rows, draw=painter.image, actors=actors)
+        outlets = outlets_of(run, number, painter.image)
         moving = MovingFrames(description.moving)
-        told[Transforms] = [(topic, moving.fill) for topic in row_of(Transforms).topics]
-        self._lanes = {key: [self.lane(*outlet) for outlet in some] for key, some in told.items()}
+        outlets[Transforms] = [(topic, moving.fill) for topic in row_of(Transforms).topics]
+        self._lanes = {key: [self.lane(*outlet) for outlet in some] for key, some in outlets.items()}
         self._map = self.lane(MAP, partial(occupancy_bytes, time_ns=MAP_AT_NS))
         self._metrics = self.lane(METRICS, bytes, is_late=True)
         self._limits = rover.slope_limit, rover.step_limit
@@ -127,6 +128,25 @@ class RunTopics:
             self._clock.send(time_ns, sent[0])
         for rover, message in zip(self._rovers, metrics, strict=True):
             rover.end_tick(time_ns, message, self._run)
+
+
+def outlets_of(run: Run, number: int, draw: Draw) -> Outlets:
+    """Returns what is published of each sample of a rover.
+
+    Args:
+        run: What is driven.
+        number: The rover's place in it.
+        draw: Gives the images of its cameras.
+    """
+    setup = run.rovers[number]
+    return outlets(
+        find_rover(setup.robot),
+        LidarSpec(beams=setup.lidar_beams),
+        sensor_rows(setup),
+        draw=draw,
+        actors=actor_names(run.world),
+        goals=run.plan.route is not None and setup.driver == CMD_VEL,
+    )
 
 
 def painter(run: Run, number: int, tell: Callable[[str], object]) -> CameraPainter:

@@ -102,14 +102,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", required=True, type=Path, metavar="FOLDER", help="the new folder")
     about = "write what is found of tyres and ground as this surface; default: as the rover's own tyres"
     parser.add_argument("--surface", default="", metavar="NAME", help=about)
-    about = "of a bag, where it should be another: SERIES=TOPIC, SERIES one of " + ", ".join(SERIES)
-    parser.add_argument(
-        "--topic",
-        action="append",
-        default=[],
-        metavar="SERIES=TOPIC",
-        help=f"{about}; repeatable; default: by type",
-    )
+    about = f"of a bag, where it should be another: SERIES=TOPIC, SERIES one of {', '.join(SERIES)}"
+    about += "; repeatable; default: by type"
+    parser.add_argument("--topic", action="append", default=[], metavar="SERIES=TOPIC", help=about)
     about = "of the recording, from its first command (default: %(default)g)"
     parser.add_argument("--seconds", type=float, default=LONGEST, metavar="S", help=about)
     add_options(parser)

@@ -14,7 +14,7 @@ from harness.robots import RoverSpec
 CERTAIN = 1.96  # standard deviations on either side: 95 %
 MOST = 6  # tries of a round
 BLOCKS = 12  # parts of a recording that count as independent of each other
-VAGUE = 0.3  # half an interval over the value, from which on it is not told
+VAGUE = 0.3  # half an interval over the value, from which on it is not known
 FACTS = {"friction": "wheel_friction", "radius": "wheel_radius"}  # of the model, where tyres say nothing
 
 
@@ -26,9 +26,9 @@ class Estimate:
         name, unit: As a table shows it.
         key: Its place in rover.yaml, as "tyres.friction"; "" of what follows from others.
         before: The folder's value; NaN without one.
-        after: The recording's; NaN if it does not tell it.
+        after: The recording's; NaN if it is not known.
         half: Half of its interval of 95 %.
-        why: Why it is not told; "" if it is.
+        why: Why it is not known; "" if it is.
         scale: Of what may be 0: how uncertain it may be.
     """
 
@@ -42,20 +42,20 @@ class Estimate:
     scale: float = 0.0
 
     @property
-    def is_told(self) -> bool:
-        """Whether the recording tells it."""
+    def is_known(self) -> bool:
+        """Whether the recording shows it."""
         return not self.why
 
     def judged(self, after: float, half: float, lack: str) -> "Estimate":
         """Returns it with a value, or, where its interval is too wide, with what is lacking."""
-        found = replace(self, after=after, half=half)
+        estimate = replace(self, after=after, half=half)
         if isfinite(after) and half <= max(VAGUE * abs(after), self.scale):
-            return found
-        told = f"{after:.3g} +- {half:.2g} is too vague" if isfinite(half) else "nothing tells it"
-        return replace(found, after=nan, why=f"{told}: {lack}")
+            return estimate
+        reason = f"{after:.3g} +- {half:.2g} is too vague" if isfinite(half) else "nothing tells it"
+        return replace(estimate, after=nan, why=f"{reason}: {lack}")
 
-    def silent(self, why: str) -> "Estimate":
-        """Returns it as what nothing tells."""
+    def unknown(self, why: str) -> "Estimate":
+        """Returns it as what nothing shows."""
         return replace(self, why=why)
 
 
@@ -80,9 +80,9 @@ def with_values(rover: RoverSpec, values: Iterable[tuple[str, float]]) -> RoverS
 
 
 def fitted(rover: RoverSpec, estimates: Iterable[Estimate]) -> RoverSpec:
-    """Returns a rover with all that was told, apart from its IMU's mount."""
-    told = (one for one in estimates if one.is_told and one.key and not one.key.startswith("imu."))
-    return with_values(rover, [(one.key, one.after) for one in told])
+    """Returns a rover with all that is known, apart from its IMU's mount."""
+    known = (one for one in estimates if one.is_known and one.key and not one.key.startswith("imu."))
+    return with_values(rover, [(one.key, one.after) for one in known])
 
 
 def minimise(

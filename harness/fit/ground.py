@@ -49,20 +49,15 @@ class Ground:
     after: Steady
 
 
-def track(some: Steady, rover: Steady) -> Estimate:
-    """Returns the effective track: the sides' difference over the yaw rate.
-
-    Args:
-        some: Recorded windows.
-        rover: Ours, driven alike.
-    """
-    blank = Estimate("effective track", "m", "", _track(rover)[0])
+def track(some: Steady, ours: Steady) -> Estimate:
+    """Returns the effective track, the sides' difference over the yaw rate: as recorded, and ours."""
+    blank = Estimate("effective track", "m", "", _track(ours)[0])
     value, half = _track(some)
     if not some.left.size:
-        return blank.silent(NEVER_HELD)
+        return blank.unknown(NEVER_HELD)
     if not np.isfinite(value):
         lack = "turns" if np.isfinite(some.yaw_rate).any() or not some.turns.any() else "poses or an IMU"
-        return blank.silent(f"{lack} are missing")
+        return blank.unknown(f"{lack} are missing")
     return blank.judged(value, half, "turns are too few")
 
 
@@ -73,7 +68,7 @@ def _track(some: Steady) -> tuple[float, float]:
 
 
 def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimate]]:
-    """Returns what can be sought, and what nothing tells and why."""
+    """Returns what can be sought, and what nothing shows and why."""
     nothing = {
         "poses are missing": not np.isfinite(some.ahead).any(),
         "currents or torques are missing": not np.isfinite(some.left_current).any(),
@@ -88,14 +83,14 @@ def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimat
         ("rolling resistance", "", "tyres.rolling", forces, some.is_straight, on),
         ("drag", "", "tyres.drag", poses, arcs, "arcs are missing"),
     )
-    free, mute = list[Estimate](), list[Estimate]()
+    free, unknown = list[Estimate](), list[Estimate]()
     for name, unit, key, lack, windows, missing in table:
         scale = 0.0 if key in ("tyres.radius", "tyres.friction") else LIGHT
         one = Estimate(name, unit, key, of(rover, key), scale=scale)
         why = lack if nothing[lack] else "" if windows.sum() > 1 else missing
         why = why if some.left.size else NEVER_HELD
-        (mute if why else free).append(one.silent(why))
-    return free, mute
+        (unknown if why else free).append(one.unknown(why))
+    return free, unknown
 
 
 def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show: Show) -> Ground:
@@ -108,19 +103,19 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
         workers: Do so, from several starts at once.
         show: Is called with what is done of what.
     """
-    free, mute = blanks(rover, some)
+    free, unknown = blanks(rover, some)
     before = driven(rover, like)
     while free:
         found = _search(rover, free, some, like, workers, show)
-        vague = [one for one in found if not one.is_told]
+        vague = [one for one in found if not one.is_known]
         if not vague:
             break
         # The others again, for they were found together with what is not written.
-        free = [one for one, told in zip(free, found, strict=True) if told.is_told]
-        mute += vague
-    told = found if free else []
-    after = driven(with_values(rover, [(one.key, one.after) for one in told]), like)
-    return Ground((track(some, before), *told, *mute), before, after)
+        free = [one for one, sought in zip(free, found, strict=True) if sought.is_known]
+        unknown += vague
+    known = found if free else []
+    after = driven(with_values(rover, [(one.key, one.after) for one in known]), like)
+    return Ground((track(some, before), *known, *unknown), before, after)
 
 
 def _search(
@@ -186,15 +181,11 @@ def differences(ours: Steady, like: Steady) -> dict[str, Series]:
     """Returns ours less the recorded, by quantity; NaN of what either does not have."""
     found = {name: getattr(ours, name) - getattr(like, name) for name in UNITS}
     known = np.isfinite(found["ahead"])
-    found["ahead"][known] -= _mounted(found["ahead"][known], like.yaw_rate[known])
+    off, turning = found["ahead"][known], like.yaw_rate[known]
+    # Poses may be to the side of the rover's middle.
+    aside = float(off @ turning) / max(float(turning @ turning), 1e-9)
+    found["ahead"][known] -= aside * turning
     return found
-
-
-def _mounted(off: Series, yaw_rate: Series) -> Series:
-    """What of a speed ahead comes from poses that are to the side of the rover's middle."""
-    aside = float(off @ yaw_rate) / max(float(yaw_rate @ yaw_rate), 1e-9)
-    mounted: Series = aside * yaw_rate
-    return mounted
 
 
 def driven(rover: RoverSpec, like: Steady) -> Steady:

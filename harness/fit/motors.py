@@ -22,14 +22,14 @@ def motors(rover: RoverSpec, recording: Recording) -> list[Estimate]:
     resistance = Estimate("resistance", "Ohm", keys[1], of(rover, keys[1]))
     there = recording.series
     if "currents" not in there:
-        return [one.silent("currents are missing") for one in (constant, resistance)]
+        return [one.unknown("currents are missing") for one in (constant, resistance)]
     if "torques" in there:
         (currents, torques) = (_means(recording, name) for name in ("currents", "torques"))
         value, half = slope(currents.ravel(), torques.ravel())
         constant = constant.judged(value, half, "driving under load is missing")
     if "power" not in there:
-        return [constant if constant.is_told and "torques" in there else constant.silent(FORCES),
-                resistance.silent("the battery's power is missing")]  # fmt: skip
+        return [constant if constant.is_known and "torques" in there else constant.unknown(FORCES),
+                resistance.unknown("the battery's power is missing")]  # fmt: skip
     return _by_power(rover, recording, constant, resistance)
 
 

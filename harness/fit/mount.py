@@ -21,7 +21,7 @@ def mount(rover: RoverSpec, recording: Recording) -> list[Estimate]:
     """Returns roll, pitch and yaw [rad], x and y [m] of an IMU in the rover's root body.
 
     At rest it reads R^T (0, 0, g), R = Rz(yaw) Ry(pitch) Rx(roll), if the ground is level and its
-    accelerometers have no bias, which is told from neither. Driving at v and w it reads besides, at
+    accelerometers have no bias, which shows in neither. Driving at v and w it reads besides, at
     (x, y) from the middle about which the rover turns, (v' - w^2 x - w' y, v w + w' x - w^2 y).
     """
     (x, y, _), turned = placed(rover)
@@ -33,22 +33,17 @@ def mount(rover: RoverSpec, recording: Recording) -> list[Estimate]:
     ]
     imu = recording.imu
     if len(imu) < 2 or np.isnan(imu).any():
-        return [one.silent("an IMU with six axes is missing") for one in blank]
-    quiet = np.abs(at(recording.wheels, imu[:, 0])) < STILL[0]
-    still = quiet.all(axis=1) & (np.abs(imu[:, 1:4] - np.median(imu[:, 1:4], axis=0)) < STILL[1]).all(
-        axis=1
-    )
+        return [one.unknown("an IMU with six axes is missing") for one in blank]
+    stands = np.abs(at(recording.wheels, imu[:, 0])) < STILL[0]
+    calm = np.abs(imu[:, 1:4] - np.median(imu[:, 1:4], axis=0)) < STILL[1]
+    still = stands.all(axis=1) & calm.all(axis=1)
     if still.sum() < FEWEST:
-        return [one.silent("standing still is missing") for one in blank]
+        return [one.unknown("standing still is missing") for one in blank]
     rest = imu[still]
     ax, ay, az = np.median(rest[:, 4:], axis=0).tolist()
     roll, pitch = float(np.arctan2(ay, az)), float(np.arctan2(-ax, np.hypot(ay, az)))
-    error = (
-        CERTAIN
-        * float(rest[:, 4:].std(axis=0).max())
-        / np.hypot(np.hypot(ax, ay), az)
-        / np.sqrt(len(rest))
-    )
+    spread, gravity = float(rest[:, 4:].std(axis=0).max()), np.hypot(np.hypot(ax, ay), az)
+    error = CERTAIN * spread / gravity / np.sqrt(len(rest))
     leaning = [one.judged(v, error, "") for one, v in zip(blank, (roll, pitch), strict=False)]
     level = Rotation.from_euler("xyz", (roll, pitch, 0.0))
     rates, forces = level.apply(imu[:, 1:4] - np.median(rest[:, 1:4], axis=0)), level.apply(imu[:, 4:])
@@ -76,11 +71,9 @@ def _aside(
     felt = np.column_stack([means(forces[:, 0]), means(forces[:, 1])])
     moves = (np.sqrt(np.mean(changing**2)) > LEAST) or (np.sqrt(np.mean(across**2)) > LEAST)
     spins = np.sqrt(np.mean(square**2)) > LEAST
-    lack = (
-        "" if moves and spins else ("turns" if moves else "changes of speed, or arcs,") + " are missing"
-    )
-    if lack:
-        return [one.silent(lack) for one in blank]
+    if not (moves and spins):
+        lack = "turns" if moves else "changes of speed, or arcs,"
+        return [one.unknown(f"{lack} are missing") for one in blank]
 
     def residuals(values: Series) -> Series:
         yaw, x, y, along, aside = values

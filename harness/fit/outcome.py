@@ -69,19 +69,14 @@ def fit(
     like = kinds(some)
     found = ground(near, some, like, workers, show)
     loaded = fitted(near, found.estimates)
-    told = response(rover, recording, loaded)
-    estimates = (*told, *found.estimates, *constants)
-    if not any(one.is_told for one in estimates):
-        raise UsageError(
-            f"{whole.name} tells nothing: {'; '.join(dict.fromkeys(e.why for e in estimates))}"
-        )
-    best = fitted(loaded, told)
-    pairs = {
-        ("speed of the sides", "m/s"): (
-            _rms(difference(rover, recording)),
-            _rms(difference(best, recording)),
-        )
-    }
+    second = response(rover, recording, loaded)
+    estimates = (*second, *found.estimates, *constants)
+    if not any(one.is_known for one in estimates):
+        reasons = "; ".join(dict.fromkeys(one.why for one in estimates))
+        raise UsageError(f"{whole.name} tells nothing: {reasons}")
+    best = fitted(loaded, second)
+    was, now = (_rms(difference(one, recording)) for one in (rover, best))
+    pairs = {("speed of the sides", "m/s"): (was, now)}
     before, after = (differences(ours, like) for ours in (found.before, found.after))
     for name, unit in UNITS.items():
         if np.isfinite(after[name]).any():

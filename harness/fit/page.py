@@ -19,11 +19,11 @@ WITHIN = 0.15  # of a step's length: harness.validate's limit
 
 
 def tables(outcome: Outcome) -> list[Sheet]:
-    """Returns what was found, what is left of the differences, and what is not told and why."""
-    told = [one for one in outcome.estimates if one.is_told]
+    """Returns what was found, what is left of the differences, and what is not known and why."""
+    known = [one for one in outcome.estimates if one.is_known]
     found = [
         (one.name, one.unit, one.key or NONE, *map(_number, (one.before, one.after)), _interval(one))
-        for one in told
+        for one in known
     ]
     left = [(*named, *map(_number, pair)) for named, pair in outcome.residuals.items()]
     if outcome.held[0].size:
@@ -33,11 +33,11 @@ def tables(outcome: Outcome) -> list[Sheet]:
         left += [(f"{steps}, median error / length", "", *error)]
         left += [(f"{steps} within {WITHIN:.0%}", "", *within)]
     titles = "parameter", "unit", "rover.yaml", "before", "after", "95 %"
-    silent = [{"parameter": one.name, "why": one.why} for one in outcome.estimates if not one.is_told]
+    unknown = [{"parameter": one.name, "why": one.why} for one in outcome.estimates if not one.is_known]
     sheets = [
         Sheet(titles, tuple(found), "Parameters"),
         Sheet(("quantity", "unit", "before", "after"), tuple(left), DIFFERENCES),
-        Sheet.of(silent, "What the recording does not tell"),
+        Sheet.of(unknown, "What the recording does not tell"),
     ]
     return [sheet for sheet in sheets if sheet.rows]
 

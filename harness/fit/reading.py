@@ -9,7 +9,7 @@ from scipy.ndimage import median_filter
 
 from harness.base.errors import UsageError
 from harness.recordings.bags import recording_of_bag
-from harness.recordings.recording import APART, Recording, Series, lag
+from harness.recordings.recording import APART, Recording, lag, moved
 from harness.recordings.tables import recording_of
 from harness.robots import RoverSpec
 
@@ -57,13 +57,12 @@ def _check(recording: Recording) -> None:
         raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {found}")
     spans = {one: (float(v[0, 0]), float(v[-1, 0])) for one, v in there.items()}
     begin, end = max(b for b, _ in spans.values()), min(e for _, e in spans.values())
-    told = ", ".join(f"{one} {b:.1f} to {e:.1f} s" for one, (b, e) in spans.items())
+    there_are = ", ".join(f"{one} {b:.1f} to {e:.1f} s" for one, (b, e) in spans.items())
     if end < begin:
-        raise UsageError(f"{name}: clocks are apart, series do not overlap: {told}")
+        raise UsageError(f"{name}: clocks are apart, series do not overlap: {there_are}")
     if end - begin < SHORTEST:
-        raise UsageError(
-            f"{name}: {end - begin:.1f} s are too short, give {SHORTEST:g} s; it has {told}"
-        )
+        short = f"{end - begin:.1f} s are too short, give {SHORTEST:g} s"
+        raise UsageError(f"{name}: {short}; it has {there_are}")
     wheels = recording.wheels
     if len(wheels) < FEWEST:
         raise UsageError(f"{name}: {len(wheels)} samples of the wheels are too few; give {FEWEST}")
@@ -71,9 +70,8 @@ def _check(recording: Recording) -> None:
         pauses = np.diff(there[one][:, 0])
         lost = float(pauses[pauses > LONG].sum())
         if lost > MOST_LOST * (end - begin):
-            raise UsageError(
-                f"{name}: gaps of {lost:.0f} s in the {one}; cut out the part that is whole"
-            )
+            mend = "cut out the part that is whole"
+            raise UsageError(f"{name}: gaps of {lost:.0f} s in the {one}; {mend}")
     speed = float(np.median(np.abs(wheels[:, 1:]).max(axis=1)))
     if speed > FASTEST or not recording.commands[:, 1:].any():
         reason = f"wheels turn at {speed:.0f} m/s" if speed > FASTEST else "commands are all 0"
@@ -88,20 +86,14 @@ def _aligned(recording: Recording, rover: RoverSpec) -> Recording:
         if name != "commands"
     }
     recording = replace(recording, **smooth)  # type: ignore[arg-type]  # of series alone
-    shift = lag(recording, rover.track) if "imu" in smooth else None
-    if shift is not None and abs(shift) > APART:
-        raise UsageError(
-            f"{recording.name}: clocks are apart, the IMU turns {shift:+.2f} s after the wheels"
-        )
-    return replace(recording, imu=_moved(recording.imu, -(shift or 0.0)))
+    shift = (lag(recording, rover.track) if "imu" in smooth else None) or 0.0
+    if abs(shift) > APART:
+        late = f"the IMU turns {shift:+.2f} s after the wheels"
+        raise UsageError(f"{recording.name}: clocks are apart, {late}")
+    return replace(recording, imu=moved(recording.imu, -shift))
 
 
 def _begun(recording: Recording) -> Recording:
     begin = float(recording.commands[0, 0])
-    moved = {name: _moved(values, -begin) for name, values in recording.series.items()}
-    return replace(recording, **moved, steps=recording.steps - begin)  # type: ignore[arg-type]  # as above
-
-
-def _moved(series: Series, seconds: float) -> Series:
-    moved: Series = series + np.eye(1, series.shape[1])[0] * seconds
-    return moved
+    series = {name: moved(values, -begin) for name, values in recording.series.items()}
+    return replace(recording, **series, steps=recording.steps - begin)  # type: ignore[arg-type]  # as above

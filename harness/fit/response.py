@@ -1,10 +1,12 @@
 """How wheels follow commands: dead time, lag, what the driver makes of yaw rates; without physics."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from harness.fit.estimate import Estimate, minimise, of, with_values
 from harness.physics.base_controller import base_controller
-from harness.recordings.recording import Recording, Series, at
+from harness.recordings.recording import Recording, Series, at, changes
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from harness.validate.real.commanded import as_driven
@@ -36,22 +38,21 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
     moves, turns = recording.commands[:, 1:].std(axis=0) > VARIES
     driven = as_driven(rover, recording)
     is_clipped = bool(turns) and driven.actuators != rover.actuators
-    lacks = {
-        "actuators.delay": "" if moves or turns else "changes of the command are missing",
-        "actuators.lag": "" if moves or turns else "changes of the command are missing",
-        "controller_separation": "" if turns else "turns are missing",
-        "actuators.turn_limit": "" if is_clipped else "no command asked for more than came",
-    }
-    blank = (
-        Estimate("delay", "s", "actuators.delay", of(rover, "actuators.delay"), scale=0.02),
-        Estimate("lag", "s", "actuators.lag", of(rover, "actuators.lag"), scale=0.05),
-        Estimate("believed separation", "m", "controller_separation", rover.controller_separation),
-        Estimate("limit of the sides' difference", "m/s", "actuators.turn_limit",
-                 of(rover, "actuators.turn_limit")),
-    )  # fmt: skip
-    free = [one.key for one in blank if not lacks[one.key]]
+    still = "" if moves or turns else "changes of the command are missing"
+    straight = "" if turns else "turns are missing"
+    unlimited = "" if is_clipped else "no command asked for more than came"
+    blank = [
+        Estimate(name, unit, key, of(rover, key), why=why, scale=scale)
+        for name, unit, key, scale, why in (
+            ("delay", "s", "actuators.delay", 0.02, still),
+            ("lag", "s", "actuators.lag", 0.05, still),
+            ("believed separation", "m", "controller_separation", 0.0, straight),
+            ("limit of the sides' difference", "m/s", "actuators.turn_limit", 0.0, unlimited),
+        )
+    ]
+    free = [one.key for one in blank if one.is_known]
     if not free:
-        return [one.silent(lacks[one.key]) for one in blank]
+        return blank
     lost = _lost(loaded, recording)
     if loaded is None:
         late = _late(driven, recording) / 2
@@ -64,13 +65,9 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
         return (difference(ours, recording) - lost) / TOLERANCE
 
     values, halves, _ = minimise(residuals, start, (low, high), np.full(len(free), STEP))
-    found = dict(zip(free, zip(values.tolist(), halves.tolist(), strict=True), strict=True))
-    return [
-        one.judged(*found[one.key], "changes of the command are too few")
-        if one.key in found
-        else one.silent(lacks[one.key])
-        for one in blank
-    ]
+    found = iter(zip(values.tolist(), halves.tolist(), strict=True))
+    lack = "changes of the command are too few"
+    return [one.judged(*next(found), lack) if one.is_known else one for one in blank]
 
 
 def difference(rover: RoverSpec, recording: Recording) -> Series:
@@ -101,11 +98,10 @@ def controlled(rover: RoverSpec, recording: Recording) -> Series:
     left = np.array([name in rover.drive.left for name in rover.drive.driven])
     ends = TICK * np.arange(1, round(wheels[-1, 0] / TICK) + 1)
     speeds = np.empty((ends.size, left.size))
-    told = at(recording.commands, ends - TICK + 1e-9)
-    changes = np.flatnonzero(np.concatenate([[True], (np.diff(told, axis=0) != 0.0).any(axis=1)]))
-    for first, last in zip(changes, [*changes[1:], ends.size], strict=True):
-        drive.command(Twist(*told[first].tolist()))
-        speeds[first:last] = drive.ahead(int(last - first))[:, : left.size]
+    commanded = at(recording.commands, ends - TICK + 1e-9)
+    for first, last in pairwise([*np.flatnonzero(changes(commanded)).tolist(), ends.size]):
+        drive.command(Twist(*commanded[first].tolist()))
+        speeds[first:last] = drive.ahead(last - first)[:, : left.size]
     rims = speeds * rover.controller_radius
     return np.column_stack([ends, rims[:, left].mean(axis=1), rims[:, ~left].mean(axis=1)])
 
@@ -121,7 +117,7 @@ def _late(rover: RoverSpec, recording: Recording) -> float:
 
 def _news(series: Series) -> Series:
     """Times at which a series says something: it has just changed, or not for as long as logs hold."""
-    changed = np.concatenate([[True], (np.diff(series[:, 1:], axis=0) != 0.0).any(axis=1)])
+    changed = changes(series[:, 1:])
     latest = np.maximum.accumulate(np.where(changed, series[:, 0], -np.inf))
     chosen = (changed | (series[:, 0] - latest > HELD)) & (series[:, 0] >= 0.0)
     times: Series = series[chosen, 0]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.recordings.recording import Recording, Series
+from harness.recordings.recording import Recording, Series, changes
 
 Flags = NDArray[np.bool_]
 
@@ -83,8 +83,7 @@ class Steady:
 def steady(recording: Recording) -> Steady:
     """Returns the windows of a recording, in the order of time; its currents may come from torques."""
     commands = recording.commands
-    changed = np.concatenate([[True], (np.diff(commands[:, 1:], axis=0) != 0.0).any(axis=1)])
-    times = np.append(commands[changed, 0], recording.wheels[-1, 0])
+    times = np.append(commands[changes(commands[:, 1:]), 0], recording.wheels[-1, 0])
     rows = []
     for first, last in zip(times[:-1] + SETTLED, times[1:], strict=True):
         begin = first

@@ -15,12 +15,7 @@ SERIES = (uplot.Series(), uplot.Series(stroke=INK, width=1.5))
 
 
 class Charts:
-    """A chart of each column that holds numbers, once there is a row.
-
-    Args:
-        gui: Of the page.
-        place: Where in it they come.
-    """
+    """A chart of each column that holds numbers, at a place of a page, once there is a row."""
 
     def __init__(self, gui: viser.GuiApi, place: viser.GuiTabHandle) -> None:
         self._gui, self._place = gui, place

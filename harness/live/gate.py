@@ -84,19 +84,19 @@ class Gate(AbstractContextManager["Gate"]):
     def _knows(self, head: bytes) -> bool:
         """Whether a request has the cookie, if there must be one."""
         lines = head.decode("latin-1").split("\r\n")[1:]
-        told = [line.partition(":")[2] for line in lines if line.lower().startswith("cookie:")]
+        sent = [line.partition(":")[2] for line in lines if line.lower().startswith("cookie:")]
         with suppress(CookieError):
-            cookie = SimpleCookie("".join(told)).get(COOKIE)
+            cookie = SimpleCookie("".join(sent)).get(COOKIE)
             return not self._token or self._is_right("" if cookie is None else cookie.value)
         return False
 
     def _answer(self, head: bytes) -> bytes:
         target = head.decode("latin-1").split(" ")[1:2]
-        told = parse_qs(urlsplit("".join(target)).query).get("token", [""])
-        return WELCOME.format(token=self._token).encode() if self._is_right(told[0]) else NOBODY
+        (token,) = parse_qs(urlsplit("".join(target)).query).get("token", [""])[:1]
+        return WELCOME.format(token=self._token).encode() if self._is_right(token) else NOBODY
 
-    def _is_right(self, told: str) -> bool:
-        return hmac.compare_digest(told.encode(), self._token.encode())
+    def _is_right(self, token: str) -> bool:
+        return hmac.compare_digest(token.encode(), self._token.encode())
 
 
 async def _cancel_others() -> None:

@@ -16,11 +16,7 @@ DIRECTIONS = {
 
 
 class Keys:
-    """What is pressed: a key counts for HELD, and a second one keeps the first alive.
-
-    Args:
-        clock: Monotonic wall clock [s].
-    """
+    """What is pressed, by a monotonic clock [s]: a key counts for HELD, and keeps others alive."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._share = clock, STANDING

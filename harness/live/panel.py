@@ -119,7 +119,7 @@ class Panel:
             reset = gui.add_button(
                 "Reset", icon=viser.Icon.REFRESH, hint="the rover, to its start", visible=steered
             )
-            rates = _rates_with(helm.rate)
+            rates = RATES if helm.rate in RATES.values() else RATES | {f"{helm.rate:g}x": helm.rate}
             now = next(name for name, rate in rates.items() if rate == helm.rate)
             speed = gui.add_dropdown("Speed", tuple(rates), initial_value=now)
         self._pause.on_click(lambda _: self._set_paused(not helm.paused))
@@ -154,18 +154,11 @@ class Panel:
             command.on_trigger(partial(self._press, forward, left))
 
     def _add_thresholds(self) -> None:
-        values = DEFAULT_THRESHOLDS
         for name, parameter in THRESHOLD_INFO.items():
-            default = getattr(values, name)
+            default, title = getattr(DEFAULT_THRESHOLDS, name), f"{name} [{parameter.unit}]"
             most = min(OF_DEFAULT * default, parameter.maximum)
-            slider = self._gui.add_slider(
-                f"{name} [{parameter.unit}]",
-                0.0,
-                most,
-                most / PARTS,
-                default,
-                hint=parameter.description,
-            )
+            hint = parameter.description
+            slider = self._gui.add_slider(title, 0.0, most, most / PARTS, default, hint=hint)
             slider.on_update(partial(self._judge, name, slider))
             self._sliders[name] = slider
 
@@ -200,15 +193,8 @@ class Panel:
             self._helm.judge(self._rover, replace(before, **{name: slider.value}))
 
     def _click(self, event: viser.SceneClickEvent) -> None:
-        place, sight = (
-            self._stage.under(event.ray_origin, event.ray_direction),
-            self._watches[self._rover].sight,
-        )
+        place = self._stage.under(event.ray_origin, event.ray_direction)
+        sight = self._watches[self._rover].sight
         if place is not None and sight is not None:
             x, y, _ = place.tolist()
             self._stage.mark(self._wheel.head_for(x, y, sight.position))
-
-
-def _rates_with(rate: float | None) -> dict[str, float | None]:
-    """The rates to choose from by their names; one that is not among them joins them."""
-    return RATES if rate in RATES.values() else RATES | {f"{rate:g}x": rate}

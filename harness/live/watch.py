@@ -17,7 +17,7 @@ from rover_metrics.core.columns import Row
 Ranges = NDArray[np.float32]
 
 PATH_STEP = 0.05  # [m] between two points of a path
-MOST_ROWS = 2000  # of charts
+MOST_ROWS = 2000  # of charts: then every other one is left out
 MOST_POINTS = 4000  # of a path: then every other one is left out
 
 
@@ -82,7 +82,7 @@ class Watch:
                 self.people = np.array(people_row(people)).reshape(-1, 4)
         row = self._row()
         if row is not None and (not self.rows or row is not self.rows[-1]):
-            self.rows = [*_thinned(self.rows), row]
+            self.rows = [*(self.rows[::2] if len(self.rows) >= MOST_ROWS else self.rows), row]
         self.truth = batch.truth
         self.version += 1
 
@@ -100,8 +100,3 @@ class Watch:
         self.path.append(place)
         if len(self.path) > MOST_POINTS:
             self.path, self._step = self.path[::2], 2 * self._step
-
-
-def _thinned(rows: list[Row]) -> list[Row]:
-    """Every other row of those that are too many."""
-    return rows if len(rows) < MOST_ROWS else rows[::2]

@@ -107,12 +107,7 @@ class _Walk:
 
 
 class Template:
-    """A message's bytes.
-
-    Args:
-        data: The message, serialised.
-        spots: Where numbers are replaced.
-    """
+    """The bytes of a serialised message, in which numbers are replaced at some places."""
 
     def __init__(self, data: bytes, spots: Sequence[Place]) -> None:
         self._buffer = bytearray(data)

@@ -21,10 +21,7 @@ BACKLOG = 32_768  # messages that a client may be behind: a minute of the usual 
 
 
 class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
-    """Serves topics from the first message on, and prints where, until it is left; a Sink.
-
-    Args:
-        where: Host and port, as `foxglove_address` reads them.
+    """Serves topics on a host and port from the first message on, until it is left; a Sink.
 
     Raises:
         UsageError: It cannot be served there.

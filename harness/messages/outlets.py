@@ -16,6 +16,7 @@ PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
 # Latched for who comes late; a subscriber of Nav2's, which is volatile, hears it too.
 GOAL = Topic("goal_pose", "geometry_msgs/msg/PoseStamped", depth=1, latched=True)
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
+Outlets = dict[Source, list[tuple[Topic, Fill]]]  # of each sample its topics, and what fills messages
 
 
 def outlets(
@@ -26,8 +27,8 @@ def outlets(
     draw: Draw | None = None,
     actors: Sequence[str] = (),
     goals: bool = False,
-) -> dict[Source, list[tuple[Topic, Fill]]]:
-    """Returns what is told of each sample; of transforms only their place in the order.
+) -> Outlets:
+    """Returns what is published of each sample; of transforms only their place in the order.
 
     Args:
         rover: Gives the frames.
@@ -37,18 +38,18 @@ def outlets(
         actors: Names of the people, as NAME_actor.
         goals: Whether whoever commands the rover is told the way points of a route.
     """
-    told: dict[Source, list[tuple[Topic, Fill]]] = {
+    made: Outlets = {
         row.source: [(topic, fillers.filler(row, topic, rover, lidar, draw)) for topic in row.topics]
         for row in rows
         if row.sample is not samples.Transforms
     } | {samples.Transforms: []}
     if actors:
-        told[samples.ActorPoses] = [
+        made[samples.ActorPoses] = [
             (Topic(f"{name}/pose", PERSON), fillers.person(index)) for index, name in enumerate(actors)
         ]
     if goals:
-        told[samples.GoalPose] = [(GOAL, fillers.goal())]
-    return told
+        made[samples.GoalPose] = [(GOAL, fillers.goal())]
+    return made
 
 
 def clock() -> Fill:

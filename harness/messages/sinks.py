@@ -11,11 +11,7 @@ INSTALL = "install it with pip install 'rover-harness[foxglove]'"
 
 
 def sinks_of(options: RosOptions, at_end: ExitStack) -> list[Sink]:
-    """Opens the recording and serves Foxglove, if they are asked for.
-
-    Args:
-        options: Say which.
-        at_end: Closes them.
+    """Opens the recording and serves Foxglove, if options ask for them, until `at_end` closes them.
 
     Raises:
         UsageError: One cannot be opened.

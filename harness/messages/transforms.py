@@ -16,11 +16,7 @@ DESCRIPTION = Topic("robot_description", "std_msgs/msg/String", depth=1, latched
 
 
 class MovingFrames:
-    """Makes the messages of samples of the same frames, or of the first of them.
-
-    Args:
-        frames: Parents and children, in the samples' order.
-    """
+    """Makes the messages of samples of the same frames (parents, children), or of the first of them."""
 
     def __init__(self, frames: Sequence[tuple[str, str]] = ()) -> None:
         self._frames = frames

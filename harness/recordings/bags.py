@@ -13,6 +13,7 @@ from harness.robots import RoverSpec
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
 from rover_metrics.bag.playback import deserialised
+from rover_metrics.core.rotation import yaw
 from rover_metrics.timing import NANOSECONDS
 
 Row = tuple[float, ...]
@@ -54,8 +55,7 @@ def _poses(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
     if pose is None:
         return {}
     p, q = pose.position, pose.orientation
-    yaw = np.arctan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))
-    return {"poses": (p.x, p.y, float(yaw))}
+    return {"poses": (p.x, p.y, yaw((q.x, q.y, q.z, q.w)))}
 
 
 def _odometry(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
@@ -108,7 +108,7 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
             rows = _rows(bag, rover, chosen or {})
     except BagError as error:
         raise UsageError(f"{path}: {error}") from error
-    series = {name: _ordered(some) for name, some in rows.items()}
+    series = {name: _timed(some) for name, some in rows.items()}
     if "poses" in series:
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
     return Recording(path.name, **series)  # type: ignore[arg-type]  # of series alone
@@ -141,7 +141,7 @@ def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, li
     return rows
 
 
-def _ordered(rows: list[Row]) -> Series:
+def _timed(rows: list[Row]) -> Series:
     """Values by their stamps, or where those are of another clock by when they were recorded."""
     table = np.array(rows)
     stamps, recorded = table[:, 0], table[:, 1]

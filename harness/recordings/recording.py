@@ -50,10 +50,21 @@ class Recording:
         return replace(self, **cut)  # type: ignore[arg-type]  # names of series alone
 
 
+def moved(series: Series, seconds: float) -> Series:
+    """Returns a series whose times are that much later [s]."""
+    later: Series = series + np.eye(1, series.shape[1])[0] * seconds
+    return later
+
+
 def in_order(rows: Series) -> Series:
     """Returns rows in the order of their times [s], of each time the first."""
     ordered: Series = rows[np.argsort(rows[:, 0], kind="stable")]
     return ordered[np.diff(ordered[:, 0], prepend=-np.inf) > 0.0]
+
+
+def changes(values: Series) -> NDArray[np.bool_]:
+    """Returns which rows have other values than the row before; the first one has."""
+    return np.concatenate([[True], (np.diff(values, axis=0) != 0.0).any(axis=1)])
 
 
 def at(series: Series, times: Series) -> Series:

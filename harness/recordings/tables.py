@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from harness.base.errors import UsageError, unknown
-from harness.recordings.recording import Recording, Series, empty, in_order
+from harness.recordings.recording import Recording, Series, changes, empty, in_order
 
 NAMES: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "stamp", "secs"),
@@ -219,8 +219,7 @@ def _poses(table: pd.DataFrame) -> Series:
         table = table.assign(yaw=np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
     series = _columns(table, "x", "y", "yaw")
     if len(series):
-        changed = np.concatenate([[True], (np.diff(series[:, 1:], axis=0) != 0.0).any(axis=1)])
-        series = series[changed]
+        series = series[changes(series[:, 1:])]
         series[:, 3] = np.unwrap(series[:, 3])
     return series
 

@@ -14,16 +14,12 @@ from harness import samples
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM, Description
-from harness.messages.optional import Draw
-from harness.messages.outlets import CLOCK, bursts, outlets
+from harness.messages.outlets import CLOCK, Outlets, bursts
 from harness.messages.outlets import clock as clock_fill
 from harness.robots import RoverSpec
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
 from harness.ros.frames import FrameTopics
-from harness.sensors.choice import chosen
-from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.table import SensorRow
 from rover_metrics.ros.guarded_node import GuardedNode
 
 # In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
@@ -52,15 +48,11 @@ class Bridge(GuardedNode):
     """Publishes ticks.
 
     Args:
-        rover: Gives the frames.
-        lidar: Gives the geometry of scans.
+        rover: Whose frames commands may be in.
+        outlets: What is published of each sample.
         context: Of rclpy; the default one if None.
         on_command: Takes each command of /cmd_vel.
         cmd_vel: How commands come: "twist", "stamped" or "auto".
-        rows: The sensors; None for those of every rover.
-        draw: Gives the images of cameras; without it there are none.
-        actors: Names of the people, as NAME_actor.
-        goals: Whether it tells who commands the rover the way points of a route.
         namespace: Of its topics, where there are several rovers.
         clock: /clock, if another bridge tells the time; None if this one does.
 
@@ -69,28 +61,22 @@ class Bridge(GuardedNode):
         time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
     """
 
-    def __init__(  # noqa: PLR0913 - what a run knows of a rover
+    def __init__(
         self,
         rover: RoverSpec,
-        lidar: LidarSpec,
+        outlets: Outlets,
         *,
         context: Context | None = None,
         on_command: Callable[[samples.Twist], None] | None = None,
         cmd_vel: str = "twist",
-        rows: Iterable[SensorRow] | None = None,
-        draw: Draw | None = None,
-        actors: Sequence[str] = (),
-        goals: bool = False,
         namespace: str = "",
         clock: Channel | None = None,
     ) -> None:
         super().__init__("harness", context=context, namespace=namespace)
         self.time_ns = 0
         self.frames = FrameTopics(self)
-        rows = chosen(rover, ()) if rows is None else rows
-        told = outlets(rover, lidar, rows, draw=draw, actors=actors, goals=goals)
         self.channels_of: dict[samples.Source, list[Channel]] = {
-            source: [open_channel(self, *outlet) for outlet in some] for source, some in told.items()
+            source: [open_channel(self, *outlet) for outlet in some] for source, some in outlets.items()
         }
         self.channels_of[samples.Transforms] = self.frames.moving
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.

@@ -11,10 +11,10 @@ from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 
 from harness.base.errors import UsageError
-from harness.episode.assembly import actor_names, injector, scenery, sensor_rows
+from harness.episode.assembly import injector, scenery
 from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
-from harness.episode.topics import painter
+from harness.episode.topics import outlets_of, painter
 from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
@@ -23,8 +23,6 @@ from harness.ros.commands import RCLError
 from harness.ros.hosted import HostedMetrics
 from harness.ros.navigation import Navigation
 from harness.samples import Twist
-from harness.sensors.lidar_spec import LidarSpec
-from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.metrics_node import MetricsNode
@@ -89,14 +87,10 @@ class RoverNodes:
         try:
             self.bridge = Bridge(
                 find_rover(setup.robot),
-                LidarSpec(beams=setup.lidar_beams),
+                outlets_of(run, number, self._painter.image),
                 context=context,
                 on_command=on_command,
                 cmd_vel=cmd_vel,
-                rows=sensor_rows(setup),
-                draw=self._painter.image,
-                actors=actor_names(run.world),
-                goals=run.plan.route is not None and setup.driver == CMD_VEL,
                 namespace=setup.name,
                 clock=clock,
             )

@@ -59,12 +59,7 @@ class LeavesEvidence(ABC):
 
 
 class Recording(ExitStack):
-    """Records what a bridge publishes and hears; a context that leaves nothing but what is kept.
-
-    Args:
-        name: Of the file.
-        last: How many seconds are kept; all if None.
-    """
+    """Records what a bridge publishes and hears, the `last` seconds or all; leaves only what is kept."""
 
     def __init__(self, name: str = RECORDING, last: float | None = None) -> None:
         super().__init__()

@@ -10,7 +10,7 @@ Parses, calls, prints; the work is in harness.validate.
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from harness.base.edge import begin_program, loading, run_program
@@ -31,7 +31,6 @@ from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
 Outcome = tuple[Sequence[Sheet], Sequence[str]]  # tables, and what was missed
-ERRORS = ("wheel", "n", "sinkage [mm]", "tractive [N]", "lateral [N]", "sunk")  # at 80 columns, too
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,24 +40,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _validate(options: argparse.Namespace, console: Console) -> int:
-    if options.seed < 0:
-        raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
-    if options.realism and options.robot is None:
-        raise UsageError("--realism needs --robot, the rover that the logs are of")
-    if (options.trials or options.plot or options.pressing) and not options.rig:
-        raise UsageError("--trials, --plot and --pressing need --rig")
-    if options.plot and not options.trials:
-        raise UsageError("--plot needs --trials, the measured points")
+    nameless, of_rig = options.robot is None, options.trials or options.plot or options.pressing
+    for is_wrong, mend in (
+        (options.seed < 0, f"seed {options.seed} is not valid; give a whole number from 0 up"),
+        (options.realism and nameless, "--realism needs --robot, the rover that the logs are of"),
+        (of_rig and not options.rig, "--trials, --plot and --pressing need --rig"),
+        (options.plot and not options.trials, "--plot needs --trials, the measured points"),
+        (
+            options.pressing and options.trials,
+            "--pressing and --trials are of two tests; give one of them",
+        ),
+        (options.real and nameless, "--real needs --robot, the rover that the recordings are of"),
+    ):
+        if is_wrong:
+            raise UsageError(mend)
     if options.plot:
         check_target("--plot", options.plot, ".png")
-    if options.pressing and options.trials:
-        raise UsageError("--pressing and --trials are of two tests; give one of them")
-    if options.real is not None and options.robot is None:
-        raise UsageError("--real needs --robot, the rover that the recordings are of")
-    files, work = files_of(options), _suite
-    for given, other in ((options.realism, _realism), (options.real, _real), (options.rig, _rig)):
-        work = other if given else work
-    sheets, misses = work(options, console)
+    files = files_of(options)
+    kinds = (options.rig, _rig), (options.real, _real), (options.realism, _realism), (True, _suite)
+    sheets, misses = next(work for given, work in kinds if given)(options, console)
     write_sheets(files, "Validation", sheets)
     if misses:
         complain("harness.validate", f"missed {'; '.join(misses)}")
@@ -124,8 +124,8 @@ def _rig(options: argparse.Namespace, console: Console) -> Outcome:
         depths = (f"{1e3 * depth:.0f} mm [N]" for depth in pressing.DEPTHS)
         found = pressing.measured(options.pressing) if options.pressing else {}
         sheets = (
-            _sheet("Slopes", header, single_wheel.stall_table(soils, rovers)),
-            _sheet("Pressing", ("wheel pressed to", *depths), pressing.table(soils, found)),
+            Sheet(header, tuple(single_wheel.stall_table(soils, rovers)), "Slopes"),
+            Sheet(("wheel pressed to", *depths), tuple(pressing.table(soils, found)), "Pressing"),
         )
         console.print(*terminal(sheets, console.width), sep="\n")
         return sheets, ()
@@ -136,26 +136,18 @@ def _rig(options: argparse.Namespace, console: Console) -> Outcome:
     if not errors:
         steepest = f"{single_wheel.STEEPEST_DEG:g}"
         raise UsageError(f"no trial of {options.trials} has a slip angle of up to {steepest} degrees")
-    rows = (
-        (
-            f"{e.wheel} {e.trials}",
-            f"{e.n}",
-            f"{1e3 * e.sinkage:.2f}",
-            f"{e.tractive:.2f}",
-            f"{e.lateral:.2f}",
-            f"{e.sunk}",
-        )
+    rows = (  # at 80 columns, too
+        {
+            "wheel": f"{e.wheel} {e.trials}", "n": f"{e.n}", "sinkage [mm]": f"{1e3 * e.sinkage:.2f}",
+            "tractive [N]": f"{e.tractive:.2f}", "lateral [N]": f"{e.lateral:.2f}", "sunk": f"{e.sunk}",
+        }
         for e in errors
-    )
-    sheet = _sheet("RMSE of a single wheel", ERRORS, rows)
+    )  # fmt: skip
+    sheet = Sheet.of(rows, "RMSE of a single wheel")
     console.print(*terminal([sheet], console.width), sep="\n")
     if options.plot:
         single_wheel.plot(options.plot, soil, trials)
     return [sheet], ()
-
-
-def _sheet(title: str, header: Iterable[str], rows: Iterable[Iterable[str]]) -> Sheet:
-    return Sheet(tuple(header), tuple(map(tuple, rows)), title)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -165,50 +157,22 @@ def _parser() -> argparse.ArgumentParser:
     )
     about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md); default: all that ship"
     parser.add_argument("--robot", metavar="NAME|FOLDER", help=about)
-    parser.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
-    )
-    parser.add_argument(
-        "--realism",
-        nargs=2,
-        type=Path,
-        metavar=("A.csv", "B.csv"),
-        help="compare a 10-minute run with two logs recorded of that rover instead",
-    )
-    parser.add_argument(
-        "--real",
-        type=Path,
-        metavar="FOLDER",
-        help="compare with real recordings (CSV) instead; docs/real_rovers.md; default: none",
-    )
-    parser.add_argument(
-        "--rig", action="store_true", help="draw a single wheel through soil instead; docs/soil.md"
-    )
-    parser.add_argument(
-        "--trials",
-        type=Path,
-        metavar="FILE.csv",
-        help="of --rig: measured trials to compare it with; default: the slopes at which rovers stall",
-    )
-    parser.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE.png",
-        help="of --trials: draw curves over points; default: no picture",
-    )
-    parser.add_argument(
-        "--pressing",
-        type=Path,
-        metavar="FILE.csv",
-        help="of --rig: wheels that were pressed, not turned, to print beside the soils; default: none",
-    )
-    soils = ", ".join(SOILS)
-    parser.add_argument(
-        "--soil",
-        default="dry_sand",
-        metavar="NAME|FILE",
-        help=f"of --rig: {soils}, or a YAML file; default: dry_sand",
-    )
+    about = "headings and the unevenness of the floor"
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help=about)
+    about = "compare a 10-minute run with two logs recorded of that rover instead"
+    parser.add_argument("--realism", nargs=2, type=Path, metavar=("A.csv", "B.csv"), help=about)
+    about = "compare with real recordings (CSV) instead; docs/real_rovers.md; default: none"
+    parser.add_argument("--real", type=Path, metavar="FOLDER", help=about)
+    about = "draw a single wheel through soil instead; docs/soil.md"
+    parser.add_argument("--rig", action="store_true", help=about)
+    about = "of --rig: measured trials to compare it with; default: the slopes at which rovers stall"
+    parser.add_argument("--trials", type=Path, metavar="FILE.csv", help=about)
+    about = "of --trials: draw curves over points; default: no picture"
+    parser.add_argument("--plot", type=Path, metavar="FILE.png", help=about)
+    about = "of --rig: wheels that were pressed, not turned, to print beside the soils; default: none"
+    parser.add_argument("--pressing", type=Path, metavar="FILE.csv", help=about)
+    about = f"of --rig: {', '.join(SOILS)}, or a YAML file; default: dry_sand"
+    parser.add_argument("--soil", default="dry_sand", metavar="NAME|FILE", help=about)
     add_files(parser)
     return parser
 

@@ -1,5 +1,6 @@
 """Lidar odometry of others eats our clouds and IMU, and finds where the rover went."""
 
+import importlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -36,7 +37,7 @@ def points_of(cloud: Any) -> NDArray[np.float64]:  # noqa: ANN401 - a message
 
 
 def kiss_icp(messages: Iterator[tuple[str, int, Any]]) -> list[tuple[int, Pose]]:
-    kiss = pytest.importorskip("kiss_icp.kiss_icp", reason="needs kiss-icp: make test-clients")
+    kiss = importlib.import_module("kiss_icp.kiss_icp")
     config = kiss.KISSConfig()
     config.data.max_range, config.data.deskew = REACH, False
     config.mapping.voxel_size, config.registration.max_num_threads = VOXEL, 1
@@ -50,8 +51,8 @@ def kiss_icp(messages: Iterator[tuple[str, int, Any]]) -> list[tuple[int, Pose]]
 
 
 def rko_lio(messages: Iterator[tuple[str, int, Any]]) -> list[tuple[int, Pose]]:
-    lio = pytest.importorskip("rko_lio", reason="needs rko-lio: make test-clients")
-    config = pytest.importorskip("rko_lio.config").LIOConfig()
+    lio, config = (importlib.import_module(name) for name in ("rko_lio", "rko_lio.config"))
+    config = config.LIOConfig()
     config.deskew, config.max_range, config.min_range = False, REACH, 0.5
     config.voxel_size, config.max_num_threads = VOXEL, 1
     odometry, poses = lio.LIO(config), []
@@ -68,24 +69,15 @@ def rko_lio(messages: Iterator[tuple[str, int, Any]]) -> list[tuple[int, Pose]]:
     return poses
 
 
-@pytest.mark.usefixtures("ros_domain")
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_odometry_from_clouds_drifts_by_less_than_a_twentieth_of_the_way(
     run: Run, tmp_path: Path, robot: str
 ) -> None:
-    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    for name in ("kiss_icp", "rko_lio"):  # before the drive
+        pytest.importorskip(name, reason="needs kiss-icp and rko-lio: make test-clients")
     path = tmp_path / "run.mcap"
-    options = (
-        "--terrain",
-        "maze",
-        "--driver",
-        "wander",
-        "--sensors",
-        "lidar3d=vlp16",
-        "--imu-rate",
-        "100",
-    )
-    run("--robot", robot, *options, "--record", str(path))
+    words = f"--robot {robot} --terrain maze --driver wander --sensors lidar3d=vlp16 --imu-rate 100"
+    run("--direct", *words.split(), "--duration", str(DURATION), "--record", str(path))
     messages = recorded(path, "/tf_static", "/imu/data", "/odom_ground_truth", "/lidar3d/points")
     fixed = [each for topic, _, m in messages if topic == "/tf_static" for each in m.transforms]
     mounts = {each.child_frame_id: each for each in fixed}

@@ -14,14 +14,12 @@ from tests.clients.conftest import Run, recorded
 START, GOAL = (0.0, 0.0), (-6.0, 6.0)  # [m]
 
 
-@pytest.mark.usefixtures("ros_domain")
 def test_a_path_that_ompl_finds_on_the_map_meets_no_obstacle(run: Run, tmp_path: Path) -> None:
-    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     base = pytest.importorskip("ompl.base", reason="needs ompl: make test-clients")
     geometric = pytest.importorskip("ompl.geometric")
     pytest.importorskip("ompl.util").RNG.setSeed(1)
     path = tmp_path / "run.mcap"
-    run("--terrain", "posts", "--duration", "1", "--record", str(path))
+    run("--direct", "--terrain", "posts", "--duration", "1", "--record", str(path))
     ((_, _, grid),) = recorded(path, "/map")
     cells = np.asarray(grid.data).reshape(grid.info.height, grid.info.width)
     corner, cell = grid.info.origin.position, grid.info.resolution

@@ -5,24 +5,29 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 from tests.clients.conftest import CLIENTS, Run, recorded
 
+NEEDS_READER = pytest.mark.skipif(
+    not (CLIENTS / "node_modules" / "@mcap").is_dir(),
+    reason="needs @mcap/core from npm: make test-clients",
+)
+NEEDS_RERUN = pytest.mark.skipif(find_spec("rerun") is None, reason="needs rerun-sdk: make test-clients")
+
 
 @pytest.fixture
-def recording(run: Run, tmp_path: Path, ros_domain: int) -> Path:  # noqa: ARG001 - sets the domain
-    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+def recording(run: Run, tmp_path: Path) -> Path:
     path = tmp_path / "run.mcap"
-    run("--duration", "3", "--sensors", "lidar3d,gnss,magnetometer", "--record", str(path))
+    run("--direct", "--duration", "3", "--sensors", "lidar3d,gnss,magnetometer", "--record", str(path))
     return path
 
 
+@NEEDS_READER
 def test_readers_of_foxglove_decode_every_message(recording: Path) -> None:
-    if not (CLIENTS / "node_modules" / "@mcap").is_dir():
-        pytest.skip("needs @mcap/core from npm: make test-clients")
     script = shutil.copy(Path(__file__).with_name("read_mcap.mjs"), CLIENTS)
     said = subprocess.run(
         [shutil.which("node") or "node", script, recording], capture_output=True, check=True, text=True
@@ -35,9 +40,8 @@ def test_readers_of_foxglove_decode_every_message(recording: Path) -> None:
     assert found["description"].startswith("<?xml") or "<robot" in found["description"]
 
 
+@NEEDS_RERUN
 def test_rerun_finds_nothing_wrong_with_it_and_draws_the_rover(recording: Path, tmp_path: Path) -> None:
-    pytest.importorskip("rerun", reason="needs rerun-sdk: make test-clients")
-
     def rerun(*words: str | Path) -> list[str]:
         command = [sys.executable, "-m", "rerun", *words]
         return subprocess.run(command, capture_output=True, check=True, text=True).stdout.splitlines()

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from harness.base.interrupt import StopRequest
 from harness.cli.options import RunOptions, parse_run
@@ -23,6 +24,7 @@ from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.report.recorder import RunRecorder
 from harness.robots.urdf.folder import write_folder
+from harness.sensors.camera.painter import CameraPainter
 from harness.spec.sensor import SensorChoice
 from tests.golden.table import GoldenRun
 from tests.support.documents import ROOT
@@ -143,11 +145,21 @@ def run_options(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: st
     return replace(options, run=options.run.but(rovers=rovers, plan=options.run.plan.but(**run.plan)))
 
 
-def drive_direct(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: str = "") -> list[Driven]:
-    """Drives a run without ROS; the hash of its stream leaves out that one more sensor."""
+def drive_direct(
+    run: GoldenRun,
+    files: dict[str, Path],
+    folder: Path,
+    sensor: str = "",
+    recording: Path | None = None,
+) -> list[Driven]:
+    """Drives a run without ROS; the hash of its stream leaves out that one more sensor.
+
+    Images are not recorded: to draw them takes longer than all else, and is done through ROS.
+    """
     options = run_options(run, files, folder, sensor)
-    with _outputs(options, sensor) as (outputs, observers):
-        results = run_direct(options.run, outputs, options.ros, StopRequest())
+    with _outputs(options, sensor) as (outputs, observers), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(CameraPainter, "image", lambda *_: None)
+        results = run_direct(options.run, outputs, options.ros.but(record=recording), StopRequest())
     return [_driven(*each) for each in zip(results, observers, strict=True)]
 
 

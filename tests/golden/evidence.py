@@ -32,7 +32,7 @@ class Message:
 
     Attributes:
         time_ns: When it went out.
-        data: Its bytes, as DDS had them.
+        data: Its bytes.
     """
 
     topic: str
@@ -53,10 +53,11 @@ class Evidence:
     Attributes:
         options: What was asked for.
         direct: Without ROS; `again` likewise, a second time.
+        recorded: What was recorded the second time, if there is ROS.
         extra: The sensor of one run more.
         with_extra: That run, without ROS.
         ros: Through ROS 2; empty where it is not installed, and so are the rest.
-        messages: What was recorded, in the order of the file.
+        messages: What was recorded there, in the order of the file.
         replayed: The logs that the recording gives.
         files: All files of the run through ROS.
         recordings: Of a fleet driven twice through ROS, byte for byte.
@@ -68,6 +69,7 @@ class Evidence:
     again: Sequence[Driven]
     extra: str
     with_extra: Sequence[Driven]
+    recorded: Sequence[Message] = ()
     ros: Sequence[Driven] = ()
     messages: Sequence[Message] = ()
     replayed: Sequence[str] = ()
@@ -91,7 +93,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
         folder: Gets all logs; must be empty.
         with_ros: Whether there is ROS 2.
     """
-    bag, live = folder / "run.mcap", folder / "ros"
+    bag, live, without_ros = folder / "run.mcap", folder / "ros", folder / "direct.mcap"
     options = run_options(run, files, live)
     carried = {str(sensor) for rover in options.run.rovers for sensor in rover.sensors or ()}
     extra = next(name for name in ("magnetometer", "height_scan", "gnss") if name not in carried)
@@ -101,7 +103,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
         run=run,
         options=options,
         direct=drive_direct(run, files, folder / "direct"),
-        again=drive_direct(run, files, folder / "again"),
+        again=drive_direct(run, files, folder / "again", recording=without_ros if with_ros else None),
         extra=extra,
         with_extra=drive_direct(run, files, folder / "extra", extra),
     )
@@ -111,6 +113,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     logs = zip(evidence.options.settings, evidence.namespaces, strict=True)
     replayed = [replay(bag, *log, folder / "replayed") for log in logs]
     later = {"ros": ros, "messages": list(read(bag)), "replayed": replayed, "files": files_below(live)}
+    later["recorded"] = list(read(without_ros))
     if run.is_fleet:
         once_more = folder / "again.mcap"
         drive_through_ros(run, files, folder / "ros_again", once_more)

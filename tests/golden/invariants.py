@@ -45,6 +45,28 @@ def second_run_is_the_same(evidence: Evidence) -> Iterator[str]:
         yield from _same_keys(direct.manifest, again.manifest, sorted(direct.manifest), "a second time")
 
 
+def recording_without_ros_is_that_of_ros(evidence: Evidence) -> Iterator[str]:
+    """Each topic but images has the same messages at the same times, with ROS or not."""
+    # Of a node in another process nothing is recorded, and only ROS has names that diagnostics repeat.
+    left_out = ("image_raw", *["rover/metrics"] * (evidence.run.ros in ("elsewhere", "namespace")))
+    space = "/below" if evidence.run.ros == "namespace" else ""
+    ros, direct = (by_topic(some) for some in (evidence.messages, evidence.recorded))
+    direct = {name if name == "/clock" else space + name: some for name, some in direct.items()}
+    for topic in sorted(ros.keys() | direct.keys()):
+        one, other = ros.get(topic, []), direct.get(topic, [])
+        if one != other and not topic.endswith(left_out):
+            at = next((a for a, b in zip(one, other, strict=False) if a != b), (0, b""))
+            yield f"{topic} without ROS: {len(one)} messages became {len(other)}, from {at[0]} ns on"
+
+
+def by_topic(messages: Iterable[Message]) -> dict[str, list[tuple[int, bytes]]]:
+    """Returns time [ns] and bytes of the messages of each topic."""
+    found: dict[str, list[tuple[int, bytes]]] = {}
+    for message in messages:
+        found.setdefault(message.topic, []).append((message.time_ns, message.data))
+    return found
+
+
 def second_recording_is_the_same(evidence: Evidence) -> Iterator[str]:
     """What the nodes of several rovers publish stands in the same places of a recording."""
     if len(set(evidence.recordings)) > 1:
@@ -208,6 +230,7 @@ INVARIANTS: tuple[Callable[[Evidence], Iterator[str]], ...] = (
     nothing_is_lost,
     second_run_is_the_same,
     second_recording_is_the_same,
+    recording_without_ros_is_that_of_ros,
     sensor_more_changes_nothing_else,
     ros_is_direct,
     replay_is_the_log,
@@ -262,5 +285,5 @@ def _same(one: Any, other: Any, how: str) -> Iterator[str]:  # noqa: ANN401 - tw
 def _same_keys(
     one: dict[str, Any], other: dict[str, Any], keys: Iterable[str], how: str
 ) -> Iterator[str]:
-    for key in sorted(set(keys) - VOLATILE - {"social_log"}):
+    for key in sorted(set(keys) - VOLATILE - {"social_log", "recording"}):
         yield from (f"{how}: manifest {line}" for line in differing({key: one[key]}, {key: other[key]}))

@@ -30,11 +30,14 @@ class Ros:
         """A bridge of a leo that the executor spins."""
         from rclpy.logging import LoggingSeverity  # noqa: PLC0415 - see `ros`
 
+        from harness.messages.outlets import outlets  # noqa: PLC0415
         from harness.ros.bridge import Bridge  # noqa: PLC0415
-        from harness.sensors.lidar_spec import LidarSpec  # noqa: PLC0415 - needs more than rover_metrics
+        from harness.sensors.choice import chosen  # noqa: PLC0415 - needs more than rover_metrics
+        from harness.sensors.lidar_spec import LidarSpec  # noqa: PLC0415
         from tests.support.rovers import LEO  # noqa: PLC0415
 
-        bridge = Bridge(LEO, LidarSpec(beams=4), context=self.context, **options)
+        told = outlets(LEO, LidarSpec(beams=4), chosen(LEO, ()))
+        bridge = Bridge(LEO, told, context=self.context, **options)
         bridge.get_logger().set_level(LoggingSeverity.INFO)  # whatever ran in this process before
         return self.added(bridge)
 

@@ -1,12 +1,11 @@
 """What recordings with commands tell: how wheels answer a step, and where commanded steps end."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from harness.recordings.recording import Recording, Series, at
+from harness.recordings.recording import Recording, Series, at, changes, moved
 from harness.robots import RoverSpec
 from harness.robots.sections import Span
 from harness.validate.check import Check, around, at_most
@@ -25,8 +24,7 @@ CLIPPED = 98.0  # [percentile] of the sides' differences: their limit, where com
 def response_times(recording: Recording) -> Series:
     """Returns the medians of the times to LEVELS of the steps of each wheel [s]; NaN without any."""
     commands = recording.commands
-    changes = np.flatnonzero((np.diff(commands[:, 1:], axis=0) != 0.0).any(axis=1)) + 1
-    times = commands[changes, 0]
+    times = commands[changes(commands[:, 1:]), 0][1:]
     found = [
         row
         for begin, after in zip(times, np.append(times[1:], recording.wheels[-1, 0]), strict=False)
@@ -53,8 +51,8 @@ def _times(wheels: Series, begin: float, side: int) -> list[float] | None:
 def as_driven(rover: RoverSpec, recording: Recording) -> RoverSpec:
     """Returns a rover whose driver maps yaw rates to the sides as the recorded one's does."""
     times = recording.wheels[:, 0]
-    told, sides = at(recording.commands, times), recording.wheels[:, 1:]
-    difference, rate = sides[:, 1] - sides[:, 0], told[:, 1]
+    commanded, sides = at(recording.commands, times), recording.wheels[:, 1:]
+    difference, rate = sides[:, 1] - sides[:, 0], commanded[:, 1]
     limit = float(np.percentile(np.abs(difference), CLIPPED))
     free = (np.abs(difference) < 0.9 * limit) & (np.abs(rate) > 0.1) & (np.abs(difference) > 0.02)
     if rover.actuators is None or np.count_nonzero(free) < 50:
@@ -71,9 +69,7 @@ def response_checks(rover: RoverSpec, recording: Recording) -> Iterator[Check]:
     real = response_times(recording)
     if not np.isfinite(real).all():
         return
-    begin = recording.commands[0, 0]
-    commands = recording.commands - [begin, 0.0, 0.0]
-    ours = response_times(replay(as_driven(rover, recording), commands, commands[-1, 0]))
+    ours = response_times(_replayed(as_driven(rover, recording), recording))
     for level, theirs, measured in zip(LEVELS, real, ours, strict=True):
         span = around(float(theirs), LATE, f"{recording.name}; +-{LATE:g} s")
         name = f"{recording.name}: wheels at {level:.0%} of a step after"
@@ -84,24 +80,23 @@ def step_ends(rover: RoverSpec, recording: Recording) -> Series:
     """Returns of each step the error of our end over its length, both seen from its begin.
 
     Where on the rover the recorded poses are is not known: the place that fits all steps best is taken.
-
-    Args:
-        rover: As it is driven.
-        recording: Has commands, poses and steps.
     """
-    begin = recording.commands[0, 0]
-    commands = recording.commands - [begin, 0.0, 0.0]
-    ours = replay(rover, commands, commands[-1, 0])
-    moved = replace(ours, poses=ours.poses + np.array([begin, 0.0, 0.0, 0.0]))
-    latest = min(recording.poses[-1, 0], moved.poses[-1, 0])
+    ours = moved(_replayed(rover, recording).poses, recording.commands[0, 0])
+    latest = min(recording.poses[-1, 0], ours[-1, 0])
     steps = [step for step in recording.steps if step[1] <= latest]
     if not steps:
         return np.empty(0)
-    off = np.array([_displacement(recording.poses, *s) - _displacement(moved.poses, *s) for s in steps])
-    turned = np.array([_turned(moved.poses, *step) for step in steps])
+    off = np.array([_displacement(recording.poses, *s) - _displacement(ours, *s) for s in steps])
+    turned = np.array([_turned(ours, *step) for step in steps])
     lengths = [max(_length(recording.poses, *step), SHORTEST) for step in steps]
     errors: Series = np.linalg.norm(off - pose_mount(off, turned), axis=1) / lengths
     return errors
+
+
+def _replayed(rover: RoverSpec, recording: Recording) -> Recording:
+    """What a rover of ours does under recorded commands, whose first is at 0 s."""
+    commands = moved(recording.commands, -recording.commands[0, 0])
+    return replay(rover, commands, commands[-1, 0])
 
 
 def _turned(poses: Series, begin: float, end: float) -> float:
@@ -149,15 +144,7 @@ def step_checks(rover: RoverSpec, recording: Recording) -> Iterator[Check]:
     if not len(errors):
         return
     source = f"{recording.name}, {len(errors)} steps"
-    yield Check(
-        f"{recording.name}: median error of a step's end / its length", "", at_most(END, source),
-        float(np.median(errors)),
-    )  # fmt: skip
-    within = float(np.mean(errors <= END))
-    yield Check(
-        f"{recording.name}: steps that end within {END:.0%}",
-        "",
-        Span(1.0, 1.0, source),
-        within,
-        digits=2,
-    )
+    quantity = f"{recording.name}: median error of a step's end / its length"
+    yield Check(quantity, "", at_most(END, source), float(np.median(errors)))
+    quantity, within = f"{recording.name}: steps that end within {END:.0%}", np.mean(errors <= END)
+    yield Check(quantity, "", Span(1.0, 1.0, source), float(within), digits=2)

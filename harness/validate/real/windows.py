@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.recordings.recording import Recording, lag
+from harness.recordings.recording import Recording, lag, moved
 
 WINDOW = 2.0  # [s]
 LOW_BAND = (1.0, 10.0)  # [Hz]
@@ -47,8 +47,7 @@ def aligned(recording: Recording, track: float) -> Recording:
     """Returns a recording whose IMU's clock is that of its wheels, as far as its turns tell."""
     if not (len(recording.wheels) > 1 and len(recording.imu) > 1):
         return recording
-    shift = lag(recording, track) or 0.0
-    return replace(recording, imu=recording.imu - np.array([shift, *[0.0] * 6]))
+    return replace(recording, imu=moved(recording.imu, -(lag(recording, track) or 0.0)))
 
 
 def windows(recording: Recording) -> Iterator[Window]:
@@ -95,9 +94,7 @@ def _vibration(imu: np.ndarray) -> tuple[float, float]:
 def effective_track(some: Iterable[Window], track: float) -> float:
     """Returns the sides' difference over the yaw rate [m], by least squares; NaN of too few windows.
 
-    Args:
-        some: Windows with yaw rates; those in which the rover is held count not.
-        track: Of the rover on hard ground [m].
+    Those in which the rover is held do not count; `track` is that on hard ground [m].
     """
     pairs = [
         (one.difference, one.yaw_rate)

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 pytest.importorskip("viser", reason="needs viser: pip install -e '.[live]'")
 pytestmark = NEEDS_CHROMIUM
 
-WORDS = ("--direct", "--terrain-size", "10", "--lidar-beams", "45", "--duration", "600", "--live")
+WORDS = ("--direct", "--terrain-size", "10", "--lidar-beams", "45", "--duration", "600", "--rate", "4")
 TIME = re.compile(r"([\d.]+) s of 600 s")
 MIDDLE = 125, 300  # of the scene [pixels]
-SMALL = {"width": 600, "height": 360}
-SCENE = (0, 200, 250, 360)  # left, top, right, bottom: where no panel is [pixels]
+SMALL, SCALE = {"width": 600, "height": 360}, 0.5  # few points to draw: a processor does
+SCENE = (0, 100, 125, 180)  # left, top, right, bottom: where no panel is [points]
 
 
 class Watched:
@@ -43,7 +43,7 @@ class Watched:
         self.address = next(m[1] for line in run.stdout if (m := re.match(r"live: (\S+)", line)))
 
     def open(self) -> "Page":
-        page = self._browser.new_page(viewport=SMALL)  # type: ignore[arg-type] # a ViewportSize
+        page = self._browser.new_page(viewport=SMALL, device_scale_factor=SCALE)  # type: ignore[arg-type] # a ViewportSize
         page.set_default_timeout(1000 * PATIENCE)  # the processor draws, beside all other tests
         page.goto(self.address)
         page.get_by_text(TIME).wait_for()
@@ -69,7 +69,7 @@ def watched(browser: "Browser", folder: Path, *words: str) -> Iterator[Watched]:
         *(np.sin(np.linspace(0.0, 12.0, 41)),) * 2
     )  # few triangles: drawn in software
     np.save(folder / "hills.npy", hills.astype(np.float32))
-    more = ("--terrain", str(folder / "hills.npy"), "--log-dir", str(folder), *words)
+    more = ("--terrain", str(folder / "hills.npy"), "--log-dir", str(folder), *words, "--live")
     command = [sys.executable, "-m", "harness.run", *WORDS, *more]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as run:
         try:

@@ -7,6 +7,7 @@ import pytest
 
 from harness.base.interrupt import StopRequest
 from harness.episode.batch import Batch
+from harness.episode.direct import run_direct
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Outputs
 from harness.live.recording import manifests_near, read_tracks, run_of
@@ -33,12 +34,7 @@ class Kept:
 
 
 @pytest.mark.parametrize("fleet", [(), ("leo:a", "rover_zero4wd:b,x=3,y=3")], ids=["one", "two"])
-def test_at_a_time_a_recording_shows_what_was_seen_then(
-    ros_domain: int,  # noqa: ARG001 - sets it
-    tmp_path: Path,
-    fleet: tuple[str, ...],
-) -> None:
-    session = pytest.importorskip("harness.ros.session")
+def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: tuple[str, ...]) -> None:
     run = Run.of(terrain="posts", duration=3.0, lidar_beams=36, actors=["anna=2,2/4,2"])
     run = run.but(rovers=parse_rovers(fleet, run.rover)) if fleet else run
     file, kept = tmp_path / "run.mcap", [Kept() for _ in run.rovers]
@@ -47,7 +43,7 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(
         Outputs(log_dir=tmp_path / rover.name, observers=(one,))
         for rover, one in zip(run.rovers, kept, strict=True)
     ]
-    for result in session.run_through_ros(run, outputs, options, StopRequest()):
+    for result in run_direct(run, outputs, options, StopRequest()):
         assert result.log_path is not None
         write_manifest(result, result.log_path.with_suffix(".json"))
     again = run_of(file, (), manifests_near(tmp_path))

@@ -25,9 +25,23 @@ RUNS = {
 
 
 @pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
-def test_what_is_shown_of_the_world_is_what_rays_meet(run: Run) -> None:
+def test_the_world_is_shown_where_rays_meet_it_and_a_rovers_parts_around_their_geoms(run: Run) -> None:
     model, data, shown = seen(run)
-    mesh = shown[WORLD].to_mesh()
+    meets_rays(run, model, data, shown[WORLD])
+    moving = [body for body in shown if body != WORLD]
+    assert len(moving) >= 5  # a body and four wheels at least
+    for body in moving:
+        points = shown[body].to_mesh().vertices @ data.xmat[body].reshape(3, 3).T + data.xpos[body]
+        own = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_group[g] < 3]
+        for geom in own:  # its middle lies within what is shown
+            middle = data.geom_xpos[geom]
+            assert np.all(points.min(axis=0) - 0.01 <= middle)
+            assert np.all(middle <= points.max(axis=0) + 0.01)
+
+
+def meets_rays(run: Run, model: mujoco.MjModel, data: mujoco.MjData, shown: trimesh.Scene) -> None:
+    """Looks down from above at 40 places."""
+    mesh = shown.to_mesh()
     rng, high, hit = np.random.default_rng(0), 50.0, np.zeros(1, np.int32)
     places = rng.uniform(-6.0, 6.0, (40, 2))
     origins = np.column_stack([places, np.full(40, high)])
@@ -42,20 +56,6 @@ def test_what_is_shown_of_the_world_is_what_rays_meet(run: Run) -> None:
     expected = high - np.array(met)
     people = expected > np.array(top) + 0.5 if run.world.actors else np.zeros(40, bool)
     assert np.array(top)[~people] == pytest.approx(expected[~people], abs=0.02)
-
-
-@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
-def test_every_part_of_a_rover_is_as_large_as_its_geoms(run: Run) -> None:
-    model, data, shown = seen(run)
-    moving = [body for body in shown if body != WORLD]
-    assert len(moving) >= 5  # a body and four wheels at least
-    for body in moving:
-        points = shown[body].to_mesh().vertices @ data.xmat[body].reshape(3, 3).T + data.xpos[body]
-        own = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_group[g] < 3]
-        for geom in own:  # its middle lies within what is shown
-            middle = data.geom_xpos[geom]
-            assert np.all(points.min(axis=0) - 0.01 <= middle)
-            assert np.all(middle <= points.max(axis=0) + 0.01)
 
 
 def seen(run: Run) -> tuple[mujoco.MjModel, mujoco.MjData, dict[int, trimesh.Scene]]:
