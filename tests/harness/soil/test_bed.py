@@ -33,7 +33,7 @@ def driven(duration: float, **fields: object) -> Episode:
 
 @pytest.fixture(scope="module")
 def forth() -> Episode:
-    return driven(6.0)
+    return driven(4.0)
 
 
 def test_the_soil_carries_the_rover_and_keeps_its_volume(forth: Episode) -> None:
@@ -57,7 +57,7 @@ def test_the_second_pass_is_shallower() -> None:
     assert deeper(FORTH_AND_BACK, 8.0) < 0.7 * deeper(FORTH, 4.0)
 
 
-@pytest.mark.parametrize(("count", "keep"), [(1, False), (2, False), (2, True)])
+@pytest.mark.parametrize(("count", "keep"), [(1, True), (2, False)])
 def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
     count: int, keep: bool
 ) -> None:
@@ -113,7 +113,7 @@ def test_wheels_in_sand_between_firm_ground_sink_by_a_map(tmp_path: Path) -> Non
     Image.fromarray(patches).save(tmp_path / "map.png")
     file = tmp_path / "soils.yaml"
     file.write_text("soils: [firm, dry_sand]\nmap: map.png\n")
-    there, before = (driven(t, soil=str(file)).simulation.physics.bed for t in (6.0, 0.6))
+    there, before = (driven(t, soil=str(file)).simulation.physics.bed for t in (4.0, 0.6))
     assert there is not None
     assert before is not None
     assert (before.felt[:, 0] < 0.003).all()
