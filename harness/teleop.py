@@ -49,7 +49,8 @@ def _main(options: argparse.Namespace) -> int:
     with needing_ros():
         from harness.ros.commander import commander  # noqa: PLC0415 - see needing_ros
     with StopRequest() as stop, commander(space, options.cmd_vel) as out, _keyboard() as pressed:
-        print(f"{out.topic}: {HELP}, held, also two at once; any other key stops, {QUIT} ends")
+        keys = f"{HELP}, held, also two at once; any other key stops, {QUIT} ends"
+        print(f"{out.topic}: {keys}", flush=True)  # also into a pipe, before the first key
 
         def send(forward: float, left: float) -> None:
             out.send(forward * options.speed, left * options.turn)
