@@ -1,7 +1,7 @@
 """Obstacles that no rover can touch in the ticks that are simulated in one go: MuJoCo passes them over.
 
 In each step MuJoCo goes through all that collides of every body, also of those that stand still: among
-150 rocks an eighth of a step. A geom without contact bits it passes over. What a rover might reach keeps
+150 rocks a tenth of a step. A geom without contact bits it passes over. What a rover might reach keeps
 them, so the contacts are the same, to the bit.
 """
 
@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined
-from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.base.sim_time import CONTROL_PERIOD
 from harness.physics.scene import Scene
 
-SPAN_S = TICKS_PER_CONTROL * TICK_NS / NANOSECONDS  # [s] that are simulated in one go, at most
-ROOM = 0.25  # [m] that a rover may go farther in that time than at its speed: 200 m/s^2
-JOINTS = mujoco.mjtJoint
+# [m] that a rover may go in a control period beyond its speed now: as at 200 m/s^2.
+ROOM = 0.25
 
 # The obstacles: x, y and radius of what contains each [m], shape (obstacles, 3); its geom, its place
 # among the bodies, its contype and its conaffinity, (obstacles, 4). The bodies: each, its contype and
@@ -76,14 +75,14 @@ def _reach(scene: Scene) -> float:
 
 def _play(model: mujoco.MjModel, joint: int) -> float:
     """How far a joint can move what hangs on it away [m]."""
-    if model.jnt_type[joint] != JOINTS.mjJNT_SLIDE:
+    if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_SLIDE:
         return 2.0 * float(np.linalg.norm(model.jnt_pos[joint]))
     return float(np.abs(model.jnt_range[joint]).max()) if model.jnt_limited[joint] else np.inf
 
 
 @inlined
 def pass_over(obstacles: PassedOver, qpos: NDArray[np.float64], qvel: NDArray[np.float64]) -> None:
-    """Takes the contact bits of what no rover can touch within SPAN_S; `restore` gives them back.
+    """Takes the contact bits of what no rover can touch in a control period; `restore` gives them back.
 
     Args:
         obstacles: Those that may be passed over.
@@ -99,7 +98,7 @@ def pass_over(obstacles: PassedOver, qpos: NDArray[np.float64], qvel: NDArray[np
             at, moving = rovers[rover]
             x, y = discs[row, 0] - qpos[at], discs[row, 1] - qpos[at + 1]
             speed = np.hypot(qvel[moving], qvel[moving + 1])
-            room = discs[row, 2] + reach[rover] + ROOM + SPAN_S * speed
+            room = discs[row, 2] + reach[rover] + ROOM + CONTROL_PERIOD * speed
             is_near |= not x * x + y * y > room * room  # also where these are no numbers
         contype[geom], conaffinity[geom] = (own[row, 2], own[row, 3]) if is_near else (0, 0)
         body_contype[body] |= contype[geom]

@@ -29,7 +29,7 @@ from harness.soil.soils import SOIL_CONTACT
 from harness.world.berths import Member
 from harness.world.world import World
 
-ARENA = 40 << 20  # [B]: so large that malloc maps it, and a freed one leaves no hole
+ARENA = 40 << 20  # [B]: beyond the 32 MiB that glibc takes from its heap, where freed ones leave holes
 FIRST_OF_FLEET = 4  # the contact bit of the second rover; the next one has twice that
 
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
@@ -127,7 +127,7 @@ def build_scenes(
         one.option.timestep = timestep
         fit_motors(one, rover)
     spec = specs[0]
-    spec.memory = ARENA
+    spec.memory = max(spec.memory, ARENA)  # a model may ask for more
     if len(specs) == 1:  # it hangs together: to look for islands takes 2 % of a step
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     add_world(spec, world)

@@ -154,38 +154,6 @@ def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
     return bool(np.any(warnings))
 
 
-@inlined
-def _advance(
-    told: tuple[int, int, int, int],
-    steps: tuple[int, int, int],
-    control: tuple[Doubles, Integers, Doubles],
-    health: tuple[NDArray[np.int32], Doubles],
-    felt: tuple[Doubles, Doubles],
-    recorded: tuple[tuple[Doubles, ...], tuple[Doubles, ...]],
-    contacts: Contacts,
-    watched: Watched,
-) -> int:
-    begin, end, per_tick = steps
-    (sensors, sums), (state, record) = felt, recorded
-    for step in range(begin, end):
-        tick, within = step // per_tick, step % per_tick
-        if within == 0:
-            _begin_tick(control, tick)
-            sums[tick] = 0.0
-        _step(told[0], (told[2], told[3]))
-        sums[tick] += sensors
-        touches = _look_at_all((told[1], told[2], told[3]), (state[0], sensors), contacts, watched, tick)
-        is_last = within == per_tick - 1
-        if is_last:
-            for part in range(len(state)):
-                record[part][tick] = state[part]
-        if is_last and is_wrong(health, state[0]):
-            return step + 1
-        if touches and not contacts[1].size:
-            return -(step + 1)
-    return end
-
-
 @kernel(
     "int64(UniTuple(int64, 4), UniTuple(int64, 3), Tuple((float64[::1], int64[::1], float64[:,::1])),"
     "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
@@ -221,7 +189,26 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
     Returns:
         Where it ended, counted as in `steps`; negative after such a touch.
     """
-    pass_over(obstacles, recorded[0][0], recorded[0][1])
-    ended = _advance(told, steps, control, health, felt, recorded, contacts, watched)
+    begin, end, per_tick = steps
+    (sensors, sums), (state, record), ended = felt, recorded, end
+    pass_over(obstacles, state[0], state[1])
+    for step in range(begin, end):
+        tick, within = step // per_tick, step % per_tick
+        if within == 0:
+            _begin_tick(control, tick)
+            sums[tick] = 0.0
+        _step(told[0], (told[2], told[3]))
+        sums[tick] += sensors
+        touches = _look_at_all((told[1], told[2], told[3]), (state[0], sensors), contacts, watched, tick)
+        is_last = within == per_tick - 1
+        if is_last:
+            for part in range(len(state)):
+                record[part][tick] = state[part]
+        if is_last and is_wrong(health, state[0]):
+            ended = step + 1
+            break
+        if touches and not contacts[1].size:
+            ended = -(step + 1)
+            break
     restore(obstacles)
     return ended

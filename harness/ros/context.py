@@ -69,12 +69,6 @@ def command_node(name: str) -> Iterator[tuple[Node, Executor]]:
         yield node, executor
 
 
-def timer_is_due(node: Node) -> bool:
-    """Returns whether a timer on a node's own clock is to be called."""
-    clock = node.get_clock()
-    return any(timer.clock is clock and timer.is_ready() for timer in node.timers)
-
-
 def spin_until(executor: Executor, condition: Callable[[], bool], patience: float) -> bool:
     """Spins until a condition holds; returns whether it did.
 

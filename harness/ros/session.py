@@ -89,7 +89,7 @@ class _Session:
             clock = self.rovers[0].bridge.clock_channel if self.rovers else None
             self.rovers.append(RoverNodes(run, number, orders.command, at_end, clock=clock, **more))
         jumps = any(rover.faults.disturbs_time for rover in self.rovers)
-        self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
+        self._executor = at_end.enter_context(make_executor(context))  # no timer on ROS time is its own
         for rover, orders in zip(self.rovers, source.rovers, strict=True):
             self._executor.add_node(rover.bridge)
             rover.navigate(orders, truth_map=options.truth_map)

@@ -4,9 +4,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
+from rclpy.node import Node
+
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import SPIN_TIMEOUT, timer_is_due
+from harness.ros.context import SPIN_TIMEOUT
 from harness.ros.remote import RemoteNode, wait_for_answers
 
 Message = TypeVar("Message")
@@ -61,7 +63,7 @@ class Subject(RemoteNode):
         self._wait()
         if self.keeps_order:
             return
-        while self.node is not None and timer_is_due(self.node):
+        while self.node is not None and _timer_is_due(self.node):
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         self._wait()
 
@@ -103,3 +105,9 @@ class Heard(Generic[Message]):
         if not self.messages:
             raise AssertionError(f"nothing has been heard on {self.topic}")
         return self.messages[-1]
+
+
+def _timer_is_due(node: Node) -> bool:
+    """Whether a timer on a node's own clock is to be called."""
+    clock = node.get_clock()
+    return any(timer.clock is clock and timer.is_ready() for timer in node.timers)
