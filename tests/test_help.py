@@ -52,21 +52,23 @@ LATE = {  # what takes long to load, and no help needs
 ASKING = """
 import sys
 from harness.cli import programs
-for verb in programs.PROGRAMS:
-    sys.argv = ["rover", verb, "--help"]
+for words in (*([verb, "--help"] for verb in programs.PROGRAMS), ["run", "--list"]):
+    sys.argv = ["rover", *words]
     try:
-        programs.rover()
+        code = programs.rover()
     except SystemExit as left:
-        print(verb, left.code, *sys.modules, file=sys.stderr)
+        code = left.code
+    print("_".join(words), code, *sys.modules, file=sys.stderr)
 """
 
 
-def test_help_loads_nothing_that_takes_long() -> None:
+def test_helps_and_lists_load_nothing_that_takes_long() -> None:
     run = subprocess.run([sys.executable, "-c", ASKING], capture_output=True, text=True, check=True)
     asked = [line.split() for line in run.stderr.splitlines()]
-    assert {verb: code for verb, code, *_ in asked} == dict.fromkeys(programs.PROGRAMS, "0")
+    wanted = [*(f"{verb}_--help" for verb in programs.PROGRAMS), "run_--list"]
+    assert {words: code for words, code, *_ in asked} == dict.fromkeys(wanted, "0")
     assert all(f"usage: rover {verb} " in run.stdout for verb in programs.PROGRAMS)
-    late = {verb: LATE & set(loaded) for verb, _, *loaded in asked}
+    late = {words: LATE & set(loaded) for words, _, *loaded in asked}
     assert not any(late.values()), late
 
 

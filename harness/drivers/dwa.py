@@ -7,16 +7,14 @@ rover turns on the spot, else it backs up.
 """
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.base_local_planner import Turns, place_costs
 from harness.drivers.beeline import Beeline
-from harness.drivers.local_map import LocalMap, MapOptions
-from harness.drivers.rollout import AHEAD, END, FARTHEST, ROOM, rolled
 from harness.samples import LaserScan, Sample, Twist
 
 SPEED, RATE = (0.1, 0.5), 1.57  # [m/s], [rad/s]
@@ -33,7 +31,7 @@ ESCAPED = 0.1, 0.1  # [m], [rad] of backing up
 BACK = -0.5  # [m/s]
 PLANNED_EVERY = 4  # periods
 # The map of costs: its ranges and its inflation.
-MAP = MapOptions(marked=2.5, cleared=3.0, margin=PADDING[1], ring=FADED, shyness=4.0)
+MAP = {"marked": 2.5, "cleared": 3.0, "margin": PADDING[1], "ring": FADED, "shyness": 4.0}
 
 
 class Dwa(Beeline):
@@ -41,16 +39,20 @@ class Dwa(Beeline):
 
     summary: ClassVar[str] = "drives to each /goal_pose by the dynamic window approach on a local map"
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
-    map_options: ClassVar[MapOptions] = MAP
+    map_options: ClassVar[Mapping[str, float]] = MAP  # of local_map.MapOptions
     decides_every: ClassVar[int] = 2  # periods: 10 Hz, at which its goal comes and stops it for a cycle
 
     def __init__(self, context: DriverContext) -> None:
+        # Not above: kernels are loaded for who drives, not for who only names drivers.
+        from harness.drivers import base_local_planner, local_map, rollout  # noqa: PLC0415
+
         super().__init__(context)
-        self._map = LocalMap(context, self.map_options)
+        self._planner, self._rollout = base_local_planner, rollout
+        self._map = local_map.LocalMap(context, local_map.MapOptions(**self.map_options))
         self._inscribed = 0.5 * context.rover.width + PADDING[1]
         self._outline = self._outlined()
         self._last, self._count = Twist(), 0
-        self._turns = Turns()
+        self._turns = base_local_planner.Turns()
         self._backed: tuple[float, float, float] | None = None  # from where, and its heading
 
     def head_for(self, x: float, y: float, yaw: float) -> None:
@@ -76,7 +78,7 @@ class Dwa(Beeline):
 
     def _place_costs(self, here: tuple[int, int]) -> NDArray[np.float64]:
         """What it costs to end in each cell [m]."""
-        return place_costs(self._map, here, self._inscribed)
+        return self._planner.place_costs(self._map, here, self._inscribed)
 
     def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:
         here = observation.x, observation.y
@@ -101,13 +103,16 @@ class Dwa(Beeline):
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The cost of each twist, inf for those that touch, and that of a place ahead of its end [m]."""
         plans = np.repeat(twists[:, None], STEPS, axis=1)
-        outcomes = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
-        beyond = np.maximum(outcomes[:, ROOM] - self._inscribed, 0.0)
+        outcomes, of = (
+            self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD),
+            self._rollout,
+        )
+        beyond = np.maximum(outcomes[:, of.ROOM] - self._inscribed, 0.0)
         # About exp, the same bits everywhere.
         fading = 1.0 + FADING * beyond * (1.0 + 0.5 * FADING * beyond)
-        cost = outcomes[:, END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
-        cost[(outcomes[:, ROOM] <= 0.0) | np.isinf(outcomes[:, FARTHEST])] = np.inf
-        return cost, outcomes[:, AHEAD]
+        cost = outcomes[:, of.END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
+        cost[(outcomes[:, of.ROOM] <= 0.0) | np.isinf(outcomes[:, of.FARTHEST])] = np.inf
+        return cost, outcomes[:, of.AHEAD]
 
     def _is_escaping(self, observation: Observation) -> bool:
         """Whether it has not backed up far enough to go ahead again."""
@@ -135,7 +140,8 @@ class Dwa(Beeline):
         """What `rolled` finds of plans from where the rover is."""
         x, y = self._corner
         pose = np.array([seen.x - x, seen.y - y, math.cos(seen.yaw), math.sin(seen.yaw)])
-        return rolled(self._map.clearance, self._ends, pose, plans, step, self._outline, close, ahead)
+        given = self._map.clearance, self._ends, pose, plans, step, self._outline, close, ahead
+        return self._rollout.rolled(*given)
 
     def _outlined(self) -> NDArray[np.float64]:
         """Points around the padded footprint."""

@@ -6,6 +6,7 @@ everywhere.
 """
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -13,8 +14,6 @@ from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.dwa import Dwa
-from harness.drivers.local_map import MapOptions
-from harness.drivers.rollout import AHEAD, CLOSE, NEAREST, ROOM
 from harness.samples import Twist
 
 PLANS, STEPS = 300, 16  # noisy plans, and the twists of each
@@ -32,9 +31,8 @@ class Mppi(Dwa):
     """Drives to each goal as a mean of noisy plans says, up to 0.9 of the rover's top speed."""
 
     summary: ClassVar[str] = "drives to each /goal_pose by path integrals (MPPI) on a local map"
-    map_options: ClassVar[MapOptions] = MapOptions(
-        marked=3.0
-    )  # on rough ground it looks down farther off
+    # On rough ground it looks down farther off.
+    map_options: ClassVar[Mapping[str, float]] = {"marked": 3.0}
     decides_every: ClassVar[int] = 1
 
     def __init__(self, context: DriverContext) -> None:
@@ -45,11 +43,13 @@ class Mppi(Dwa):
 
     def _best(self, goal: tuple[float, float], observation: Observation) -> Twist:  # noqa: ARG002
         plans = self._noisy()
-        outcomes = self._rolled(observation, plans, STEP, NEAR, LOOKED_AHEAD)
+        outcomes, of = self._rolled(observation, plans, STEP, NEAR, LOOKED_AHEAD), self._rollout
         turned = np.add.reduce(np.abs(plans[:, :, 1]), axis=1)
-        cost = NEARNESS * outcomes[:, CLOSE] + 0.02 * STEP * turned
-        cost += np.minimum(outcomes[:, AHEAD], TOUCH) + 0.2 * np.minimum(outcomes[:, NEAREST], TOUCH)
-        self._plan = blended(plans, cost + TOUCH * (outcomes[:, ROOM] <= 0.0))
+        cost = NEARNESS * outcomes[:, of.CLOSE] + 0.02 * STEP * turned
+        cost += np.minimum(outcomes[:, of.AHEAD], TOUCH) + 0.2 * np.minimum(
+            outcomes[:, of.NEAREST], TOUCH
+        )
+        self._plan = blended(plans, cost + TOUCH * (outcomes[:, of.ROOM] <= 0.0))
         speed, rate = self._plan[0].tolist()
         return Twist(speed, rate)
 

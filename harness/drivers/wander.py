@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.compiled import kernel
 from harness.base.sim_time import NANOSECONDS
 from harness.drivers.base import DriverContext, Observation, turning
 from harness.samples import LaserScan, Sample, Twist
@@ -41,6 +40,10 @@ class Wander:
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
+        # Not above: kernels are loaded for who drives, not for who only names drivers.
+        from harness.drivers.corridor_kernel import block  # noqa: PLC0415
+
+        self._block = block
         self._rover = context.rover
         self._middle = context.middle
         self._reach_x, self._reach_y = (half - BORDER for half in context.half_size)
@@ -91,7 +94,7 @@ class Wander:
         """Free range [m] of each candidate heading, shape (48,)."""
         free = np.full(HEADINGS.shape, np.inf)
         if observation.ranges is not None:
-            _block(observation.ranges, self._corridors, free)
+            self._block(observation.ranges, self._corridors, free, LOOKAHEAD)
         return free
 
     def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
@@ -142,25 +145,6 @@ class Roam:
             self._until_ns = observation.time_ns + math.floor(held * NANOSECONDS)
         twist = self._wander.command(observation)
         return replace(twist, linear=self._scale * twist.linear)
-
-
-@kernel("void(float32[::1], float64[:,::1], float64[::1])")
-def _block(
-    ranges: NDArray[np.float32], corridors: NDArray[np.float64], free: NDArray[np.float64]
-) -> None:
-    """Lowers the free range of each heading to the nearest return that blocks it.
-
-    Args:
-        ranges: Of a scan [m], shape (beams,); -inf: nearer than visible, NaN: none.
-        corridors: As `_corridors` gives them, shape (beams, headings).
-        free: The free ranges [m], shape (headings,).
-    """
-    for beam in range(ranges.size):
-        distance = max(np.float64(ranges[beam]), 0.0)
-        if distance < LOOKAHEAD:  # no corridor is longer: beyond it nothing blocks
-            for heading in range(free.size):
-                if distance < corridors[beam, heading] and distance < free[heading]:
-                    free[heading] = distance
 
 
 def _corridors(bearings: NDArray[np.float64], half_width: float) -> NDArray[np.float64]:
