@@ -81,6 +81,16 @@ def test_commands_come_late_and_speeds_follow_as_two_lags_do() -> None:
     assert not speeds[:20].any()
 
 
+@pytest.mark.parametrize("delay", [0.02, 0.023, 0.087])
+@pytest.mark.parametrize("twist", [Twist(0.5, 0.0), Twist(0.0, 0.5)])
+def test_a_delay_costs_its_own_length_of_the_way_also_parts_of_a_tick(
+    delay: float, twist: Twist
+) -> None:
+    rover = real(delay=delay, lag=0.0, turn_limit=None)
+    speeds = responses(rover.but(linear_acceleration=1e3, angular_acceleration=1e3), twist, 20)
+    assert TICK * (1.0 - speeds / speeds[-1]).sum(axis=0) == pytest.approx(delay)
+
+
 def test_slow_commands_do_nothing_and_the_sides_differ_by_no_more_than_their_limit() -> None:
     rover = real(delay=0.0, lag=0.0, dead_band=0.05, turn_limit=0.4)
     radius = rover.controller_radius
