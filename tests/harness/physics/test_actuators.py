@@ -10,12 +10,15 @@ import pytest
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.episode.assembly import check
+from harness.faults.actuation import ActuatorFaults
+from harness.faults.lookup import find_faults
 from harness.physics.actuators import MOTOR_SPEED, MOTOR_TORQUE, PLAY
 from harness.physics.base_controller import base_controller
 from harness.physics.motor_power import MotorPower
 from harness.physics.simulation import Simulation
 from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
+from harness.spec.fault import parse_fault
 from harness.spec.run import Run
 from tests.harness.conftest import MakeSimulation
 from tests.support.rovers import LEO
@@ -120,8 +123,8 @@ def test_a_weak_side_gives_its_share_of_the_torque(
     equip: Callable[[], RoverSpec], simulate: MakeSimulation
 ) -> None:
     simulation, torques = in_the_air(simulate(equip())), []
-    for share in (1.0, 0.25):
-        simulation.limit_motors({"left": share, "right": 1.0}, frozenset())
+    for faults in ((), ("motor.left:weak=0.5", "motor.left:weak=0.5")):
+        ActuatorFaults(find_faults(map(parse_fault, faults), ()), seed=0).act(simulation)
         simulation.data.qvel[:] = 0.0
         simulation.command_wheels(np.full(4, 100.0))
         simulation.tick()
