@@ -107,7 +107,10 @@ def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("head", "rows", "said"),
     [
-        ("t,left_speed [mph],right_speed", "0,1,1\n1,1,1", "unit 'mph'"),
+        ("t,left_speed [knots],right_speed", "0,1,1\n1,1,1", "unit 'knots'"),
+        ("t,left_speed,right_speed", "0,1,0,5,0,5\n0,2,0,5,0,5", "more values than its header"),
+        ("t,wz", "0,28\n0.1,30", r"wz \[deg/s\]"),
+        ("t,x,y,yaw", "0,0,0,28\n0.1,1,0,30", r"yaw \[deg\]"),
         ("t [s],left_speed,right_speed", "5,1,1\n6,1,1\n0,1,1", "time goes back by 6.0 s"),
         ("remark", "none", "holds no recording"),
     ],
@@ -119,6 +122,35 @@ def test_a_file_that_would_mislead_is_one_line(head: str, rows: str, said: str, 
     (tmp_path / "ice_01.csv.gz").write_bytes(gzip.compress(b"t,x,y,yaw\n" * 99)[:40])
     with pytest.raises(UsageError):
         recordings_of(tmp_path, 0.1)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("ending", ["\n", "\r\n", ",\n"])
+@pytest.mark.parametrize("name", ["snow_1.csv", "snow_1.csv.gz"])
+def test_a_file_is_read_whatever_separates_its_numbers(
+    separator: str, decimal: str, ending: str, name: str, tmp_path: Path
+) -> None:
+    if decimal == separator:
+        return  # is one of those that would mislead
+    ending = ending.replace(",", separator)
+    rows = [f"{0.1 * n:.1f},{0.5 + 0.01 * n:.2f},{0.6:.1f}".split(",") for n in range(30)]
+    lines = [separator.join(row).replace(".", decimal) for row in rows]
+    text = ending.join(["\ufefft,left_speed,right_speed".replace(",", separator), *lines, ""])
+    data = text.encode()
+    (tmp_path / name).write_bytes(gzip.compress(data) if name.endswith("gz") else data)
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.wheels == pytest.approx(np.array(rows, float))
+
+
+@pytest.mark.parametrize("hertz", [0.5, 1.0, 1.5])
+def test_slow_rows_without_a_unit_are_seconds_or_dates(hertz: float, tmp_path: Path) -> None:
+    t = 1.7e9 + np.arange(0.0, 300.0, 1 / hertz)
+    dates = pd.to_datetime(t, unit="s").astype(str)
+    for times in (t, t - 1.7e9, dates):
+        pd.DataFrame({"t": times, "wz": 0.1}).to_csv(tmp_path / "ice_1.csv", index=False)
+        (one,) = recordings_of(tmp_path, 0.1)
+        assert one.imu[:, 0] - one.imu[0, 0] == pytest.approx(t - t[0], abs=1e-5)
 
 
 @pytest.mark.parametrize("hertz", [20.0, 200.0, 1000.0])
