@@ -97,9 +97,9 @@ def _temporary_cache() -> str | None:
     return None
 
 
-def _warn(what: str) -> None:
+def _warn(problem: str) -> None:
     print(
-        f"harness: {what}: neither the installation nor the user's cache can be written "
+        f"harness: {problem}: neither the installation nor the user's cache can be written "
         "(NUMBA_CACHE_DIR names another folder)",
         file=sys.stderr,
     )

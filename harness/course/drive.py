@@ -44,7 +44,14 @@ def cases_of(
 
 
 def unseen_seed(entry: Entry, nonce: str, track: str, number: int) -> int:
-    """Returns the seed of an unseen episode, from SHA-256 over the hash of the entry and the rest."""
+    """Returns the seed of an unseen episode, from SHA-256 over all arguments.
+
+    Args:
+        entry: Its hash goes in.
+        nonce: What somebody else has chosen, so that nobody knows the seed before.
+        track: The track's name.
+        number: Of the episode in its track, from 0.
+    """
     text = f"{entry.digest} {nonce} {track} {number}"
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:SEED_BYTES], "big")
 
@@ -96,6 +103,11 @@ def check_origin(receipt: Receipt, entry: Entry) -> None:
 
 def drawn(receipt: Receipt, seed: int, worlds: Path | None = None) -> list[Case]:
     """Returns a random tenth of a receipt's episodes, one of each track or more.
+
+    Args:
+        receipt: Of the episodes.
+        seed: Of the draw.
+        worlds: Folder of the user's own worlds; None for those that ship.
 
     Raises:
         UsageError: A world is not among those that are given.

@@ -84,7 +84,7 @@ def run_direct(
             routes.append(Route(faults, log.advance, (*output.observers, log)))
         if sinks:
             described = [each.description for each in episodes if each.description is not None]
-            routes = _told(routes, logged, RunTopics(run, described, sinks, at_end))
+            routes = _published(routes, logged, RunTopics(run, described, sinks, at_end))
         batches = together(episodes, ahead=helm is None)
         if helm is not None:
             helm.metered = logged
@@ -171,16 +171,16 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         return self._session.metrics.thresholds
 
     @property
-    def told(self) -> bytes | None:
+    def diagnosis(self) -> bytes | None:
         """What /rover/metrics says of the latest tick, if it was that of a row."""
-        return self._metrics.told
+        return self._metrics.diagnosis
 
     def use(self, thresholds: Thresholds) -> None:
         """Has other thresholds from the next sample on."""
         self._session.metrics.thresholds = thresholds
 
 
-def _told(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
+def _published(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
     """The same routes, whose ticks are told under their topics when all rovers have had theirs."""
     sent: list[Tick] = []
 
@@ -188,7 +188,7 @@ def _told(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics)
         log.advance(tick, left)
         sent.append(left)
         if len(sent) == len(logs):
-            topics.tell(tick, sent, [each.told for each in logs])
+            topics.tell(tick, sent, [each.diagnosis for each in logs])
             sent.clear()
 
     return [replace(route, sink=partial(take, log)) for route, log in zip(routes, logs, strict=True)]

@@ -66,7 +66,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
 def write_manifest(result: RunResult, path: Path) -> None:
     """Writes the manifest, there whole or not at all; a UsageError says that it cannot be written."""
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
-    text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
+    text = FLAT_LIST.sub(lambda match: re.sub(r"\s+", " ", match[0]), text)
     write_whole(path, text, "the summary", UsageError)
 
 

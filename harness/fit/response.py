@@ -65,9 +65,9 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
         return (difference(ours, recording) - lost) / TOLERANCE
 
     values, halves, _ = minimise(residuals, start, (low, high), np.full(len(free), STEP))
-    found = iter(zip(values.tolist(), halves.tolist(), strict=True))
+    fits = iter(zip(values.tolist(), halves.tolist(), strict=True))
     lack = "changes of the command are too few"
-    return [one.judged(*next(found), lack) if one.is_known else one for one in blank]
+    return [one.judged(*next(fits), lack) if one.is_known else one for one in blank]
 
 
 def difference(rover: RoverSpec, recording: Recording) -> Series:

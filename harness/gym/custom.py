@@ -133,7 +133,16 @@ class Own:
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:
-    """Returns what values or names of plug-ins or FILE.py:NAME ask for; UsageError if one is wrong."""
+    """Returns what users bring of their own to an environment.
+
+    Args:
+        reward: Function, name of a plug-in or FILE.py:NAME; None for the environment's own.
+        terminate: Function (truth) -> bool; None for none.
+        observe: As `reward`; None for no further observation.
+
+    Raises:
+        UsageError: One is not valid.
+    """
     if terminate is not None and not callable(terminate):
         raise UsageError(f"terminate_fn {terminate!r} is not valid; give a function (truth) -> bool")
     name = observe.rpartition(":")[2] if isinstance(observe, str) else OWN

@@ -40,7 +40,13 @@ class Shared(NamedTuple):
 
     @classmethod
     def of(cls, memory: Any, sizes: dict[str, int], count: int) -> "Shared":  # noqa: ANN401 - a RawArray
-        """Returns views of a memory, of so many environments that observe parts of these sizes."""
+        """Returns views of a memory.
+
+        Args:
+            memory: A RawArray of bytes, large enough for all.
+            sizes: Length of each part of an observation, by name.
+            count: Of environments.
+        """
         left = memoryview(memory).cast("B")
 
         def part(dtype: type, *shape: int) -> NDArray[Any]:

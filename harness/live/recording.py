@@ -63,8 +63,10 @@ class Track:
 
 def manifests_near(*folders: Path) -> list[Path]:
     """Returns what may be a manifest in folders and in those in them, the latest last."""
-    found = (file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form))
-    return sorted(found, key=modified_ns)
+    recorded = (
+        file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form)
+    )
+    return sorted(recorded, key=modified_ns)
 
 
 def run_of(recording: Path, given: Sequence[Path], near: Sequence[Path]) -> Run:

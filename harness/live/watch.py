@@ -87,7 +87,13 @@ class Watch:
         self.version += 1
 
     def see(self, sight: Sight | None, truth: Truth, ranges: Ranges | None) -> None:
-        """Sees a rover that no batch tells of."""
+        """Takes where a rover is that no batch tells of.
+
+        Args:
+            sight: Its pose and joints; None to keep those before.
+            truth: What the simulator knows of it.
+            ranges: Of its lidar [m]; None without a scan.
+        """
         self.truth, self.ranges = truth, ranges
         if sight is not None:
             self.sight = sight

@@ -117,8 +117,8 @@ def _capsule(namespace: bytes, name: bytes, digest: bytes) -> object:
     support.data = ctypes.pointer(callbacks)
     if FORMER:  # creates nothing without a definition, and sends none
         fields = whole.find(address, DEFINITION)
-        found = {TYPE_SUPPORT: ctypes.addressof(support), DEFINITION: fields}
-        support.find = _Find(lambda _, identifier: found.get(identifier))
+        handles = {TYPE_SUPPORT: ctypes.addressof(support), DEFINITION: fields}
+        support.find = _Find(lambda _, identifier: handles.get(identifier))
     support.get_type_hash = _GetHash(lambda _: ctypes.addressof(type_hash))
     _kept.extend((support, callbacks, type_hash, label))
     capsule: object = _python.PyCapsule_New(ctypes.c_void_p(ctypes.addressof(support)), label, None)

@@ -118,7 +118,14 @@ class Programs(ExitStack):
         *,
         may_end: bool = False,
     ) -> Process:
-        """Starts a Process, which ends with this context."""
+        """Starts a Process, which ends with this context.
+
+        Args:
+            command: Its words.
+            folder: In which it runs; that of this process if None.
+            output: Gets what it says; where this process says it if None.
+            may_end: Whether it may end well before the trial does.
+        """
         process = Process(command, self._environment, folder=folder, output=output, may_end=may_end)
         self.callback(process.stop)
         self._running.append(process)

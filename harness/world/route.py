@@ -33,7 +33,14 @@ class Mark:
 
 
 def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
-    """Returns whether a step from one place to another leads between two posts, either way."""
+    """Returns whether a step leads between two posts, either way.
+
+    Args:
+        before: x, y of its begin [m].
+        now: x, y of its end [m].
+        left: x, y of a post [m].
+        right: x, y of the other [m].
+    """
 
     def side(a: Where, b: Where, c: Where) -> float:
         return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -43,7 +50,16 @@ def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
 
 
 def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, ...]:
-    """Returns the way points of a route in the world; UsageError if one names no target."""
+    """Returns the way points of a route in the world.
+
+    Args:
+        route: Places, coordinates and names of targets.
+        targets: Those that there are.
+        datum: The world's origin on the Earth.
+
+    Raises:
+        UsageError: A point names no target.
+    """
     known = {target.name: target for target in targets}
     result = []
     for point in route.points:

@@ -143,7 +143,13 @@ def printable(text: str) -> str:
 
 
 def counted(number: int, noun: str, more: str = "") -> str:
-    """Returns a number of things, such as '1 log' and '2 logs', and what else is said of them."""
+    """Returns a number of things, such as '1 log' and '2 logs'.
+
+    Args:
+        number: How many.
+        noun: One of them.
+        more: What else is said of them, with a space in front.
+    """
     return f"{number} {noun}{'' if number == 1 else 's'}{more}"
 
 

@@ -83,7 +83,7 @@ class Table(Mapping[str, T], Generic[T]):
         if name in self.shipped:
             return self.shipped[name]
         if name not in self._loaded:
-            self._loaded[name] = self._found(name)
+            self._loaded[name] = self._load(name)
         return self._loaded[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -107,7 +107,7 @@ class Table(Mapping[str, T], Generic[T]):
         file = getattr(sys.modules.get(point.module), "__file__", None)
         return _package(point), _hash(Path(file)) if file else ""
 
-    def _found(self, name: str) -> T:
+    def _load(self, name: str) -> T:
         point = _installed(self.name).get(name)
         if point is None and FILE not in name:
             raise KeyError(name)

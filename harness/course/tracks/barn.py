@@ -56,7 +56,7 @@ class Barn(Track):
         while True:
             field = generated(seed, draw)
             if is_passable(field):
-                return Case(self.name, seed, world_of_field(f"unseen_{seed}", field))
+                return Case(self.name, seed, _world_of_field(f"unseen_{seed}", field))
             draw += 1
 
     def task(self, case: Case, folder: Path) -> Task:
@@ -84,11 +84,11 @@ def shipped() -> list[WorldFile]:
         number, length, code = line.split(",")
         bits = [int(bit) for bit in f"{int(code, 16):0{SIDE * SIDE}b}"]
         field = np.array(bits, np.int64).reshape(SIDE, SIDE)
-        worlds.append(world_of_field(f"barn_{number}", field, float(length)))
+        worlds.append(_world_of_field(f"barn_{number}", field, float(length)))
     return worlds
 
 
-def world_of_field(name: str, field: Field, length: float | None = None) -> WorldFile:
+def _world_of_field(name: str, field: Field, length: float | None = None) -> WorldFile:
     """Returns the world with cylinders where a field is 1, and the corridor that leads there."""
     corridor = {(0, row) for row in range(FIRST_ROW)} | {(SIDE - 1, row) for row in range(FIRST_ROW)}
     corridor |= {(column, 0) for column in range(SIDE)}

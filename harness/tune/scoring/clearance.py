@@ -64,7 +64,13 @@ class ClearanceStudy:
 
 
 def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceStudy:
-    """Computes the clearance and checks it against the contacts that followed."""
+    """Computes the clearance and checks it against the contacts that followed.
+
+    Args:
+        records: Episodes of the rover, by part.
+        rover: Its braking is measured.
+        seed: Of that measurement.
+    """
     braking = measure_braking(rover, seed)
     overhang = rover.footprint[1] - rover.lidar_x
     value = math.ceil((overhang + braking.stopping_distance + MARGIN) / STEP) * STEP

@@ -74,7 +74,13 @@ class TrafficColumns:
         self._previous_ns: int | None = None
 
     def add(self, topic: Topic, stamp_ns: int, *, used: bool) -> None:
-        """Takes the stamp of a message [ns], and whether the metrics have used it."""
+        """Takes a message.
+
+        Args:
+            topic: Where it came.
+            stamp_ns: Stamp of the header [ns].
+            used: Whether the metrics have used it.
+        """
         self._received[topic] += 1
         self._rejected[topic] += not used
         finding = self._stamps[topic].take(stamp_ns)

@@ -69,7 +69,13 @@ class TravelColumns:
         self._speeds.append((stamp_ns, speed))
 
     def add_pose(self, stamp_ns: int, position: Vector3, jump: float) -> None:
-        """Takes a position that the metrics have used [m]; a step of `jump` [m] or more is no travel."""
+        """Takes a position that the metrics have used.
+
+        Args:
+            stamp_ns: Stamp of the header [ns].
+            position: In the world [m].
+            jump: From this length on a step is no travel [m].
+        """
         last, self._pose = self._pose, (stamp_ns, position)
         if last is None:
             return

@@ -41,13 +41,19 @@ class Tally:
             self.first, self.example = int(lines[0]), example
         self.count += lines.size
 
-    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
-        """Returns a line, if there are any: how many of a noun, what is odd, where, and what follows."""
+    def describe(self, noun: str, oddity: str = "", outcome: str = "left out") -> list[str]:
+        """Returns a line that says how many there are and where the first is; none if there are none.
+
+        Args:
+            noun: What was counted, in the singular.
+            oddity: What is odd about it, with a space in front.
+            outcome: What follows from it.
+        """
         if not self.count:
             return []
         where = f"line {self.first}" if self.count == 1 else f"first on line {self.first}"
         example = f", {self.example}" if self.example else ""
-        return [f"{counted(self.count, noun)}{what} ({where}{example}): {outcome}"]
+        return [f"{counted(self.count, noun)}{oddity} ({where}{example}): {outcome}"]
 
 
 @dataclass
