@@ -103,7 +103,7 @@ def _keyboard() -> Iterator[Callable[[float], str | None]]:
     try:
         yield pressed
     finally:
-        with suppress(termios.error):  # likewise
+        with suppress(termios.error):  # the terminal may be gone
             termios.tcsetattr(fd, termios.TCSAFLUSH, before)
 
 

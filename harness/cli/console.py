@@ -92,7 +92,7 @@ class RunProgress(Progress):
 
 @contextmanager
 def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
-    """Yields what moves a bar, called with what is done of what; a line every PERIOD in a pipe."""
+    """Yields a function (done, total) that moves a bar; in a pipe it prints a line every PERIOD."""
     heartbeat = Heartbeat(console, title)
     bar = Progress(
         TextColumn(title, style="bold", markup=False),

@@ -112,7 +112,7 @@ def drawn(receipt: Receipt, seed: int, worlds: Path | None = None) -> list[Case]
     Raises:
         UsageError: A world is not among those that are given.
     """
-    rng = random.Random(seed)  # noqa: S311 - whoever verifies chooses the seed
+    rng = random.Random(seed)  # noqa: S311 - who verifies chooses the seed
     cases: list[Case] = []
     for name, track in receipt.tracks.items():
         count = -(-len(track.episodes) // SHARE)

@@ -1,4 +1,4 @@
-"""Runs without ROS: with a log, the same CSV bytes; without, for whoever asks for the truth alone.
+"""Runs without ROS: with a log, of the same CSV bytes; or without one, for the truth alone.
 
 For machines without rclpy and for speed. What the MetricsNode's callbacks take from a message is taken
 from the sample, in the same order: a tick's samples first, then the row if a second is full.
@@ -176,12 +176,12 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         return self._metrics.diagnosis
 
     def use(self, thresholds: Thresholds) -> None:
-        """Has other thresholds from the next sample on."""
+        """Replaces the thresholds from the next sample on."""
         self._session.metrics.thresholds = thresholds
 
 
 def _published(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
-    """The same routes, whose ticks are told under their topics when all rovers have had theirs."""
+    """The same routes, whose ticks are published when all rovers have had theirs."""
     sent: list[Tick] = []
 
     def take(log: LoggedRun, tick: Tick, left: Tick) -> None:

@@ -21,7 +21,7 @@ from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
-# There if given alone.
+# Options that stand in the manifest only where they are given.
 RARE = ("targets", "route", "drivers", "aborts", "resumes", "link_losses", "keep_ruts")
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 

@@ -164,7 +164,7 @@ def steered(result: RunResult, helm: Helm | None) -> RunResult:
 
 @dataclass
 class RunAccount:
-    """An observer that keeps account of a run and tells it.
+    """An observer that keeps account of a run and shows it.
 
     Args:
         begun: What is known before the first batch.

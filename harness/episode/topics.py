@@ -1,4 +1,4 @@
-"""What a run without ROS tells under its topics: the messages that the bridge of one with ROS publishes.
+"""What a run without ROS publishes: the messages that the bridge of a run with ROS would.
 
 In the same order, as bytes, to sinks: a recording, Foxglove. Nobody listens, so there is no /cmd_vel.
 """
@@ -116,7 +116,7 @@ class RunTopics:
         self._clock = self._rovers[0].channel(CLOCK, clock())
 
     def tell(self, tick: Tick, sent: Sequence[Tick], metrics: Sequence[bytes | None]) -> None:
-        """Tells a tick.
+        """Publishes a tick.
 
         Args:
             tick: Of the episodes.

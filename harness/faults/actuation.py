@@ -14,7 +14,7 @@ from harness.base.streams import FAULTS, generator
 from harness.faults.base import Fault
 from harness.samples import Twist
 
-if TYPE_CHECKING:  # whoever only looks faults up does without MuJoCo
+if TYPE_CHECKING:  # looking faults up needs no MuJoCo
     from harness.physics.simulation import Simulation
 
 CMD_VEL, MOTOR, WHEEL = "cmd_vel", "motor.", "wheel."  # as faults call them; a side or a wheel follows

@@ -29,7 +29,7 @@ class Estimate:
         after: The recording's; NaN if it is not known.
         half: Half of its interval of 95 %.
         why: Why it is not known; "" if it is.
-        scale: Of what may be 0: how uncertain it may be.
+        scale: For values that may be 0: half an interval up to which they count as known.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Estimate:
         return replace(estimate, after=nan, why=f"{reason}: {lack}")
 
     def unknown(self, why: str) -> "Estimate":
-        """Returns it as what nothing shows."""
+        """Returns the estimate as one that the recording does not show."""
         return replace(self, why=why)
 
 
@@ -177,7 +177,7 @@ def deviations(jacobian: Series, left: Series) -> Series:
 
 
 def slope(x: Series, y: Series) -> tuple[float, float]:
-    """Returns y over x by least squares, and half of its interval; NaN, infinite of nothing."""
+    """Returns y over x by least squares, and half of its interval; NaN and infinite without data."""
     square = float(x @ x)
     if not square > 0.0:
         return nan, np.inf

@@ -37,12 +37,12 @@ LIGHT = 0.02  # [m], or of a load: less does not matter
 NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
 
 
-Show = Callable[[int, int], None]  # is called with what is done of what
+Show = Callable[[int, int], None]  # called with how many of how many are done
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """What came of it: estimates, and ours beside the kinds of steady driving, before and after."""
+    """What the ground does: estimates, and ours beside the kinds of steady driving, before and after."""
 
     estimates: tuple[Estimate, ...]
     before: Steady
@@ -101,7 +101,7 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
         some: Recorded windows of steady driving.
         like: Their kinds, as which ours is driven.
         workers: Do so, from several starts at once.
-        show: Is called with what is done of what.
+        show: Called with how many of how many are done.
     """
     free, unknown = blanks(rover, some)
     before = driven(rover, like)

@@ -56,7 +56,7 @@ def fit(
         rover: With real actuators, where the search begins.
         whole: From `reading.read`; its last steps are held back.
         workers: Drive.
-        show: Is called with what is done of what.
+        show: Called with how many of how many are done.
 
     Raises:
         UsageError: The recording tells nothing.

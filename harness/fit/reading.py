@@ -1,4 +1,4 @@
-"""CSV files or a bag of strangers -> one recording that can be fitted to, or what it lacks in a line."""
+"""A user's CSV files or bag -> one recording that can be fitted to, or what it lacks in a line."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -51,12 +51,12 @@ class StepTruth:
 
 RewardFn = Callable[[StepTruth, "NDArray[np.float32]"], Mapping[str, float]]
 TerminateFn = Callable[[StepTruth], bool]
-OWN = "own"  # what an ending and an observation of no name are called
+OWN = "own"  # name of an ending and of an observation that have none
 
 
 @dataclass(frozen=True)
 class Sight:
-    """An entry of the observation of somebody's own.
+    """A user's own entry of the observation.
 
     Attributes:
         low, high: Smallest and largest value of each number.

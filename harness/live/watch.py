@@ -35,7 +35,7 @@ class Sight(NamedTuple):
 
 
 class Watch:
-    """Keeps the latest of one rover, for another thread to look at whenever it likes.
+    """Keeps the latest of one rover, for another thread to look at at any time.
 
     Args:
         row: Returns the latest row of the rover's log; None before the first.

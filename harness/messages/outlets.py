@@ -36,7 +36,7 @@ def outlets(
         rows: The sensors.
         draw: Gives the images of cameras; without it there are none.
         actors: Names of the people, as NAME_actor.
-        goals: Whether whoever commands the rover is told the way points of a route.
+        goals: Whether the way points of a route are published for who commands the rover.
     """
     made: Outlets = {
         row.source: [(topic, fillers.filler(row, topic, rover, lidar, draw)) for topic in row.topics]

@@ -2,7 +2,7 @@
 
 MuJoCo steps a copy of the state in a thread that never needs the interpreter; it is woken by a lock of
 Python's own that any thread may release, because a thread that had to take the interpreter's lock first
-would wait for whoever reads.
+would wait for the thread that reads.
 """
 
 import ctypes

@@ -157,7 +157,7 @@ class LaggingController(BaseController):
         self._half_way = self._there = np.zeros(self._driven)
 
     def commands(self) -> list[float]:
-        """Returns what the wheels are told now, as the controller of its kind of drive does."""
+        """Returns the present wheel commands, in the order of the controller of its kind of drive."""
         self._controller.command(self._delayed())
         commanded = self._controller.wheel_speeds()
         wanted = self._limited(commanded[: self._driven])

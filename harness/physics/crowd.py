@@ -79,7 +79,7 @@ class Crowd:
         ]
 
     def look(self, watches: Sequence[RoverContacts]) -> None:
-        """Takes note of whom each rover overlaps; of who pushes, MuJoCo's contacts tell the force."""
+        """Notes whom each rover overlaps; where people push, MuJoCo's contacts have the force."""
         for number, ((pose, reach), contacts) in enumerate(zip(self._rovers, watches, strict=True)):
             x, y = pose[:2].tolist()
             for geom, place, actor in zip(self._geoms, self.places, self.actors, strict=True):

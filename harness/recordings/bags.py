@@ -28,7 +28,7 @@ def _twist(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401 - rosb
 
 
 def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
-    """Rims' speeds, and what motors give: torque along the speed, of a motor that is dragged none."""
+    """The rims' speeds, and the motors' torque along the speed; 0 of a motor that is dragged along."""
     speeds = dict(zip(message.name, message.velocity, strict=False))
     torques = dict(zip(message.name, message.effort, strict=False))
     tied = rover.actuators is not None and rover.actuators.one_motor_a_side

@@ -34,7 +34,7 @@ LISTED = ("arguments", "versions", "world")  # parts of the manifest that are ta
 def _content(
     result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
 ) -> dict[str, Any]:
-    """Returns what the template shows of a run; see `render`."""
+    """Returns what the template shows of a run; arguments as of `render`."""
     log, values, rover = read_log(result.log_path), manifest(result), result.rover
     robot = robot_name(rover.robot)
     called = f"{rover.name}, a {robot}," if rover.name else robot

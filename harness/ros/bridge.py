@@ -93,7 +93,7 @@ class Bridge(GuardedNode):
         return (*self.frames.fixed, *samples_, *clock)
 
     def describe(self, description: Description) -> None:
-        """Tells of a rover what is fixed, and of what the transforms of its ticks are."""
+        """Publishes a rover's fixed frames; the transforms of ticks to come are of its moving ones."""
         self.frames.describe(description)
 
     def advance(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:

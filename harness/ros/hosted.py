@@ -132,7 +132,7 @@ class HostedMetrics:
 def heard_by(
     hosts: Iterable[HostedMetrics], published: Mapping[str, TopicCount]
 ) -> dict[str, TopicCount]:
-    """Returns what was published with what nodes received, and of what they share the most one lost."""
+    """Returns what was published and received by topic; of a shared one the most that a node lost."""
     topics = dict(published)
     for host in hosts:
         for topic, received in host.received().items():

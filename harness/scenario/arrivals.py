@@ -21,7 +21,7 @@ Read = Callable[[Any], Iterable[Any]]
 
 
 class Reader(NamedTuple):
-    """What takes out of messages of these types what is judged."""
+    """Takes out of messages of these types what is judged."""
 
     types: Sequence[str]
     read: Read

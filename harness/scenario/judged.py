@@ -12,7 +12,7 @@ from harness.scenario.series import Series
 
 
 def readers(names: Iterable[str]) -> dict[str, Reader]:
-    """Returns what takes out of the messages of each topic what these quantities need."""
+    """Returns the Reader of each topic of which these quantities need something."""
     readers: dict[str, Reader] = {}
     for name in names:
         if (pose := heard_quantity(name, POSE)) is not None:

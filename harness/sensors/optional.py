@@ -22,7 +22,7 @@ from harness.sensors.noise import NoisePreset
 from harness.spec.value import Value, checked
 from harness.world.geodesy import Datum
 
-if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
+if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     import mujoco
 
     from harness.physics.simulation import Simulation

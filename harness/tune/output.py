@@ -34,7 +34,7 @@ FOOTPRINT_UNITS = {
 
 
 def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
-    """For each robot a table of its thresholds and what follows from it."""
+    """Prints a table of each robot's thresholds and what follows from it."""
     for study in studies:
         console.print(*terminal([sheet_of(study)], console.width), sep="\n")
         console.print(study.driven.text(), highlight=False)

@@ -56,7 +56,7 @@ class Comparison:
 
 
 def compare(paths: Sequence[Path], robot: str, seed: int) -> Comparison:
-    """Returns how a run of ours lies to two logs.
+    """Compares a run of ours with two recorded logs.
 
     Args:
         paths: Of the two logs.

@@ -73,7 +73,7 @@ class Rig:
             self.tick()
 
     def run_until(self, done: Callable[[], bool], limit: float) -> bool:
-        """Drives on until something is the case, for at most `limit` seconds; tells whether it is."""
+        """Drives on until `done()` holds, for at most `limit` seconds; returns whether it does."""
         for _ in range(round(limit / TICK)):
             self.tick()
             if done():

@@ -201,7 +201,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         if options.wait:
-            # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
+            # The error that MuJoCo raises without OpenGL is what the parent process looks for.
             mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
             print("ready", flush=True)
             words = sys.stdin.readline()

@@ -98,7 +98,7 @@ class Standstill:
         return is_long and all(math.dist(place, before) <= STANDING for _, before in trail)
 
     def carried_away(self) -> None:
-        """Takes that somebody was put elsewhere: it begins to stand anew."""
+        """Takes note that somebody was put elsewhere: it begins to stand anew."""
         self._trail.clear()
 
 
@@ -143,7 +143,7 @@ class RouteProgress:
             self.current = nearest if self.any_order else self._left[0]
 
     def carried_away(self) -> None:
-        """Takes that somebody was put elsewhere: the next place is no step from the last one."""
+        """Takes note that somebody was put elsewhere: the next place is no step from the last one."""
         self._before = None
         self._standstill.carried_away()
 

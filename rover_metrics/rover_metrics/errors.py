@@ -174,7 +174,7 @@ def called(name: str) -> str:
 
 
 def sibling(module: str) -> str:
-    """Returns another program as whoever typed this one calls it: rover tune, rover-tune, or python -m.
+    """Returns another program by the kind of name typed for this one: rover tune, rover-tune, python -m.
 
     Args:
         module: E.g. harness.tune.

@@ -133,7 +133,7 @@ class MetricsNode(GuardedNode):
         }
 
     def take(self, source: Source, message: Message) -> None:
-        """Take a message of a topic: count it, hand it on, remark what is odd about it."""
+        """Takes a message of a topic: counts it, hands it on, remarks what is odd about it."""
         topic, reception = self.topics[source], self.reception
         stamp = stamp_ns(message) if source.has_stamp else None
         reception.arrived(topic, stamp)

@@ -63,7 +63,7 @@ class Table(Mapping[str, T], Generic[T]):
         name: Of the table, e.g. "terrains": its entry points are those of rover_harness.terrains.
         shipped: The values of this project.
         fits: Whether a value of somebody else is one of the kind.
-        form: What it must be, for whoever wrote it.
+        form: What it must be, for the message.
 
     Attributes:
         name, shipped, fits, form: As given.

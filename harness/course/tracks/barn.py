@@ -24,7 +24,7 @@ from harness.course.tracks.sdf import Circle, world_text
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
 
-START, NEAR = (*PLACE, 1.57), 1.0  # [m]: so near is there
+START, NEAR = (*PLACE, 1.57), 1.0  # [m] from the goal that counts as reached
 CELL = 0.15  # [m] of the grid
 SIDE, ROWS, FIRST_ROW = 30, 64, 34  # cells of the field's side; rows; the field's first
 CORNER = (-4.425, 0.075)  # [m] of the grid's first cell

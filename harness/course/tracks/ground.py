@@ -26,7 +26,7 @@ class Ground(Track):
 
     Attributes:
         world: Fields of the run that say where, beside the seed.
-        faults: What fails; of a seed it is one after the other.
+        faults: What fails; the seeds take them in turn.
         distance: From the start, and from one way point to the next, at least and at most [m].
         slope_limit: Steepest slope of the shortest way [rad]; None for the rover's own.
     """

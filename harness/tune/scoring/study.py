@@ -160,7 +160,7 @@ def unreachable(study: CollisionStudy) -> str:
 
 
 def alternatives(study: CollisionStudy) -> Iterator[str]:
-    """Yields what the other detectors of the metrics node buy."""
+    """Yields what the other detectors of the metrics node gain."""
     for detector in study.detectors[1:]:
         scores = detector.events.scores[Part.TEST]
         yield (

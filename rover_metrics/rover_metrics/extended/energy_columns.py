@@ -1,4 +1,4 @@
-"""Columns of energy, where a battery is told of; after all others, by the parameter `energy`."""
+"""Columns of energy, where there are messages of a battery; after all others, by parameter `energy`."""
 
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.timing import NANOSECONDS

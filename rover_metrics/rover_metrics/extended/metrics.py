@@ -80,7 +80,7 @@ class ExtendedMetrics:
         self._traffic = TrafficColumns()
 
     def use(self, settings: ExtendedSettings) -> None:
-        """Measure by other settings from now on."""
+        """Measures by other settings from now on."""
         self._scans.use(settings)
         self._imu.gravity = settings.gravity
 

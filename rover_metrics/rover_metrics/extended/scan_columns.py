@@ -64,7 +64,7 @@ class ScanColumns:
         self.use(settings)
 
     def use(self, settings: ExtendedSettings) -> None:
-        """Measure by other settings from now on."""
+        """Measures by other settings from now on."""
         self._settings = settings
         self._lidar: tuple[Beams, FootprintClearance] | None = None
 

@@ -61,11 +61,11 @@ class TravelColumns:
         self._stretch, self._stretch_s = 0.0, 0.0  # of the path since the row before
 
     def add_imu(self, stamp_ns: int, *, is_rough: bool) -> None:
-        """Take the verdict on an IMU sample that the metrics have used."""
+        """Takes the verdict on an IMU sample that the metrics have used."""
         self._rough.append((stamp_ns, is_rough))
 
     def add_odometry(self, stamp_ns: int, speed: float) -> None:
-        """Take a wheel speed that the metrics have used [m/s]."""
+        """Takes a wheel speed that the metrics have used [m/s]."""
         self._speeds.append((stamp_ns, speed))
 
     def add_pose(self, stamp_ns: int, position: Vector3, jump: float) -> None:

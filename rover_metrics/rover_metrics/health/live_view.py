@@ -1,4 +1,4 @@
-"""What a row says to whoever watches: statuses with levels, as diagnostic_msgs has them. No ROS."""
+"""What a row says to a person who watches: statuses with levels, as diagnostic_msgs has them. No ROS."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -146,7 +146,7 @@ def _write_all(file: BinaryIO, data: bytes) -> None:
 
 
 def _sync(file: BinaryIO, folder: Path | None) -> None:
-    """Wait until the disk has a file's content, and the folder's entry of a new file."""
+    """Waits until the disk has a file's content, and the folder's entry of a new file."""
     os.fsync(file.fileno())
     if folder is not None and hasattr(os, "O_DIRECTORY"):  # Windows opens no folder
         descriptor = os.open(folder, os.O_RDONLY)

@@ -1,4 +1,4 @@
-"""A node that nobody else in its domain can end: what a handler fails of is left out and counted."""
+"""A node that nobody else in its domain can end: messages that a handler fails on are counted."""
 
 from collections.abc import Callable
 from functools import partial
@@ -38,7 +38,7 @@ Handler = Callable[..., Any]
 class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     """A Node whose subscriptions and services outlive every message and request.
 
-    rclpy hands the exception of a handler to whoever spins, its own handlers' included: of /clock with
+    rclpy hands a handler's exception to the caller of spin, its own handlers' included: of /clock with
     negative seconds, of a parameter whose type does not exist. Timers are not guarded: they handle
     nothing of others.
 
