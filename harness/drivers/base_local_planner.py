@@ -46,7 +46,7 @@ def path_from(to_go: Lengths, cell: tuple[int, int]) -> NDArray[np.int64]:
 
 
 class Turns:
-    """Its oscillation flags: a rover that has turned back on the spot turns on so until it has moved."""
+    """Oscillation flags: a rover that has turned back on the spot turns on so until it has moved."""
 
     def __init__(self) -> None:
         self._spot = math.inf, math.inf

@@ -124,7 +124,7 @@ class Dwa(Beeline):
         return self._backed is not None
 
     def _twists(self, distance: float) -> NDArray[np.float64]:
-        """Those that are tried: straight on, then in curves, then on the spot."""
+        """The twists that are tried: straight on, then in curves, then on the spot."""
         low, top = SPEED
         speeds = np.linspace(low, max(low, min(top, self.rover.top_speed, distance / 2.0)), SPEEDS)
         last = self._last.angular

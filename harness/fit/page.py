@@ -82,7 +82,7 @@ def _sides(outcome: Outcome) -> list[Plot]:
 
 
 def _steady(outcome: Outcome) -> list[Plot]:
-    """Ours over the recorded, a mark for each kind of steady driving."""
+    """A plot of ours over the recorded, a mark for each kind of steady driving."""
     plots = []
     for name, unit in UNITS.items():
         real, title = getattr(outcome.like, name), f"{name.replace('_', ' ')} [{unit}]"

@@ -138,7 +138,7 @@ def own_of(reward: object, terminate: object, observe: object) -> Own:
     Args:
         reward: Function, name of a plug-in or FILE.py:NAME; None for the environment's own.
         terminate: Function (truth) -> bool; None for none.
-        observe: As `reward`; None for no further observation.
+        observe: A Sight, name of a plug-in or FILE.py:NAME; None for no further entry.
 
     Raises:
         UsageError: One is not valid.

@@ -227,7 +227,7 @@ class RoverVectorEnv(ManyRovers):
             env.close()
 
     def _stepped(self) -> list[int]:
-        """Those that a step drives; with NEXT_STEP, one that has ended begins anew instead."""
+        """The environments that a step drives; with NEXT_STEP, those that ended begin anew instead."""
         begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
         return np.flatnonzero(~begun).tolist()
 

@@ -112,7 +112,7 @@ def resist_rolling(
         model: Is changed.
         rover: Has the tyres.
         prefix: What the rover's names begin with in the model.
-        root: Its first body there.
+        root: Number of its root body there.
 
     Raises:
         UsageError: It would push the rover at its top speed.

@@ -115,7 +115,7 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
 
 
 def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, list[Row]]:
-    """By series: stamp (NaN without one), time of recording and values of each message."""
+    """Rows by series: stamp (NaN without one), time of recording and values of each message."""
     store, takes = get_typestore(Stores.LATEST), dict[str, Take]()
     for kind, word, take in TAKEN:
         for topic in sorted(t for t, k in bag.topics.items() if k == kind and word in t):

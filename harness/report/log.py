@@ -83,7 +83,7 @@ def _number(cell: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """From when to when [s], and where the rover was [m]."""
+    """Something that lasted: from when to when [s], and where the rover was [m]."""
 
     start_s: float
     end_s: float

@@ -56,7 +56,7 @@ def series_figure(
         thresholds: Drawn as levels where the column has one.
         track: Samples and truth of the run.
         contacts: With hazards, drawn as bands.
-        gravity: Of the world [m/s^2].
+        gravity: What the IMU reads at rest [m/s^2].
     """
     unit = fig.spelled(describe(name).unit)
     data = [*_samples(name, track), _logged(name, unit, log), *_truth(name, track)]

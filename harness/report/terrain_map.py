@@ -185,7 +185,7 @@ def _ends(track: Sequence[Stretch]) -> list[Trace]:
 
 
 def _columns(points: Points | Sequence[Sequence[float]]) -> tuple[Sequence[float], Sequence[float]]:
-    """Their x and their y."""
+    """The x and the y of places."""
     x, y, *_ = zip(*points, strict=True) if len(points) else ((), ())
     return x, y
 

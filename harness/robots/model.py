@@ -197,7 +197,7 @@ def body_box(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> np.ndarra
 
     Args:
         model: Of the rover alone.
-        data: Its pose.
+        data: The state in which it is measured.
         body: Number of the body.
     """
     fixed = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)

@@ -32,7 +32,7 @@ class Distances:
 
     @property
     def ratio(self) -> float:
-        """Ours to the farther recorded log, over recorded to recorded."""
+        """Distance of ours to the farther recorded log, over that of both recorded ones."""
         return max(self.ours) / self.recorded
 
     @property

@@ -114,7 +114,7 @@ class Rig:
 
     @property
     def yaw_rate(self) -> float:
-        """About the rover's own vertical [rad/s]."""
+        """Yaw rate about the rover's own vertical [rad/s]."""
         return float(self.simulation.data.qvel[5])
 
     def stands_on(self, geoms: list[int]) -> bool:

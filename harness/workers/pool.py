@@ -95,7 +95,7 @@ class LocalWorkers(Workers):
 
 
 def _begin(parent: int) -> None:
-    """In a worker: ends it with the process that started it, even if that was killed."""
+    """Makes a worker end with the process that started it, even if that was killed."""
 
     def watch() -> None:
         while os.getppid() == parent:

@@ -41,7 +41,7 @@ class Braking:
 
     @property
     def stopping_distance(self) -> float:
-        """With what is driven before the command comes [m]."""
+        """Braking distance, with what is driven before the command comes [m]."""
         return self.speed * LATENCY + self.distance
 
     def needed_lead(self, speed: float) -> float:

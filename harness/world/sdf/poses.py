@@ -58,7 +58,7 @@ def inverse(pose: Transform) -> Transform:
 
 
 def _of_angles(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    """About the fixed axes x, then y, then z."""
+    """The rotation about the fixed axes x, then y, then z."""
     (cr, cp, cy), (sr, sp, sy) = (tuple(map(f, (roll, pitch, yaw))) for f in (math.cos, math.sin))
     return np.array(
         [

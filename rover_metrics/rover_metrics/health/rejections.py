@@ -55,8 +55,8 @@ def scan_oddity(nearest: float, farthest: float, range_min: float, range_max: fl
     Args:
         nearest: Smallest finite range [m].
         farthest: Largest finite range [m].
-        range_min: Nearer the sensor says that it cannot measure [m].
-        range_max: Farther it says so too [m]; both are ignored if they are no interval.
+        range_min: Nearest range that the sensor says it can measure [m].
+        range_max: Farthest one [m]; both are ignored if they are no interval.
     """
     if nearest <= 0.0:
         return ZERO_OR_LESS
