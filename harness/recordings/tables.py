@@ -2,7 +2,6 @@
 
 import math
 import re
-import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from harness.base.errors import UsageError, unknown
+from harness.recordings.delimited import read_csv
 from harness.recordings.recording import Recording, Series, changes, empty, in_order
 
 NAMES: Mapping[str, tuple[str, ...]] = {
@@ -47,13 +47,17 @@ UNITS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1.0, "mm": 1e-3, "cm": 1e-2, "m/s": 1.0,
     "mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "rad": 1.0, "rad/s": 1.0, "deg": math.pi / 180,
     "deg/s": math.pi / 180, "rpm": math.tau / 60, "a": 1.0, "ma": 1e-3, "m/s2": 1.0, "m/s^2": 1.0,
-    "g": 9.80665, "nm": 1.0, "n m": 1.0, "w": 1.0,
+    "g": 9.80665, "nm": 1.0, "n m": 1.0, "w": 1.0, "mg": 9.80665e-3, "ft": 0.3048, "ft/s": 0.3048,
+    "mph": 0.44704, "dps": math.pi / 180, "°": math.pi / 180, "°/s": math.pi / 180, "m/s²": 1.0,
 }  # fmt: skip
 UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
-OF_TURNING = ("rad/s", "deg/s", "rpm")  # a speed in these is that of a wheel's turning
+OF_TURNING = ("rad/s", "deg/s", "dps", "°/s", "rpm")  # a speed in these is that of a wheel's turning
 # [s]: times without a unit that are farther apart are in milli-, micro- or nanoseconds.
 LONGEST_PERIOD = 0.5
+# [s]: with such periods they are seconds all the same where as milliseconds they would be over so soon.
+SLOWEST_PERIOD, SHORTEST = 5.0, 1.5
 STILL_G = (0.9, 1.1)  # median magnitude of acceleration without a unit that is in g
+FASTEST_TURN = 10.0  # [rad/s] that a rover may turn with where no unit says that it does
 BACK = 1.0  # [s] by which times may be out of order
 PART = re.compile(r"[_\-.]?(wheels?|imu|odom(etry)?|currents?|poses?)$", re.IGNORECASE)
 PAUSE = 0.5  # [s]
@@ -124,10 +128,7 @@ def _read(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as of panda
 
     Its `attrs` tell by "stated" which columns had a unit.
     """
-    try:
-        table = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True, **how)
-    except (OSError, EOFError, ValueError, zlib.error) as error:
-        raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
+    table = read_csv(path, **how)
     known = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
     columns, stated = dict[str, pd.Series](), set[str]()
     for column in table.columns:
@@ -150,14 +151,24 @@ def _read(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as of panda
     read.attrs["stated"] = stated
     if "t" in read:
         times = pd.to_numeric(read["t"], errors="coerce")
-        read["t"] = times if "t" in stated else _seconds(times)
+        if "t" not in stated:
+            times = _seconds(times) if times.notna().any() else _dates(read["t"])
+        read["t"] = times
     return read
+
+
+def _dates(times: pd.Series) -> pd.Series:
+    """Dates with times of the day in seconds; NaN of what is none."""
+    dates = pd.to_datetime(times, errors="coerce", utc=True)
+    return (dates - pd.Timestamp(0, tz="UTC")).dt.total_seconds()
 
 
 def _seconds(times: pd.Series) -> pd.Series:
     """Times without a unit in seconds."""
     apart = np.abs(_steps_of(times))
-    period = float(np.median(apart)) if len(apart) else 0.0
+    period = float(np.median(apart[apart > 0.0])) if apart.any() else 0.0
+    if LONGEST_PERIOD < period <= SLOWEST_PERIOD and np.ptp(times.dropna()) * 1e-3 < SHORTEST:
+        return times
     factors = (1.0, 1e-3, 1e-6, 1e-9)
     return times * next((f for f in factors if period * f <= LONGEST_PERIOD), 1.0)
 
@@ -180,8 +191,8 @@ def _series(table: pd.DataFrame, radius: float, path: Path) -> dict[str, Series]
         "currents": _columns(table, "left_current", "right_current"),
         "torques": _columns(table, "left_torque", "right_torque"),
         "power": _columns(table, "power"),
-        "imu": _imu(table),
-        "poses": _poses(table),
+        "imu": _imu(table, path),
+        "poses": _poses(table, path),
         "steps": _steps(table),
     }
     if not len(series["wheels"]):
@@ -197,7 +208,7 @@ def _columns(table: pd.DataFrame, *names: str) -> Series:
     return in_order(numbers[np.isfinite(numbers).all(axis=1)])
 
 
-def _imu(table: pd.DataFrame) -> Series:
+def _imu(table: pd.DataFrame, path: Path) -> Series:
     """Angular velocity and acceleration; NaN where an axis was not recorded."""
     names = ("wx", "wy", "wz", "ax", "ay", "az")
     if not {"wz", "az"} & set(table.columns):
@@ -208,11 +219,20 @@ def _imu(table: pd.DataFrame) -> Series:
     series[:, [True, *there]] = felt
     if len(series) and not table.attrs["stated"] & set(names[3:]):
         level = float(np.median(np.sqrt(np.nansum(series[:, 4:] ** 2, axis=1))))
-        series[:, 4:] *= UNITS["g"] if STILL_G[0] < level < STILL_G[1] else 1.0
+        units = (("g", level), ("mg", 1e-3 * level))
+        series[:, 4:] *= next((UNITS[u] for u, of in units if STILL_G[0] < of < STILL_G[1]), 1.0)
+    if "wz" in table and not table.attrs["stated"] & set(names[:3]):
+        _check_turning(series[:, 3], "wz [deg/s]", path)
     return series
 
 
-def _poses(table: pd.DataFrame) -> Series:
+def _check_turning(rates: Series, named: str, path: Path) -> None:
+    """UsageError if no rover turns like that [rad/s], so that what has no unit is in degrees."""
+    if len(rates) and (fastest := float(np.percentile(np.abs(rates), 99))) > FASTEST_TURN:
+        raise UsageError(f"{path}: it turns by {fastest:.3g} rad/s; name the unit, as in {named}")
+
+
+def _poses(table: pd.DataFrame, path: Path) -> Series:
     """Places and headings; rows that repeat the last pose are left out."""
     if {"qx", "qy", "qz", "qw"} <= set(table.columns):
         x, y, z, w = (pd.to_numeric(table[name], errors="coerce") for name in ("qx", "qy", "qz", "qw"))
@@ -220,6 +240,8 @@ def _poses(table: pd.DataFrame) -> Series:
     series = _columns(table, "x", "y", "yaw")
     if len(series):
         series = series[changes(series[:, 1:])]
+        if "yaw" not in table.attrs["stated"] and "qw" not in table:
+            _check_turning(np.diff(series[:, 3]) / np.diff(series[:, 0]), "yaw [deg]", path)
         series[:, 3] = np.unwrap(series[:, 3])
     return series
 

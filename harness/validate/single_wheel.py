@@ -4,9 +4,7 @@ The trials of C. Pavlov (Carnegie Mellon University, 2022, 3d-terramechanics) dr
 10 mm/s while it turns at its own speed. Their rim speeds were recorded for a radius of 58 mm.
 """
 
-import io
 import math
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,9 +14,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.base.documents import LARGEST_JSON, read_bytes
+from harness.base.documents import LARGEST_JSON
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
+from harness.recordings.delimited import read_csv
 from harness.robots import RoverSpec
 from harness.robots.model import read_model
 from harness.soil.rig_kernel import steady_wheels
@@ -66,25 +65,12 @@ class Errors:
 
 
 def read_table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
-    """Returns these columns of a CSV file as they are; commas, semicolons or tabs separate.
+    """Returns these columns of a CSV file as they are.
 
     Raises:
         UsageError: The file cannot be read or lacks a column.
     """
-    content = read_bytes(path, LARGEST_JSON)
-    separator = max(b",", b";", b"\t", key=content.partition(b"\n")[0].count)
-    has_decimal_commas = separator != b"," and re.search(rb"\d,\d", content)
-    try:
-        table = pd.read_csv(
-            io.BytesIO(content),
-            encoding="utf-8-sig",
-            skipinitialspace=True,
-            sep=separator.decode(),
-            decimal="," if has_decimal_commas else ".",
-        )
-    except ValueError as error:
-        raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
-    table.columns = [str(name).strip() for name in table.columns]
+    table = read_csv(path, LARGEST_JSON)
     if missing := [name for name in columns if name not in table]:
         raise UsageError(f"{path} lacks {', '.join(missing)}; needed are {', '.join(columns)}")
     return table[list(columns)].copy()

@@ -101,3 +101,14 @@ def test_truth_that_is_none_is_left_out_where_it_is_asked_for(settings: Extended
     assert session.take_traversal([0.0], ["speed"]) == remark
     assert session.take_true_velocity((0.3, 0.4, 0.0)) is None
     assert session.take_contact(touches=True) is None
+
+
+def test_energy_is_power_over_time_but_over_pauses_and_back_in_time() -> None:
+    session, watt_hours = MetricsSession(settings=ExtendedSettings(energy=True)), list[object]()
+    told = ((0, 1.0), (2, 3.0), (9, 3.0), (8, 4.0), (9, -2.0))  # s, A; a pause, then the clock goes back
+    for seconds, amperes in told:
+        session.take_battery(seconds * 10**9, 12.0, -amperes)
+        cells = dict(zip(session.columns, session.row(0).as_fields(), strict=True))
+        watt_hours.append(cells["Energy [Wh]"])
+    joules = (48.0, 48.0, 48.0, 60.0)
+    assert watt_hours == ["", *(round(each / 3600, 4) for each in joules)]

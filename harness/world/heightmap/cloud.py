@@ -1,19 +1,24 @@
 """A cloud of points becomes heights on a grid: PLY, LAS and LAZ (extra [cloud]), N x 3 arrays."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from tifffile.geodb import GeoKeys as TiffKeys
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
+from harness.world.heightmap.geotiff import WEB_MERCATOR
+from harness.world.heightmap.units import UNITS, height_unit, horizontal_unit, wkt_units
 
 SUFFIXES = (".ply", ".las", ".laz")
 MOST_POINTS = 50_000_000
 FEWEST_POINTS = 64
 FINEST, COARSEST = 0.05, 10.0  # [m] of a cell that is chosen
 A_CELL = 4.0  # points that a cell is to have
+WKT, GEO_KEYS, GEO_TEXTS = 2112, 34735, 34737  # records of LAS
 Points = NDArray[np.float64]  # x, y, z [m], shape (n, 3)
 
 
@@ -30,13 +35,13 @@ def is_cloud(path: Path) -> bool:
     return len(shape) == 2 and shape[1] == 3
 
 
-def read_points(path: Path) -> Points:
-    """Returns the points of a file [m]; UsageError if there are too many or none.
+def read_points(path: Path) -> tuple[Points, tuple[str, ...]]:
+    """Returns a file's points [m], and notes of their unit; UsageError if they are too many or none.
 
     Raises:
         ImportError: laspy is missing, which reads LAS and LAZ.
     """
-    kind = path.suffix.lower()
+    kind, notes = path.suffix.lower(), tuple[str, ...]()
     if kind == ".npy":
         array = np.load(path, mmap_mode="r", allow_pickle=False)
         _check_count(len(array))
@@ -48,19 +53,46 @@ def read_points(path: Path) -> Points:
             loaded = trimesh.load(file, file_type="ply", process=False)
         points = np.array(getattr(loaded, "vertices", np.empty((0, 3))), np.float64)
     else:
-        points = _read_las(path)
+        points, notes = _read_las(path)
     points = points[np.isfinite(points).all(axis=1)]
     _check_count(len(points))
-    return points
+    return points, notes
 
 
-def _read_las(path: Path) -> Points:
+def _read_las(path: Path) -> tuple[Points, tuple[str, ...]]:
     import laspy  # noqa: PLC0415 - its extra may be missing
 
     with laspy.open(path) as file:
         _check_count(file.header.point_count)
         cloud = file.read()
-    return np.column_stack([cloud.x, cloud.y, cloud.z]).astype(np.float64)
+    ground, height = _las_units({v.record_id: v.record_data_bytes() for v in cloud.header.vlrs})
+    points = np.column_stack([cloud.x, cloud.y, cloud.z]).astype(np.float64) * [ground, ground, height]
+    if ground == height == 1.0:
+        return points, ()
+    return points, (f"its units, as it says: {ground:.6g} m of the ground, {height:.6g} m of heights",)
+
+
+def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
+    """Lengths of the units of ground and heights [m] by the records of a LAS file: WKT, or GeoKeys."""
+    wkt = records.get(WKT, b"").decode("utf-8", "replace")
+    directory = np.frombuffer(records.get(GEO_KEYS, b"")[8:], "<u2").reshape(-1, 4).tolist()
+    texts = records.get(GEO_TEXTS, b"").decode("ascii", "replace")
+    keys = {
+        TiffKeys(key).name: value if place == 0 else texts[value : value + count]
+        for key, place, count, value in directory
+        if key in {*TiffKeys} and place in (0, GEO_TEXTS)
+    }
+    if "Pseudo-Mercator" in wkt or keys.get("ProjectedCSTypeGeoKey") in WEB_MERCATOR:
+        raise UsageError(
+            "it is in Web Mercator, which stretches the ground; give it in UTM (pdal, las2las)"
+        )
+    if wkt:
+        return wkt_units(wkt)
+    unit = horizontal_unit(keys)
+    if unit not in UNITS:
+        raise UsageError(f"its unit {unit} is not known; give it in metres (pdal, las2las)")
+    ground = UNITS[unit][1]
+    return ground, height_unit(keys, ground) or ground
 
 
 def _check_count(count: int) -> None:

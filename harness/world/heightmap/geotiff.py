@@ -12,21 +12,18 @@ from typing import Any
 import numpy as np
 import tifffile
 from numpy.typing import NDArray
-from pymap3d import rcurve
+from pymap3d import Ellipsoid, rcurve
 
 from harness.base.errors import UsageError
+from harness.world.heightmap.units import UNITS, height_unit, horizontal_unit
 
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION = 33550, 33922, 34264  # tags
 GEOGRAPHIC, GEOCENTRIC = 2, 3  # model types
 PIXEL_IS_POINT = 2  # raster type: the tie point is the middle of a pixel, not its corner
-METRE, DEGREE = 9001, 9102
+DEGREE = 9102
+WEB_MERCATOR = (3857, 3785)  # EPSG's numbers
+WGS84 = Ellipsoid.from_name("wgs84")
 NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
-UNITS = {  # EPSG's numbers: name, length [m]
-    METRE: ("metre", 1.0),
-    9002: ("foot", 0.3048),
-    9003: ("US survey foot", 1200.0 / 3937.0),
-    9036: ("kilometre", 1000.0),
-}
 MOST_DEGREES = 1e-3  # of a pixel, if nothing says what its unit is: metres so small are no ground
 MOST_SKEW = math.radians(0.5)  # of rows and columns that count as at right angles
 SMALLEST_TURN = 0.05  # [deg] that is noted
@@ -66,7 +63,9 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
         return _projected(affine, keys, page)
     if keys.get("GTModelTypeGeoKey") == GEOCENTRIC:
         return Grid("its coordinates are geocentric (gdalwarp -t_srs EPSG:... gives metres)")
-    number = keys.get("ProjLinearUnitsGeoKey", METRE)
+    if keys.get("ProjectedCSTypeGeoKey") in WEB_MERCATOR:
+        return _projected(_in_degrees(affine, keys, page), keys, page, "Web Mercator's")
+    number = horizontal_unit(keys)
     if number not in UNITS:
         return Grid(f"its unit {number} is not known (gdalwarp -t_srs EPSG:... gives metres)")
     if affine is None:
@@ -81,17 +80,44 @@ def _are_degrees(affine: Affine | None) -> bool:
     return bool((np.abs(affine[:, 2]) <= (180.0, NEAREST_POLE)).all())
 
 
-def _projected(affine: Affine | None, keys: Mapping[str, Any], page: tifffile.TiffPage) -> Grid:
-    """Degrees as metres along the meridian and the parallel of the middle, on WGS-84."""
+def _projected(
+    affine: Affine | None, keys: Mapping[str, Any], page: tifffile.TiffPage, what: str = "degrees"
+) -> Grid:
+    """Degrees as metres along the meridian and the parallel of the middle."""
     unit = keys.get("GeogAngularUnitsGeoKey", DEGREE)
     middle = None if affine is None else affine @ _half(keys, page)
     if affine is None or middle is None or unit != DEGREE or abs(middle[1]) > NEAREST_POLE:
-        return Grid("its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)", 1.0)
-    east = rcurve.transverse(middle[1]) * math.cos(math.radians(middle[1]))
-    metres = np.radians([east, rcurve.meridian(middle[1])])
+        return Grid(f"its pixels are {what} (gdalwarp -t_srs EPSG:... gives metres)", 1.0)
+    body = _ellipsoid(keys)
+    east = rcurve.transverse(middle[1], body) * math.cos(math.radians(middle[1]))
+    metres = np.radians([east, rcurve.meridian(middle[1], body)])
     placed = _placed(affine * metres[:, None], keys, page)
-    note = f"its pixels are degrees: projected about its middle, {middle[1]:.6g}, {middle[0]:.6g}"
+    note = f"its pixels are {what}: projected about its middle, {middle[1]:.6g}, {middle[0]:.6g}"
     return replace(placed, notes=(note, *placed.notes[:-1]))
+
+
+def _in_degrees(
+    affine: Affine | None, keys: Mapping[str, Any], page: tifffile.TiffPage
+) -> Affine | None:
+    """Web Mercator, whose metres are the ground's at the equator alone, as degrees about the middle."""
+    if affine is None:
+        return None
+    y = (affine @ _half(keys, page))[1]
+    latitude = math.atan(math.sinh(y / WGS84.semimajor_axis))
+    degrees = np.degrees([1.0, math.cos(latitude)]) / WGS84.semimajor_axis
+    affine = affine * degrees[:, None]
+    affine[1, 2] += math.degrees(latitude) - degrees[1] * y
+    return affine
+
+
+def _ellipsoid(keys: Mapping[str, Any]) -> Ellipsoid:
+    """The body that the keys tell, which may be the Moon; WGS-84 if they tell none."""
+    major = keys.get("GeogSemiMajorAxisGeoKey")
+    if major is None:
+        return WGS84
+    inverse = keys.get("GeogInvFlatteningGeoKey", 0.0)
+    minor = keys.get("GeogSemiMinorAxisGeoKey", major * (1.0 - 1.0 / inverse) if inverse else major)
+    return Ellipsoid(major, minor)
 
 
 def _half(keys: Mapping[str, Any], page: tifffile.TiffPage) -> tuple[float, float, float]:
@@ -133,7 +159,7 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
         east_column, north_column, north_row = east_row, north_row, north_column
     mirrored, upside_down = east_column < 0.0, north_row > 0.0
     turn = math.degrees(math.atan2(-north_column if mirrored else north_column, abs(east_column)))
-    name, metres = UNITS[keys.get("ProjLinearUnitsGeoKey", METRE)]
+    name, metres = UNITS[horizontal_unit(keys)]
     notes = []
     if not keys:
         notes.append("names no coordinate system: its pixels are taken to be metres")
@@ -147,16 +173,9 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
     notes.append(f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates")
     return Grid(
         pixel=(columns * metres, rows * metres),
-        height_unit=_height_unit(keys, metres),
+        height_unit=height_unit(keys, metres),
         transposed=transposed,
         mirrored=mirrored,
         upside_down=upside_down,
         notes=tuple(notes),
     )
-
-
-def _height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:
-    """Length of a unit of height [m]; None if the ground is in another unit and it does not say."""
-    if "VerticalUnitsGeoKey" in keys:
-        return UNITS.get(keys["VerticalUnitsGeoKey"], ("", None))[1]
-    return 1.0 if horizontal == 1.0 else None

@@ -19,6 +19,7 @@ from harness.world.heightfield import Field
 from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
+from harness.world.heightmap.units import NAMED
 from rover_metrics.number import number
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
@@ -104,9 +105,10 @@ def _kind(path: Path) -> str:
 
 
 def _of_cloud(path: Path, cell: float | None) -> Raster:
-    heights, cell, notes = gridded(read_points(path), cell)
+    points, told = read_points(path)
+    heights, cell, notes = gridded(points, cell)
     _check_size(heights.shape[1], heights.shape[0])
-    return Raster(heights, (cell, cell), True, notes)
+    return Raster(heights, (cell, cell), True, (*told, *notes))
 
 
 def _check_size(columns: int, rows: int, fewest: int = FEWEST_PIXELS) -> None:
@@ -153,7 +155,11 @@ def _read_tiff(path: Path) -> Raster:
         values, grid = _tiff_values(page), read_grid(page)
         nodata = page.tags.valueof(NODATA_TAG)
         scale, offset = (_gdal_number(page, role) for role in ("scale", "offset"))
+        unit_type = _gdal_text(page, "unittype").strip()
         is_float = page.dtype is not None and page.dtype.kind == "f"
+        for mask in file.pages:
+            if isinstance(mask, tifffile.TiffPage) and mask.is_mask and mask.shape == page.shape:
+                values[mask.asarray() == 0] = np.nan
     if nodata is not None:
         values[np.isclose(values, number(str(nodata)), rtol=1e-6, atol=0.0)] = np.nan
     if is_scaled := (scale, offset) != (None, None):
@@ -162,18 +168,29 @@ def _read_tiff(path: Path) -> Raster:
         note = f"its heights are {scale:g} of what it stores, plus {offset:g}, as its tag says"
         grid = replace(grid, notes=(*grid.notes, note))
     unit = 1.0 if (is_float or is_scaled) and isinstance(grid.pixel, str) else grid.height_unit
+    if unit_type:
+        unit = NAMED.get(unit_type.casefold())
+        if unit != 1.0:
+            note = f"its heights are in {unit_type}, as its tag says"
+            grid = replace(grid, notes=(*grid.notes, note))
     values = grid.north_up(values) * (1.0 if unit is None else unit)
     return Raster(values, grid.pixel, unit is not None, grid.notes)
 
 
 def _gdal_number(page: tifffile.TiffPage, role: str) -> float | None:
     """The number in an item of GDAL's metadata; None if there is no such item."""
+    text = _gdal_text(page, role)
+    return number(text) if text else None
+
+
+def _gdal_text(page: tifffile.TiffPage, role: str) -> str:
+    """The text of an item of GDAL's metadata; "" if there is no such item."""
     match = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
-    return None if match is None else number(match[1])
+    return match[1] if match else ""
 
 
 def _tiff_values(page: tifffile.TiffPage) -> Field:
-    if page.dtype is not None and page.dtype.kind in "fiu":
+    if page.dtype is not None and page.dtype.kind in "fiu" and page.bitspersample % 8 == 0:
         if page.compression == tifffile.COMPRESSION.NONE:
             return page.asarray().astype(np.float64)
         if page.compression in READABLE:

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,8 +9,10 @@ from harness.base.errors import UsageError
 from harness.drivers import DRIVERS, DriverContext, Observation, find_driver, sensed_by, takes_goals
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
-from harness.robots import find_rover
+from harness.episode.episode import Episode
+from harness.robots import RoverSpec, find_rover
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from harness.spec.run import Run
 
 BEAMS = 16
 GENERATOR = np.random.default_rng(0)
@@ -77,6 +80,20 @@ def test_it_stands_until_it_has_a_goal_and_has_read_everything_and_at_the_goal(p
 def test_an_action_is_a_share_of_the_largest_speeds() -> None:
     rover = find_rover("leo")  # 12 rad/s on wheels of 6.25 cm
     assert commanded([0.5, -1.0], rover) == Twist(0.5 * 0.75, -1.0 * rover.cruise_yaw_rate)
+
+
+def test_a_rover_that_steers_gets_a_policys_command_as_in_its_environment(
+    tmp_path: Path, foreign: Callable[[str], RoverSpec]
+) -> None:
+    """To turn on the spot it stands, where other drivers back up in a curve."""
+    weights, turning = np.zeros((BEAMS + BESIDE_LIDAR, 2), np.float32), np.array([0.0, 1.0], np.float32)
+    write_policy(tmp_path / "turn.npz", Policy(((weights, turning),)))
+    run = Run.of(
+        terrain="flat", robot=str(foreign("buggy").folder), lidar_beams=BEAMS, duration=2.0,
+        driver=f"policy:{tmp_path / 'turn.npz'}", goals=((0.0, 3.0, 0.0, 0.0),),
+    )  # fmt: skip
+    *_, last = Episode(run).batches()
+    assert last.truth.path_length < 0.1
 
 
 def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path) -> None:

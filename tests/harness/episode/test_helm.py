@@ -87,6 +87,11 @@ def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(
     assert "repeat it" in helm.note(run)
 
 
+def test_whether_a_command_is_held_is_said_by_the_last_one_alone() -> None:
+    assert BY_HAND.then(Order(goal=Place(1.0, 0.0, 0.0))).held
+    assert not BY_HAND.then(Order(command=Twist(0.1, 0.0))).held
+
+
 def test_paused_it_stands_still_and_goes_on_step_by_step(tmp_path: Path) -> None:
     helm, seen = Helm(None, StopRequest()), list[int]()
     idled: list[int] = []

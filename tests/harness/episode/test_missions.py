@@ -114,10 +114,13 @@ def test_any_order_reaches_what_the_given_one_does_not(seed: int) -> None:
 
 
 def test_a_way_point_that_takes_too_long_is_missed_and_the_next_one_is_next() -> None:
-    progress = RouteProgress((Mark((5.0, 0.0), 0.5, within=2.0), Mark((0.0, 0.0), 0.5)), limit=9.0)
-    for second in range(5):
+    far = (Mark((x, 0.0), 0.5, within=2.0) for x in (5.0, 9.0))
+    progress, next_ones = RouteProgress((*far, Mark((0.0, 0.0), 0.5)), limit=9.0), list[int | None]()
+    for second in range(8):
         progress.observe(second, (0.0, 0.0))
-    assert progress.reached == [1]
+        next_ones.append(progress.current)
+    assert next_ones == [0, 0, 0, 1, 1, 1, 2, None]  # each has its own time
+    assert progress.reached == [2]
     assert math.isnan(progress.done_s)
 
 

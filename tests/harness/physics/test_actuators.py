@@ -10,12 +10,15 @@ import pytest
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.episode.assembly import check
+from harness.faults.actuation import ActuatorFaults
+from harness.faults.lookup import find_faults
 from harness.physics.actuators import MOTOR_SPEED, MOTOR_TORQUE, PLAY
 from harness.physics.base_controller import base_controller
 from harness.physics.motor_power import MotorPower
 from harness.physics.simulation import Simulation
 from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
+from harness.spec.fault import parse_fault
 from harness.spec.run import Run
 from tests.harness.conftest import MakeSimulation
 from tests.support.rovers import LEO
@@ -81,6 +84,16 @@ def test_commands_come_late_and_speeds_follow_as_two_lags_do() -> None:
     assert not speeds[:20].any()
 
 
+@pytest.mark.parametrize("delay", [0.02, 0.023, 0.087])
+@pytest.mark.parametrize("twist", [Twist(0.5, 0.0), Twist(0.0, 0.5)])
+def test_a_delay_costs_its_own_length_of_the_way_also_parts_of_a_tick(
+    delay: float, twist: Twist
+) -> None:
+    rover = real(delay=delay, lag=0.0, turn_limit=None)
+    speeds = responses(rover.but(linear_acceleration=1e3, angular_acceleration=1e3), twist, 20)
+    assert TICK * (1.0 - speeds / speeds[-1]).sum(axis=0) == pytest.approx(delay)
+
+
 def test_slow_commands_do_nothing_and_the_sides_differ_by_no_more_than_their_limit() -> None:
     rover = real(delay=0.0, lag=0.0, dead_band=0.05, turn_limit=0.4)
     radius = rover.controller_radius
@@ -110,8 +123,8 @@ def test_a_weak_side_gives_its_share_of_the_torque(
     equip: Callable[[], RoverSpec], simulate: MakeSimulation
 ) -> None:
     simulation, torques = in_the_air(simulate(equip())), []
-    for share in (1.0, 0.25):
-        simulation.limit_motors({"left": share, "right": 1.0}, frozenset())
+    for faults in ((), ("motor.left:weak=0.5", "motor.left:weak=0.5")):
+        ActuatorFaults(find_faults(map(parse_fault, faults), ()), seed=0).act(simulation)
         simulation.data.qvel[:] = 0.0
         simulation.command_wheels(np.full(4, 100.0))
         simulation.tick()

@@ -12,7 +12,7 @@ from harness.report.hillshade import map_layout, shade
 from harness.report.log import Log
 from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned, varies
-from harness.report.terrain_map import map_figure
+from harness.report.terrain_map import map_figure, roughness
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
@@ -90,6 +90,12 @@ def test_the_map_of_a_run_that_diverged_shows_the_terrain() -> None:
     figure = map_figure(world, relief, [lost], collisions=(), contacts=(), scan=scan, gravity=9.81)
     assert figure["data"] == []
     assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
+
+
+def test_a_path_is_as_rough_as_the_acceleration_is_off_gravity_either_way() -> None:
+    felt = ((9.8, 11.0), (3.0, 10.0), (0.0, -1.0))  # of the last nothing came
+    track = [Stretch(1.0, (0.0,) * 3, 0.0, lowest, highest) for lowest, highest in felt]
+    assert roughness(track, gravity=9.8) == pytest.approx([1.2, 6.8, 6.8])
 
 
 NAN, INF = math.nan, math.inf

@@ -80,6 +80,10 @@ def test_a_pose_on_the_map_goes_to_the_episode_and_the_line_says_when(
     scene.at_ns = 0
     scene.send(topic, 1.0, -2.0, "")
     assert "the run ends before" in scene.said(capfd, f"ignored {topic}")
+    free = scene.navigation.occupancy
+    scene.navigation.occupancy = replace(free, middle=(100.0, -50.0))  # as that of a file may be
+    scene.send(topic, 101.0, -52.0)
+    ros.until(lambda: len(scene.ordered) == 3)
 
 
 POST = next(o.position for o in world_of(RUN).obstacles if o.kind is ObstacleKind.HAZARD)

@@ -119,10 +119,16 @@ def test_a_grid_map_is_read_as_it_is_published(turn: float) -> None:
     grid = heard(truth, turn)
     layers = {"elevation": 0.0 * grid.costs.T, "traversability": 1.0 - grid.costs.T}
     data = grid_map(5, "map", 0.05, (0.0, 0.0, turn), layers)
-    (again,) = grids_of(read_message(data, GRID_MAP))
+    message = read_message(data, GRID_MAP)
+    (again,) = grids_of(message)
     assert again.stamp_ns == 5
     assert again.origin == pytest.approx(grid.origin, abs=1e-6)
     np.testing.assert_allclose(again.costs, grid.costs, atol=1e-6)
+    message.outer_start_index, message.inner_start_index = 3, 50  # of a map that went with its rover
+    for layer in message.data:
+        layer.data = np.roll(layer.data.reshape(80, 80), (50, 3), (0, 1)).ravel()
+    (moved,) = grids_of(message)
+    np.testing.assert_array_equal(moved.costs, again.costs)
     with pytest.raises(ValueError, match="traversability"):
         grids_of(SimpleNamespace(layers=["elevation"], info=None))
 

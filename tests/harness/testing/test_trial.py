@@ -205,6 +205,7 @@ def test_an_exception_leaves_recording_and_page_and_says_where(
     assert capfd.readouterr().err == f"kept: {page}\nkept: {recording}\n"
     assert set((tmp_path / "kept").iterdir()) == {page, recording}
     assert "after 0.3 of 60.0" in re.sub(r"\s+", " ", page.read_text())
+    assert re.search(r"<title>[^<]* seed 1\b", page.read_text())  # the world of now
     (tmp_path / "file").touch()
     with pytest.raises(AssertionError):
         drive(tmp_path / "file", fails=True)

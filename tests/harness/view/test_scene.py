@@ -62,7 +62,11 @@ def test_the_path_lies_on_the_ground_and_grows_with_time_between_the_tracks(stat
     times = [mark.since for mark in marks]
     assert times == sorted(times)
     assert 0.0 < times[0] < times[-1] <= 2.0
-    left, right, *_ = track_marks(states, ground, LEO)
+    slope = Heightfield(0.3 * X - 0.2 * Y, CELL)
+    left, right, *_ = marks = track_marks(states, slope, LEO)
+    for mark in marks:  # each lies flat on it
+        x, y, z = mark.position + 0.1 * mark.frame[:, 0]
+        assert z == pytest.approx(slope.height_at(x, y))
     across = LEO.track * np.array([-np.sin(states.yaw[0]), np.cos(states.yaw[0])])
     assert (left.position - right.position)[:2] == pytest.approx(across, abs=0.02)
 

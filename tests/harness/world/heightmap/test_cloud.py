@@ -1,6 +1,6 @@
 """Clouds of points as ground: a plane comes back as that plane, whatever the file."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -33,12 +33,15 @@ def write_ply(path: Path) -> None:
     trimesh.PointCloud(cloud()).export(path)  # type: ignore[no-untyped-call]
 
 
-def write_las(path: Path) -> None:
+def write_las(path: Path, scale: float = 1.0, records: Mapping[int, bytes] | None = None) -> None:
+    """A cloud in a unit that is `scale` metres long, as these records of its CRS say."""
     laspy = pytest.importorskip("laspy", reason="the extra [cloud] is not installed")
     header = laspy.LasHeader(point_format=0, version="1.2")
-    header.scales, header.offsets = [1e-3] * 3, [EAST, NORTH, 0.0]
+    header.scales, header.offsets = [1e-3] * 3, [EAST / scale, NORTH / scale, 0.0]
     las = laspy.LasData(header)
-    las.x, las.y, las.z = cloud().T
+    las.x, las.y, las.z = cloud().T / scale
+    for number, data in (records or {}).items():
+        las.header.vlrs.append(laspy.VLR("LASF_Projection", number, "", data))
     las.write(path)
 
 
@@ -68,6 +71,46 @@ def test_a_plane_of_points_becomes_that_plane(
     assert rise == pytest.approx(8.0 * SLOPE_X + 2.0 * SLOPE_Y, abs=tolerance)
     assert any("points become a height each 0.25 m" in note for note in made.notes)
     assert any("coarser than the wheels" in note for note in made.notes)
+
+
+US_FOOT = 1200 / 3937
+DEGREE = 'GEOGCS["NAD83",UNIT["degree",0.0174532925199433]]'
+FEET = f'UNIT["US survey foot",{US_FOOT:.15f},AUTHORITY["EPSG","9003"]]'
+GROUND, HEIGHTS = (
+    f'PROJCS["NAD83 / X (ftUS)",{DEGREE},{FEET}]',
+    f'VERT_CS["NAVD88",VERT_DATUM[""],{FEET}]',
+)
+BODY = 'ELLIPSOID["Z",1,2,LENGTHUNIT["metre",1]]'
+NEW = f'PROJCRS["X",BASEGEOGCRS["Y",{BODY}],AXIS["E",LENGTHUNIT["ft",0.3048]]]'
+
+
+@pytest.mark.parametrize(
+    ("records", "unit"),
+    [
+        ({2112: GROUND.encode()}, US_FOOT),
+        ({2112: f'COMPD_CS["a + b",{GROUND},{HEIGHTS}]'.encode()}, US_FOOT),
+        ({2112: NEW.encode()}, 0.3048),
+        ({34735: np.array([1, 1, 0, 1, 3076, 0, 1, 9002], "<u2").tobytes()}, 0.3048),
+        (
+            {34735: np.array([1, 1, 0, 1, 1026, 34737, 8, 0], "<u2").tobytes(), 34737: b"X (ftUS)"},
+            US_FOOT,
+        ),
+    ],
+)
+def test_a_survey_in_feet_becomes_metres(
+    records: Mapping[int, bytes], unit: float, tmp_path: Path
+) -> None:
+    write_las(tmp_path / "a.las", unit, records)
+    ground = world(tmp_path / "a.las", terrain_cell=0.25).ground
+    assert (2 * ground.half_size[0], 2 * ground.half_size[1]) == pytest.approx((SIDE, SIDE), abs=0.25)
+    rise = ground.height_at(4.0, 1.0) - ground.height_at(-4.0, -1.0)
+    assert rise == pytest.approx(8.0 * SLOPE_X + 2.0 * SLOPE_Y, abs=2e-3)
+
+
+def test_a_survey_in_a_projection_that_stretches_is_refused(tmp_path: Path) -> None:
+    write_las(tmp_path / "a.las", 1.0, {2112: b'PROJCS["WGS 84 / Pseudo-Mercator",UNIT["metre",1]]'})
+    with pytest.raises(UsageError, match="stretches"):
+        world(tmp_path / "a.las")
 
 
 def test_a_cell_is_chosen_by_the_density_of_the_points(tmp_path: Path) -> None:

@@ -1,20 +1,24 @@
 import cmath
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import tifffile
+from pymap3d.vincenty import vdist
 
 from harness.base.errors import UsageError
 from harness.world.heightmap.raster import Raster, read_raster
 
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION, GEO_KEYS = 33550, 33922, 34264, 34735
+GEO_DOUBLES, GEO_TEXTS, GDAL_METADATA = 34736, 34737, 42112
+PROJECTED, CITATION, VERTICAL, MAJOR_AXIS = 3072, 1026, 4096, 2057  # GeoKeys
 MODEL_TYPE, RASTER_TYPE, LINEAR_UNIT, VERTICAL_UNIT = 1024, 1025, 3076, 4099  # GeoKeys
-METRES = {MODEL_TYPE: 1, LINEAR_UNIT: 9001}
+FOOT, US_FOOT = 0.3048, 12 / 39.37
+METRES: Mapping[int, Any] = {MODEL_TYPE: 1, LINEAR_UNIT: 9001}
 VALUES = np.arange(90, dtype=np.float32).reshape(9, 10)
 
 
@@ -24,8 +28,9 @@ def read(
     scale: Sequence[float] | None = None,
     tie: Sequence[float] | None = None,
     matrix: Sequence[float] | None = None,
-    keys: dict[int, int] | None = None,
+    keys: Mapping[int, Any] | None = None,
     values: np.ndarray = VALUES,
+    metadata: str = "",
 ) -> Raster:
     tags: list[tuple[int, str, int, Any, bool]] = [
         (tag, "d", len(numbers), tuple(numbers), True)
@@ -33,8 +38,22 @@ def read(
         if numbers is not None
     ]
     if keys is not None:
-        flat = (1, 1, 0, len(keys), *(n for key, value in keys.items() for n in (key, 0, 1, value)))
-        tags.append((GEO_KEYS, "H", len(flat), flat, True))
+        flat, texts, doubles = [1, 1, 0, len(keys)], "", list[float]()
+        for key, value in keys.items():
+            if isinstance(value, int):
+                flat += [key, 0, 1, value]
+            elif isinstance(value, float):
+                flat += [key, GEO_DOUBLES, 1, len(doubles)]
+                doubles.append(value)
+            else:
+                flat += [key, GEO_TEXTS, len(value) + 1, len(texts)]
+                texts += f"{value}|"
+        tags.append((GEO_KEYS, "H", len(flat), tuple(flat), True))
+        tags += [(GEO_TEXTS, "s", 0, texts, True)] * bool(texts)
+        tags += [(GEO_DOUBLES, "d", len(doubles), tuple(doubles), True)] * bool(doubles)
+    if metadata:
+        item = f'<Item name="UNITTYPE" sample="0" role="unittype">{metadata}</Item>'
+        tags.append((GDAL_METADATA, "s", 0, f"<GDALMetadata>{item}</GDALMetadata>", True))
     tifffile.imwrite(folder / "a.tif", values, extratags=tags)
     return read_raster(folder / "a.tif")
 
@@ -128,6 +147,68 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
     assert not read(tmp_path, scale=(2, 3, 0), keys={**keys, VERTICAL_UNIT: 5103}).in_metres
 
 
+@pytest.mark.parametrize(
+    ("name", "metres"),
+    [("NAD83 / New York Long Island (ftUS)", US_FOOT), ("X (ft)", FOOT), ("WGS 84 / UTM zone 18N", 1.0)],
+)
+@pytest.mark.parametrize(("heights", "height"), [(6360, US_FOOT), (8228, FOOT), (5703, 1.0)])
+def test_a_crs_that_is_named_alone_has_the_units_of_its_name_and_number(
+    tmp_path: Path, name: str, metres: float, heights: int, height: float
+) -> None:
+    """As GDAL writes one with heights: no unit, but the numbers of both CRSs and their names."""
+    keys = {MODEL_TYPE: 1, CITATION: f"{name} + NAVD88 height (ftUS)", VERTICAL: heights}
+    raster = read(tmp_path, scale=(2, 3, 0), keys={**keys, PROJECTED: 2263})
+    assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
+    np.testing.assert_allclose(raster.values, VALUES * height)
+
+
+@pytest.mark.parametrize("keys", [METRES, {MODEL_TYPE: 2}, {MODEL_TYPE: 1, LINEAR_UNIT: 9002}, None])
+@pytest.mark.parametrize(
+    ("unit", "metres"), [("ft", FOOT), ("US survey foot", US_FOOT), ("cm", 0.01), ("Metre", 1.0)]
+)
+@pytest.mark.parametrize("kind", [np.float32, np.int16])
+def test_a_bands_unit_is_that_of_its_heights(
+    tmp_path: Path, keys: Mapping[int, Any] | None, unit: str, metres: float, kind: type
+) -> None:
+    values: np.ndarray = VALUES.astype(kind)
+    raster = read(tmp_path, scale=(1, 1, 0), keys=keys, metadata=unit, values=values)
+    assert raster.in_metres
+    np.testing.assert_allclose(raster.values, VALUES * metres)
+    assert not read(tmp_path, scale=(1, 1, 0), keys=keys, metadata="smoots", values=values).in_metres
+
+
+@pytest.mark.parametrize(("latitude", "longitude"), [(61.5, -149.9), (0.0, 0.0), (-45.0, 170.0)])
+def test_web_mercators_pixels_are_as_long_as_on_the_ground(
+    tmp_path: Path, latitude: float, longitude: float
+) -> None:
+    radius, step = 6378137.0, 2e-6  # [m], [deg]: of a pixel, measured on the ellipsoid by Vincenty
+    x, y = math.radians(longitude) * radius, math.asinh(math.tan(math.radians(latitude))) * radius
+    tie = (5.0, 4.5, 0.0, x, y, 0.0)
+    east = math.radians(step) * radius
+    raster = read(tmp_path, scale=(east, east, 0), tie=tie, keys={**METRES, PROJECTED: 3857})
+    north = step * math.cos(math.radians(latitude))
+    along = vdist(latitude, longitude - 500 * step, latitude, longitude + 500 * step)[0]
+    up = vdist(latitude - 500 * north, longitude, latitude + 500 * north, longitude)[0]
+    np.testing.assert_allclose(raster.pixel, (along / 1e3, up / 1e3), rtol=1e-5)  # type: ignore[arg-type]
+
+
+def test_what_a_files_own_mask_hides_is_missing(tmp_path: Path) -> None:
+    mask = np.ones(VALUES.shape, np.bool_)
+    mask[:, 4] = False
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        file.write(VALUES)
+        file.write(mask, subfiletype=4, photometric="mask")
+    np.testing.assert_array_equal(np.isnan(read_raster(tmp_path / "a.tif").values), ~mask)
+
+
+def test_degrees_of_another_body_are_as_long_as_its_radius_says(tmp_path: Path) -> None:
+    keys = {MODEL_TYPE: 2, MAJOR_AXIS: 1737400.0}  # a sphere: the Moon
+    tie = (5.0, 4.5, 0.0, 20.0, 60.0, 0.0)
+    raster = read(tmp_path, scale=(1e-5, 1e-5, 0), tie=tie, keys=keys)
+    arc = math.radians(1e-5) * 1737400.0
+    np.testing.assert_allclose(raster.pixel, (arc / 2, arc), rtol=1e-9)  # type: ignore[arg-type]
+
+
 def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
     tie = (5.0, 4.5, 0.0, -70.0, 45.0, 0.0)  # the middle of 10 x 9 pixels
     raster = read(tmp_path, scale=(1e-5, 1e-5, 0), tie=tie, keys={MODEL_TYPE: 2})
@@ -149,7 +230,7 @@ def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
         ({MODEL_TYPE: 1, LINEAR_UNIT: 9030}, "its unit 9030 is not known (gdalwarp"),
     ],
 )
-def test_degrees_and_unknown_units_are_named(tmp_path: Path, keys: dict[int, int], said: str) -> None:
+def test_degrees_and_unknown_units_are_named(tmp_path: Path, keys: Mapping[int, Any], said: str) -> None:
     near_a_pole = (0.0, 0.0, 0.0, 10.0, 89.0, 0.0)
     values = VALUES.astype(np.uint8)
     raster = read(tmp_path, scale=(1e-5, 1e-5, 0), tie=near_a_pole, keys=keys, values=values)

@@ -40,6 +40,7 @@ def test_a_run_by_hand() -> None:
     assert figures.min_distance == 0.4
     # Each person twice: 1.2 m is outside, and who was inside before and after being lost has not left.
     assert figures.intrusions == 4
+    assert run_figures(made([[0.5], [2.0], [1.0]], [0] * 3)).intrusions == 2  # one from the first on
     assert figures.risk_s_per_goal == pytest.approx(2 / 3)
     assert figures.s_per_goal == pytest.approx(7 / 3)
     assert figures.min_time_to_collision == pytest.approx(0.5 / 1.5)

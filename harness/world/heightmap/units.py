@@ -1,0 +1,68 @@
+"""Lengths of the units in which surveys are: by EPSG's numbers, by name, in names of CRSs and in WKT.
+
+Where a GeoTIFF names its CRS by EPSG's number alone (as GDAL does of one with heights), its unit stands
+nowhere but in the CRS's name: `NAD83 / New York Long Island (ftUS) + NAVD88 height (ftUS)`.
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+METRE, FOOT, US_FOOT = 9001, 9002, 9003
+UNITS = {  # EPSG's numbers: name, length [m]
+    METRE: ("metre", 1.0),
+    FOOT: ("foot", 0.3048),
+    US_FOOT: ("US survey foot", 1200.0 / 3937.0),
+    9036: ("kilometre", 1000.0),
+}
+NAMED = {  # as GDAL's unit types of bands are written
+    **dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0),
+    **dict.fromkeys(("ft", "foot", "feet", "international foot"), 0.3048),
+    **dict.fromkeys(("us-ft", "ftus", "us survey foot", "us survey feet", "sfoot"), 1200.0 / 3937.0),
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "dm": 0.1,
+    "km": 1e3,
+    "in": 0.0254,
+    "yd": 0.9144,
+}
+HEIGHTS = {  # EPSG's numbers of vertical CRSs whose unit is known: all in feet, and NAVD88 in metres
+    **dict.fromkeys((5702, 6360, 8052), US_FOOT),
+    **dict.fromkeys((6130, 6131, 6132, 8050, 8228), FOOT),
+    5703: METRE,
+}
+MARK = re.compile(r"\(ft(US)?\)")  # in EPSG's names of CRSs
+WKT_UNIT = re.compile(r'UNIT\["[^"]*", *([0-9.eE+-]+)')
+WKT_VERTICAL = re.compile(r"VERT_?CR?S|VERTICALCRS")
+
+
+def horizontal_unit(keys: Mapping[str, Any]) -> int:
+    """Returns EPSG's number of the unit that GeoKeys tell; the metre's if they tell none."""
+    name = str(keys.get("PCSCitationGeoKey") or keys.get("GTCitationGeoKey") or "").partition(" + ")[0]
+    mark = MARK.search(name)
+    named = METRE if mark is None else US_FOOT if mark[1] else FOOT
+    return int(keys.get("ProjLinearUnitsGeoKey", named))
+
+
+def height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:
+    """Returns the length of a unit of height [m]; None if the ground is in another and it is not told.
+
+    Args:
+        keys: GeoKeys.
+        horizontal: Length of the ground's unit [m].
+    """
+    told = keys.get("VerticalUnitsGeoKey", HEIGHTS.get(keys.get("VerticalCSTypeGeoKey", 0)))
+    if told is not None:
+        return UNITS.get(told, ("", None))[1]
+    return 1.0 if horizontal == 1.0 else None
+
+
+def wkt_units(wkt: str) -> tuple[float, float]:
+    """Returns the lengths of the units of ground and height [m] that a CRS in WKT has; 1 if it has none.
+
+    Of each of its two CRSs the last unit is that of its axes. Without one of heights, they are in the
+    ground's.
+    """
+    ground, *height = (WKT_UNIT.findall(part) for part in WKT_VERTICAL.split(wkt, maxsplit=1))
+    metres = float(ground[-1]) if ground else 1.0
+    return metres, float(height[0][-1]) if height and height[0] else metres

@@ -1,0 +1,40 @@
+"""What a referee counts of a drive, against what its samples say."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.course.attempt import MEASURED
+from harness.course.referee import RISK_DISTANCE, Referee
+from harness.course.task import Rule, Task
+from harness.episode.episode import Episode
+from harness.samples import ActorPoses, JointStates
+from harness.spec.run import Run
+
+DRIVE = ((0.1, 0.8, 0.0), (3.5, -0.8, 0.6), (5.0, 0.0, 0.0))
+
+
+def test_energy_is_all_work_of_the_motors_and_risk_the_time_near_somebody() -> None:
+    near, far = "walker=2,-2/2,6:radius=0.4", "other=-9,9/9,9"
+    run = Run.of(
+        terrain="slope", driver="cmd_vel", route="9,0", actors=(near, far), duration=6.0, commands=DRIVE
+    )
+    episode = Episode(run, samples=MEASURED)
+    referee = Referee(
+        Task(run=run, shortest=9.0, optimal=9.0, rule=Rule()), episode.simulation.scene.world
+    )
+    powers, risk_s = list[float](), 0.0
+    for batch in episode.batches():
+        referee.take(batch)
+        samples = [sample for tick in batch.ticks for sample in tick.samples]
+        joints = [each for each in samples if isinstance(each, JointStates)]
+        powers += [e * v for each in joints for e, v in zip(each.effort, each.velocity, strict=True)]
+        people = [each for each in samples if isinstance(each, ActorPoses)]
+        gap = math.dist(people[-1].position[0][:2], batch.truth.position[:2]) - 0.4
+        risk_s += 0.05 * (gap < RISK_DISTANCE)
+    drive = referee.drive()
+    assert min(powers) < -1.0  # motors also brake
+    assert drive.energy == pytest.approx(np.abs(powers).sum() / 50.0)
+    assert 0.0 < risk_s < 6.0
+    assert drive.risk_s == pytest.approx(risk_s)
