@@ -80,6 +80,11 @@ def write_folder(
     joints = find_joints(model, left, right, str(urdf))
     notes += [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
     notes += [f"joint '{joint}' steers; held straight" for joint in joints.held]
+    notes += [
+        f"joint '{name}': its limits are left out, so that the wheel rolls on"
+        for name in joints.wheels
+        if model.jnt_limited[model.joint(name).id]
+    ]
     show_what_collides(spec)
     equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
     notes += _loose(spec, joints)
@@ -89,7 +94,11 @@ def write_folder(
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{name}-") as made:
             half_made = Path(made) / folder.name
             half_made.mkdir()
-            rover = _write(half_made, name, spec, joints, equipment, urdf)
+            try:
+                rover = _write(half_made, name, spec, joints, equipment, urdf)
+            except UsageError as error:  # of a file that is gone by then
+                reason = str(error).removeprefix(f"{half_made.resolve()}/rover.yaml: ")
+                raise UsageError(f"{urdf} becomes no rover: {reason}") from error
             half_made.rename(folder)
             rover = rover.but(folder=folder.resolve())
     except OSError as error:

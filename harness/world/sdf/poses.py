@@ -101,6 +101,11 @@ class Frames:
         if name not in self._known:
             self._given.setdefault(name, (pose, reference))
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What was added."""
+        return (*self._given,)
+
     def nest(self, name: str, frames: "Frames") -> None:
         """Adds the frames of a nested model, which itself is added by `add`."""
         self._nested.setdefault(name, frames)
