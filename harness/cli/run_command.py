@@ -1,4 +1,4 @@
-"""What harness.run does: drives, tells of it, leaves files.
+"""What harness.run does: drives, shows progress and summary, writes files.
 
 The drive is in harness.ros.session (through ROS) and harness.episode.direct (without).
 """

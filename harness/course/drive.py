@@ -65,7 +65,7 @@ def drive_all(
         cases: The episodes.
         entry: Who drives.
         workers: Where.
-        show: Told how many of how many are done.
+        show: Called with how many are done, and of how many.
     """
     done: dict[int, EpisodeResult] = {}
 

@@ -29,7 +29,7 @@ def penalty(task: Task, drive: Drive, weight: float) -> float:
 
     Args:
         task: What was asked.
-        drive: What came of it.
+        drive: What the referee has measured.
         weight: Of the rover [N].
     """
     if not task.rule.penalties:

@@ -69,7 +69,7 @@ class Driver(Protocol):
 
 @runtime_checkable
 class TakesGoals(Protocol):
-    """A driver that goes where it is told, by /goal_pose or by a plan."""
+    """A driver that goes to goals, which /goal_pose or a plan gives it."""
 
     def head_for(self, x: float, y: float, yaw: float, /) -> None:
         """Takes the next goal.

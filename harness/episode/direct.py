@@ -104,8 +104,8 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         log_dir: Gets the log.
         settings: Of the metrics.
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the result up to now, again and again.
-        diagnoses: Whether to make of each row what metrics_node tells of it.
+        show: Called with the result up to now, again and again.
+        diagnoses: Whether to make, of each row, the message of diagnostics that metrics_node publishes.
         paused_s: Wall time for which the run was paused so far [s].
 
     Raises:

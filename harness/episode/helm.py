@@ -1,7 +1,7 @@
 """Steering a run while it goes on: its pace, and orders to its rovers, from other threads.
 
 Orders come into effect between two control periods, at a time that is known. So what was ordered can be
-told as the plan of another run, which then gives the same bytes.
+written as the plan of another run, which then gives the same bytes.
 """
 
 import time

@@ -147,7 +147,7 @@ class Pilot:
         self._base.command(self._faults.command(self._commanded(latest), self._simulation.time_ns))
 
     def take_given(self) -> tuple[list[Place], list[GoalPose]]:
-        """Returns the goals that were given, and those that are to be told, since it was asked last."""
+        """Returns the goals given to the driver, and those to be published, since the last call."""
         given = self._goals, self._goal_poses
         self._goals, self._goal_poses = [], []
         return given
@@ -194,7 +194,7 @@ class Pilot:
         self._give_again()
 
     def _give_again(self) -> None:
-        """A new driver, or one that was held, is given the goal or way point that is in hand."""
+        """Gives the present goal or way point to a new driver, or to one that was held."""
         if self._course is not None:
             self._course.again()
 

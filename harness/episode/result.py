@@ -44,7 +44,7 @@ class CommandCount:
 
     Attributes:
         taken: How many the rover was given.
-        older: How many of these were stamped before the time that /clock had told.
+        older: How many of these were stamped before the time that /clock had shown.
         refused: How many were not finite, or in a frame that is not the rover's.
     """
 
@@ -169,7 +169,7 @@ class RunAccount:
     Args:
         begun: What is known before the first batch.
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the result up to now, at most once in SHOWN_EVERY of wall time.
+        show: Called with the result up to now, at most once in SHOWN_EVERY of wall time.
         topics: Counts the messages so far; `rows` counts those of the CSV.
         paused_s: Wall time for which the run was paused so far [s].
     """

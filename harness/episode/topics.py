@@ -121,7 +121,7 @@ class RunTopics:
         Args:
             tick: Of the episodes.
             sent: What faults have left of each rover's.
-            metrics: What metrics_node tells of each, where a row was due.
+            metrics: Each one's message of diagnostics, where a row was due.
         """
         time_ns = tick.stamp_ns
         for rover, each in zip(self._rovers, sent, strict=True):

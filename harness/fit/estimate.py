@@ -1,4 +1,4 @@
-"""What a fit says of one number: its value with an interval, or why the recording does not tell it."""
+"""What a fit says of one number: its value with an interval, or why the recording does not show it."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace

@@ -37,7 +37,7 @@ LIGHT = 0.02  # [m], or of a load: less does not matter
 NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
 
 
-Show = Callable[[int, int], None]  # called with how many of how many are done
+Show = Callable[[int, int], None]  # called with how many are done, and of how many
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
         some: Recorded windows of steady driving.
         like: Their kinds, as which ours is driven.
         workers: Do so, from several starts at once.
-        show: Called with how many of how many are done.
+        show: Called with how many are done, and of how many.
     """
     free, unknown = blanks(rover, some)
     before = driven(rover, like)

@@ -56,7 +56,7 @@ def fit(
         rover: With real actuators, where the search begins.
         whole: From `reading.read`; its last steps are held back.
         workers: Drive.
-        show: Called with how many of how many are done.
+        show: Called with how many are done, and of how many.
 
     Raises:
         UsageError: The recording tells nothing.

@@ -87,7 +87,7 @@ class Watch:
         self.version += 1
 
     def see(self, sight: Sight | None, truth: Truth, ranges: Ranges | None) -> None:
-        """Takes where a rover is that no batch tells of.
+        """Takes the state of a rover that is in no batch.
 
         Args:
             sight: Its pose and joints; None to keep those before.

@@ -1,6 +1,6 @@
 """The people of a simulation: mocap bodies, moved once a clock tick, and whether a rover touches one.
 
-They are kinematic: nothing pushes them, and they push the rover only if they are told to. A touch is
+They are kinematic: nothing pushes them, and they push the rover only if `push` asks for it. A touch is
 truth all the same: it is a contact with a hazard, without a force where nobody pushes.
 """
 

@@ -41,7 +41,7 @@ class Listener(Protocol):
         """Returns when what went out on them is handled, or sure to be before all that follows."""
 
     def wait_for_clock(self, stamp_ns: int) -> None:
-        """Returns when the time is told and its timers have run, or sure to before all that follows."""
+        """Returns when it has the time and its timers have run, or will have before all that follows."""
 
 
 class Bridge(GuardedNode):
@@ -58,7 +58,7 @@ class Bridge(GuardedNode):
 
     Attributes:
         channels_of: The topics of each sensor's samples, in publishing order.
-        time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
+        time_ns: Simulation time of the tick that goes out now, whatever a fault does to its stamp.
     """
 
     def __init__(

@@ -3,7 +3,7 @@
 rclpy publishes bytes as they are, and rosbags knows the types and serialises them. What is missing is
 a type support: where the middleware asks for name and hash of a type. It is made of another type's for
 Fast DDS, in which name and hash are replaced. Its functions still are the other type's, so messages of
-such a class are published as bytes and received raw, never as objects; only the hash is told of the
+such a class are published as bytes and received raw, never as objects; only the hash is given of the
 type, no definition (Fast DDS would send the other's).
 """
 

@@ -74,7 +74,7 @@ def nees(estimate: Poses, truth: Poses, covariances: Poses) -> float:
     Args:
         estimate: Shape (n, 3).
         truth: Shape (n, 3).
-        covariances: Of x, y and yaw, shape (n, 3, 3); NaN comes of one that has no inverse.
+        covariances: Of x, y and yaw, shape (n, 3, 3); NaN where one has no inverse.
     """
     error = estimate - truth
     error[:, 2] = wrapped(error[:, 2])

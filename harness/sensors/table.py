@@ -52,7 +52,7 @@ class Topic:
     message_type: str
     best_effort: bool = False  # whether it is offered best effort instead of reliable
     depth: int = 10  # how many messages may wait
-    # whether who comes later gets the last ones too (transient local); else volatile
+    # whether late subscribers get the last ones too (transient local); else volatile
     latched: bool = False
     # the field of the sensor's options that must be true for the topic to be there, if any
     option: str = ""

@@ -79,7 +79,7 @@ class Process:
         raise RunFailed("\n".join([f"{self._command} ended {how}{when}", *self.last_lines()]))
 
     def last_lines(self) -> list[str]:
-        """Returns what it said last, as far as that is known."""
+        """Returns its last lines of output, where these are kept."""
         if self._output is None:
             return []
         text = self._output.read_bytes()[-LAST_BYTES:].decode(errors="replace")

@@ -68,7 +68,7 @@ class Rig:
             observe()
 
     def run(self, seconds: float) -> None:
-        """Drives on for so many simulated seconds."""
+        """Drives on for a simulated time [s]."""
         for _ in range(round(seconds / TICK)):
             self.tick()
 

@@ -38,7 +38,7 @@ def validate(
     Args:
         rover: What drives.
         seed: Of everything random.
-        show: Told how many of how many are done.
+        show: Called with how many are done, and of how many.
     """
     checks: list[Check] = []
     for done, manoeuvres in enumerate(SUITE):

@@ -124,7 +124,7 @@ def _driven(recording: States) -> Vector:
 
 
 def _interpolated(recording: States, stations: Vector) -> list[Vector]:
-    """x, y [m], yaw [rad] and time [s] after so many metres."""
+    """x, y [m], yaw [rad] and time [s] at stations along the path [m]."""
     columns = (*recording.path[:, :2].T, recording.yaw, recording.times)
     return [np.interp(stations, _driven(recording), column) for column in columns]
 

@@ -122,7 +122,7 @@ def work_off(
         workers: Who works.
         keep: Takes each outcome as soon as it is there.
         name: Of an item, in messages.
-        mend: What a user can do who has lost all workers.
+        mend: What a user can do when all workers are lost.
 
     Raises:
         RunFailed: Workers died again and again.

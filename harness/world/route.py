@@ -84,7 +84,7 @@ def check_target(name: str, names: Iterable[str]) -> None:
 
 @dataclass
 class Standstill:
-    """Tells whether somebody stands; `observe` is told where it is, step by step."""
+    """Finds out whether somebody stands; call `observe` with the place, step by step."""
 
     _trail: deque[tuple[float, Where]] = field(default_factory=deque)
 
@@ -104,7 +104,7 @@ class Standstill:
 
 @dataclass
 class RouteProgress:
-    """Which way points somebody has reached or missed; `observe` is told where it is, step by step."""
+    """Which way points somebody has reached or missed; call `observe` with the place, step by step."""
 
     marks: tuple[Mark, ...]  # of the route
     any_order: bool = False  # whether the nearest one left is next, instead of the next in order

@@ -31,7 +31,7 @@ COMPLETED = "_ARGCOMPLETE"  # set while a shell completes a word: which of its w
 
 
 def shown(text: str, most: int = 60) -> str:
-    """Returns a stranger's text for a line: what does not print escaped, the rest cut off."""
+    """Returns a text from elsewhere for a message: unprintable characters escaped, the rest cut off."""
     escaped = text[:most].encode("unicode_escape").decode() if not text.isprintable() else text[:most]
     return escaped if len(text) <= most else f"{escaped}..."
 
@@ -154,7 +154,7 @@ def counted(number: int, noun: str, more: str = "") -> str:
 
 
 def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
-    """Returns what to tell of a name that does not exist: the nearest that does, or all.
+    """Returns the complaint about a name that does not exist, with the nearest that does, or all.
 
     Args:
         kind: What it is.

@@ -61,7 +61,7 @@ class Ground(Track):
     def place(
         self, planner: Planner, way: Sequence[Point], room: float, rng: np.random.Generator
     ) -> Point:
-        """Returns a place that can be reached, out of sight of the one before if there is such a one.
+        """Returns a place that can be reached, out of sight of the one before if possible.
 
         Args:
             planner: Of the world.

@@ -36,7 +36,7 @@ GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step
 
 @dataclass(frozen=True)
 class Written:
-    """What came of a URDF."""
+    """A folder made of a URDF."""
 
     folder: Path  # where the rover is
     rover: RoverSpec

@@ -1,4 +1,4 @@
-"""XML of strangers: opened without entities, of bounded size and depth; plain texts and numbers."""
+"""XML from elsewhere: opened without entities, of bounded size and depth; plain texts and numbers."""
 
 import math
 import re

@@ -63,7 +63,7 @@ def _columns(topic: Topic) -> tuple[Column, ...]:
 
 
 class TrafficColumns:
-    """The columns that tell of the four sensor topics themselves."""
+    """The columns about the four sensor topics themselves."""
 
     COLUMNS = tuple(column for topic in TOPICS for column in _columns(topic))
 

@@ -82,7 +82,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         *args: Any,  # noqa: ANN401
         **kwargs: Any,  # noqa: ANN401
     ) -> Service:
-        """Creates a service as a Node does, and guards it: who asks in vain gets the reason."""
+        """Creates a service as a Node does, and guards it: a refused request gets the reason."""
         guarded = partial(self._answer, srv_name, callback)
         return super().create_service(srv_type, srv_name, guarded, *args, **kwargs)
 
@@ -136,7 +136,7 @@ def _decode(kind: type, callback: Handler, data: bytes) -> None:
 
 
 def _refused(request: Message, response: Message, reason: str) -> Message:
-    """What those who ask for parameters, or for a trigger, are answered; an empty answer for others."""
+    """The answer to a refused request for parameters or for a trigger; an empty one to others."""
     refused = SetParametersResult(successful=False, reason=reason)
     if isinstance(request, SetParameters.Request):
         missing = len(request.parameters) - len(response.results)

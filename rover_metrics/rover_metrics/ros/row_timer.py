@@ -53,7 +53,7 @@ class RowTimer:
     def detach(self) -> None:
         """Lets only `serve` fire the timer, whose period begins anew; call it before the clock starts.
 
-        An executor would be told of the timer with each time of the clock, by a thread that it wakes.
+        An executor would be woken for the timer with each time of the clock, by a thread of its own.
         """
         self._node.destroy_timer(self._timer)
         group, context = self._node.default_callback_group, self._node.context

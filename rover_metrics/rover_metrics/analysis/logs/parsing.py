@@ -113,13 +113,13 @@ def _last_line_is_cut(file: BinaryIO, fields: int) -> bool:
 
 
 class _Narrow(io.TextIOBase):
-    """A text whose lines end after so many fields; pandas refuses lines with more than it has names."""
+    """A text whose lines are cut after some fields; pandas refuses lines with more than it has names."""
 
     def __init__(self, file: TextIO, fields: int) -> None:
         self._file, self._fields = file, fields
 
     def read(self, size: int | None = -1) -> str:
-        """Returns whole lines of about so many characters; all there are for none."""
+        """Returns whole lines of about `size` characters; all there are without a size."""
         lines = self._file.readlines(-1 if size is None else size)
         for place, line in enumerate(lines):
             if line.count(",") >= self._fields:

@@ -158,5 +158,5 @@ def metric_grid(
 
 
 def shortened(text: str, longest: int) -> str:
-    """Returns a text of so many letters at most; a column of a log may be called anything."""
+    """Returns a text of at most `longest` letters; a column of a log may be called anything."""
     return text if len(text) <= longest else f"{text[: longest - 1]}…"
