@@ -195,7 +195,7 @@ def _report(
             try:
                 write_manifest(result, path)
             except HarnessError as error:  # noqa: PERF203 - two files at most
-                if result.failure is None or path == summary:  # a full disk is told of once
+                if result.failure is None or path == summary:  # a full disk is reported once
                     complaints[str(error)] = None
     for complaint in complaints:
         complain("harness.run", complaint)

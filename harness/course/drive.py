@@ -17,7 +17,7 @@ from harness.workers import Workers, work_off
 
 MEND = "run the same command again, with fewer --jobs"
 SEED_BYTES = 6
-SHARE = 10  # one episode in so many is driven again
+SHARE = 10  # one episode in ten is driven again
 
 Show = Callable[[int, int], None]
 
@@ -112,7 +112,7 @@ def drawn(receipt: Receipt, seed: int, worlds: Path | None = None) -> list[Case]
     Raises:
         UsageError: A world is not among those that are given.
     """
-    rng = random.Random(seed)  # noqa: S311 - who verifies chooses the seed
+    rng = random.Random(seed)  # noqa: S311 - the user chooses the seed
     cases: list[Case] = []
     for name, track in receipt.tracks.items():
         count = -(-len(track.episodes) // SHARE)

@@ -233,5 +233,5 @@ def _driven(ticks: Iterator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:
     """Says beside the log whether the session runs or has ended."""
-    with suppress(LogError):  # what a disk refuses to the log itself is told already
+    with suppress(LogError):  # a disk that refuses the log itself is reported already
         write_record(log.path, outcome, {})

@@ -58,7 +58,7 @@ class Pilot:
         self._takes_goals = takes_goals(self._setup.driver)
         self._course = _course_of(run, number, simulation.scene.world)
         self._is_linked, self._is_aborted = True, False
-        # For the next control period: the driver's goals, and what who drives over topics is told.
+        # For the next control period: the driver's goals, and those that are published.
         self._goals, self._goal_poses = list[Place](), list[GoalPose]()
         self._planned = self._plan(reset)
         self.begin()

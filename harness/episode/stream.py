@@ -158,7 +158,7 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
         if self.next_ns is None:
             return
         orders = tuple(rover.take() for rover in self.rovers)
-        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt says why
             self._connection.send(orders)
         self._ordered += 1
 

@@ -15,7 +15,7 @@ from harness.validate.rig import TICK
 
 TOLERANCE = 0.03  # [m/s]
 STEP = 0.02  # [s], [m]: for derivatives, above a tick
-VARIES = 0.1  # [m/s], [rad/s] sd of commands that tell something
+VARIES = 0.1  # least sd of commands for an estimate [m/s], [rad/s]
 HELD = 0.4  # [s]: logs repeat a sample no longer
 LONGEST = 1.5  # [s] that a command may take to a wheel
 BOUNDS = {

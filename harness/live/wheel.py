@@ -11,7 +11,7 @@ from harness.robots import find_rover
 from harness.samples import Place, Twist, Vector3
 from harness.spec.rover import RoverSetup
 
-GOAL = "goal"  # the driver that goes where it is told
+GOAL = "goal"  # the driver that goes to goals
 
 
 class Wheel:

@@ -82,7 +82,7 @@ class HostedMetrics:
     def make_room(self, channels: Sequence[Channel]) -> None:
         """Returns at once: nothing of it waits between two ticks."""
 
-    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002 - its counts tell
+    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002 - it counts
         """Spins until the counts agree; gives up what does not come.
 
         Raises:
@@ -113,7 +113,7 @@ class HostedMetrics:
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         self._possible_ns = {stamp_ns}
         self._clock_received += 1
-        self._missing()  # a stranger's message stood for one of ours until all had arrived
+        self._missing()  # a foreign message counted as one of ours until all had arrived
 
     def _missing(self) -> dict[str, int]:
         """How many messages are not handled yet, of each topic that has any."""

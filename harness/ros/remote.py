@@ -124,7 +124,7 @@ class RemoteNode:
             ValueError,
             TypeError,
             AttributeError,
-        ):  # a stranger of that name
+        ):  # another node of that name
             return {}
 
     def _call(

@@ -148,7 +148,7 @@ class _Session:
         except RunFailed as error:
             failure = str(error)
         except Overdue as error:
-            self._remotes = []  # one of them hangs: it will not tell what it has received
+            self._remotes = []  # one of them hangs: it will not say what it has received
             interrupted = error.signal.name
         except (ExternalShutdownException, RuntimeError):
             if self._context.ok():

@@ -80,7 +80,7 @@ class SensorRow:
     # the options of an optional one; None if every rover has it
     options: type[SensorOptions] | None = None
     given: SensorOptions | None = None  # the options of one that is carried
-    # what corrupts it in this run, for what its messages tell of their errors
+    # what corrupts it in this run, for the covariances of its messages
     noise: NoisePreset | None = None
     summary: str = ""  # a line for lists and the docs
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from harness.base.errors import RunFailed, UsageError
 
 EXIT_PATIENCE = 5.0  # [s] for a process to leave after SIGINT before it is killed
-LAST_LINES, LAST_BYTES = 8, 4096  # of its output, for who reads why it ended
+LAST_LINES, LAST_BYTES = 8, 4096  # of its output, for the message that it ended
 # What becomes the program: it hears signals that a worker of many blocks, and on Linux the kernel ends
 # it with the process that started it, however that ended (PR_SET_PDEATHSIG).
 BECOME = """\

@@ -23,7 +23,7 @@ class Mark:
     # its two posts, which are to be passed between; None of a plain place
     gate: tuple[Where, ...] | None = None
     is_solid: bool = False  # whether something stands there, so that nobody can be at the very place
-    stop: bool = False  # whether only who stands there has reached it
+    stop: bool = False  # whether it is reached only by standing there
 
     def is_reached(self, before: Where, now: Where) -> bool:
         """Returns whether who went straight from one place to another [m] has reached it."""

@@ -260,7 +260,7 @@ class OneLineParser(argparse.ArgumentParser):
         if wrong is not None:
             return f"{message[: wrong.start()]}{wrong[2]} is not valid; give {_NUMBERS[wrong[1]]}"
         if message.endswith(_COMMAND) and self._subparsers is not None:
-            (commands,) = self._subparsers._group_actions  # noqa: SLF001 - argparse tells nowhere else
+            (commands,) = self._subparsers._group_actions  # noqa: SLF001 - argparse has it nowhere else
             return f"{message} ({', '.join(commands.choices or ())})"
         unknown = _UNKNOWN.match(message)
         near = get_close_matches(unknown[1], self._option_string_actions, 1, NEARLY) if unknown else []

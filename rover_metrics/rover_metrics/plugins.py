@@ -114,7 +114,7 @@ class Table(Mapping[str, T], Generic[T]):
         where = f"{self.name}: '{name}'" + ("" if point is None else f" of {_package(point)}")
         try:
             value = _in_file(name) if point is None else point.load()
-        except Exception as error:  # whatever a stranger's module raises
+        except Exception as error:  # whatever a plug-in raises
             reason = printable(f"{type(error).__name__}: {error}")
             raise PluginError(f"{where} cannot be loaded: {reason}") from error
         if not self.fits(value):

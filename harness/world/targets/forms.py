@@ -78,7 +78,7 @@ def _marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
     for side in range(count):
         turn = yaw + (math.pi * side if count < 3 else math.tau * side / count)
         normal = np.array([math.cos(turn), math.sin(turn), 0.0])
-        right = np.array([-normal[1], normal[0], 0.0])  # of who looks at it
+        right = np.array([-normal[1], normal[0], 0.0])  # of a viewer in front of it
         across = CORNERS[:, :1] * right + CORNERS[:, 1:] * np.array([0.0, 0.0, 1.0])
         corners = middle + (inner + LIFT) * normal + 0.5 * edge * across
         skins.append(Skin(corners, QUAD, IMAGE, face_image(options.dictionary, marker)))

@@ -29,7 +29,7 @@ FAILURES = (
     ParameterException,
 )
 
-# As rclpy's but for the depth: of 1, a stranger's message takes the place of the simulator's.
+# As rclpy's but for the depth: with 1, a foreign message takes the place of the simulator's.
 CLOCK_QOS = keep_last(10, BEST_EFFORT)
 
 Handler = Callable[..., Any]
@@ -67,7 +67,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
                 callback, qos_profile = partial(self._take_time, topic, callback), CLOCK_QOS
             else:
                 callback = partial(_decode, msg_type, callback)
-        # Bytes of no such message are bytes too: rclpy's C code tells of each that it decodes in vain.
+        # Bytes of no such message are bytes too: rclpy's C code prints a line for each of them.
         guarded = partial(self._hear, topic, callback)
         return super().create_subscription(msg_type, topic, guarded, qos_profile, raw=True, **options)
 
@@ -89,7 +89,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def destroy_node(self) -> None:
         """Leaves the graph, with a line for each topic and service of which something was left out."""
         for name, count in self.reception.rejected.items():
-            if count > 1:  # one was told of
+            if count > 1:  # one was reported
                 self._tell(f"{name}: {count} left out in all")
         super().destroy_node()
 
@@ -119,7 +119,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _leave_out(self, name: str, error: Exception) -> None:
         if not self.context.ok():  # ROS was shut down under the handler
             raise error
-        # What the error says stands in no counter: a stranger could make it grow without end.
+        # The error's text is no counter's name: foreign messages could make them grow without end.
         self.reception.reject(name, f"fails with {type(error).__name__}", f": {_in_one_line(error)}")
 
     def _tell(self, line: str) -> None:

@@ -89,7 +89,7 @@ def subscribe(
     )
     try:
         node.create_subscription(message_type, name, handler, qos, raw=is_raw, event_callbacks=events)
-    except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
+    except UnsupportedEventTypeError:  # a middleware that does not report losses
         node.create_subscription(message_type, name, handler, qos, raw=is_raw)
     return topic
 
