@@ -24,7 +24,7 @@ from harness.robots.urdf.source import read_urdf
 SCHEMA = "rover.schema.json"  # for editors
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 NAMES = "letters, digits, '_', '-' or '.'"
-# Keys whose derived values the file shows, so that whoever knows better can set them.
+# Keys whose derived values the file shows, so that users who know better can set them.
 SHOWN = (
     "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
     "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
@@ -36,7 +36,7 @@ GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step
 
 @dataclass(frozen=True)
 class Written:
-    """What came of a URDF."""
+    """A folder made of a URDF."""
 
     folder: Path  # where the rover is
     rover: RoverSpec

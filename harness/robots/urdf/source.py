@@ -1,6 +1,6 @@
 """A URDF file as MuJoCo's own reader takes it: with the paths of its meshes, without what is missing.
 
-A URDF is data. xacro is a program: it evaluates Python expressions of whoever wrote it, so a xacro file
+A URDF is data. xacro is a program: it evaluates Python expressions of its author, so a xacro file
 is only expanded where the user says that it is trusted.
 """
 

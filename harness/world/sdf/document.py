@@ -58,7 +58,7 @@ class Document:
             ("plugins are not run", self.plugins),
             ("not static, but nothing moves here", self.movable),
         )
-        lists = (f"{what}: {', '.join(names)}" for what, names in left if names)
+        lists = (f"{title}: {', '.join(names)}" for title, names in left if names)
         return (*(f"left out: {name}" for name in self.missing), *lists)
 
 

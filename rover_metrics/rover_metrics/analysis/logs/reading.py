@@ -55,11 +55,11 @@ def read_log(
 
 
 def _check_usable(table: Table, header: Sequence[str]) -> None:
-    for tally, what in ((table.long, "more"), (table.short, "fewer")):
+    for tally, how_many in ((table.long, "more"), (table.short, "fewer")):
         if tally.count > table.total / 2 and table.total > 1:
             raise UnreadableLog(
                 f"mixed schemas: the header names {len(header)} columns, but {tally.count} of "
-                f"{table.total} rows have {what} fields (first on line {tally.first})"
+                f"{table.total} rows have {how_many} fields (first on line {tally.first})"
             )
     if table.rows.empty:
         raise UnreadableLog(f"no usable row among {counted(table.total, 'row')} (line 2 is the first)")
