@@ -32,7 +32,7 @@ def read_log(
     """
     header = read_header(path)
     columns = (column for m in metrics for column in (*m.columns, m.extended_column))
-    needed = dict.fromkeys([*COUNTERS, *columns])
+    needed = dict.fromkeys([*COUNTERS, *filter(None, columns)])  # a column without a name is none
     checked = dict.fromkeys([*needed, *odd.CHECKED_COLUMNS])
     table = read_table(path, header, [name for name in checked if header.count(name) == 1])
     if not any(metric.column in header for metric in metrics):
