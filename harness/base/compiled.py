@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 @contextmanager
 def _kept_out(*names: str) -> Iterator[None]:
-    """Lets the import of these fail, where they are not imported yet."""
+    """Makes imports of these modules fail, unless they are imported already."""
     absent = [name for name in names if name not in sys.modules]
     sys.modules.update(dict.fromkeys(absent))  # type: ignore[arg-type]  # None makes an import fail
     yield
@@ -64,7 +64,7 @@ def _kept(compiler: Callable[..., Callable[[F], F]], function: F) -> F:
 
 
 def _borrowed(function: Callable[..., object]) -> bytes:
-    """Of what a kernel is made beside its own file: files of its helpers, and numbers that they name."""
+    """What a kernel depends on beside its own file: its helpers' files, and numbers that they name."""
     functions, numbers = [function], set[str]()
     for each in functions:  # grows
         for name in each.__code__.co_names:
@@ -101,9 +101,9 @@ def _temporary_cache() -> str | None:
     return None
 
 
-def _warn(what: str) -> None:
+def _warn(problem: str) -> None:
     print(
-        f"harness: {what}: neither the installation nor the user's cache can be written "
+        f"harness: {problem}: neither the installation nor the user's cache can be written "
         "(NUMBA_CACHE_DIR names another folder)",
         file=sys.stderr,
     )
@@ -132,7 +132,7 @@ def placed(name: str, address: int) -> Callable[[], int]:
 
 
 def native(*kinds: type) -> Callable[[int, Sequence[int]], None]:
-    """Makes what kernels call a C function by, which returns nothing: with its address, and a tuple.
+    """Makes a function (address, tuple of arguments) by which kernels call a C function without result.
 
     Args:
         kinds: Of the function's arguments: ctypes.c_void_p or c_int.

@@ -1,4 +1,4 @@
-"""What goes wrong between the sensors and whoever listens: an iterator over ticks, seeded, no ROS.
+"""What goes wrong between the sensors and their listeners: an iterator over ticks, seeded, no ROS.
 
 The drive itself is untouched: the drivers of an episode see clean readings, so two runs that differ in
 a fault differ in nothing else. Each fault draws from its own generator. Faults of one sensor act in

@@ -123,5 +123,5 @@ class Painter:
 def _has_display() -> bool:
     """Whether a window can be opened: MuJoCo's would wait for ever where none can."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what there is to know is told by the caller, in a line
+        warnings.simplefilter("ignore")  # the caller reports it in a line
         return bool(import_module("glfw").init())

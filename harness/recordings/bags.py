@@ -28,7 +28,7 @@ def _twist(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401 - rosb
 
 
 def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
-    """Rims' speeds, and what motors give: torque along the speed, of a motor that is dragged none."""
+    """The rims' speeds, and the motors' torque along the speed; 0 of a motor that is dragged along."""
     speeds = dict(zip(message.name, message.velocity, strict=False))
     torques = dict(zip(message.name, message.effort, strict=False))
     tied = rover.actuators is not None and rover.actuators.one_motor_a_side
@@ -115,7 +115,7 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
 
 
 def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, list[Row]]:
-    """By series: stamp (NaN without one), time of recording and values of each message."""
+    """Rows by series: stamp (NaN without one), time of recording and values of each message."""
     store, takes = get_typestore(Stores.LATEST), dict[str, Take]()
     for kind, word, take in TAKEN:
         for topic in sorted(t for t, k in bag.topics.items() if k == kind and word in t):

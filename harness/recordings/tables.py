@@ -174,7 +174,7 @@ def _seconds(times: pd.Series) -> pd.Series:
 
 
 def _steps_of(times: pd.Series) -> Series:
-    """From each time to the next, where there are both."""
+    """The steps from each time to the next, where there are both."""
     steps: Series = np.diff(times[np.isfinite(times)])
     return steps
 

@@ -34,7 +34,7 @@ RECENT = 1000  # messages sent that may still come back
 
 
 class FrameTopics:
-    """What a bridge tells of a rover's frames, and whether somebody else tells it too.
+    """What a bridge publishes of a rover's frames, and whether somebody else publishes it too.
 
     Args:
         node: The bridge.

@@ -22,7 +22,7 @@ from harness.sensors.noise import NoisePreset
 from harness.spec.value import Value, checked
 from harness.world.geodesy import Datum
 
-if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
+if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     import mujoco
 
     from harness.physics.simulation import Simulation
@@ -140,7 +140,7 @@ class OptionalSensor(Sensor, Generic[Given]):
 
     def pose(self) -> NDArray[np.float64]:
         """Returns where the sensor is now: its origin [m] and below it R_world_sensor, shape (4, 3)."""
-        from mujoco import mj_kinematics  # noqa: PLC0415 - whoever only publishes does without
+        from mujoco import mj_kinematics  # noqa: PLC0415 - not to publish
 
         mj_kinematics(self._simulation.model, self._simulation.data)  # poses are one step old
         return self._mount.pose(self._simulation.data)

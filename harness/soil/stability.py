@@ -71,11 +71,11 @@ def _stiffness(soil: Soil, numbers: Doubles, wheel: "SoilWheel", gravity: float)
     return math.sqrt(stiffness / mass), growth
 
 
-def _demand(timestep: float, share: Callable[[float], float], what: str, soil: str) -> None:
+def _demand(timestep: float, share: Callable[[float], float], part: str, soil: str) -> None:
     """Raises UsageError if a step takes more than its share, with the largest step that does not."""
     if share(timestep) > 1.0:
         valid = [f"--timestep {each:g}, or " for each in timesteps() if share(each) <= 1.0]
         raise UsageError(
-            f"the soil is too stiff for a wheel at steps of {1e3 * timestep:g} ms: {what} "
+            f"the soil is too stiff for a wheel at steps of {1e3 * timestep:g} ms: {part} "
             f"({share(timestep):.1f} times too much); give {''.join(valid[:1])}a soil of a {soil}"
         )

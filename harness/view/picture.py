@@ -184,7 +184,13 @@ def _draw_video(recordings: Sequence[Path], target: Path, camera: str, *, lidar:
 
 
 def chase(recording: States, scale: float = 1.0, camera: str = "chase") -> list[View]:
-    """Returns a view at each state that follows; a low-pass makes it turn more calmly than the rover."""
+    """Returns a view at each state that follows the rover, and turns more calmly than it.
+
+    Args:
+        recording: States of the drive.
+        scale: Of distances, by the rover's size.
+        camera: One of CAMERAS.
+    """
     headings = accumulate(recording.yaw.tolist(), lambda calm, yaw: calm + (yaw - calm) / CALMED)
     places = zip(recording.path, headings, strict=True)
     return [chase_view(place, yaw, scale, camera) for place, yaw in places]
@@ -195,7 +201,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         if options.wait:
-            # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
+            # The error that MuJoCo raises without OpenGL is what the parent process looks for.
             mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
             print("ready", flush=True)
             words = sys.stdin.readline()

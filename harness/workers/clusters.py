@@ -207,7 +207,7 @@ def _by_value(
 def _work_elsewhere(
     work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]
 ) -> tuple[Outcome | None, Exception | None]:
-    """In a process of a cluster: works on an item, if the versions are those of the same bytes."""
+    """Works on an item in a process of a cluster, if its versions give the same bytes."""
     here = versions()
     differ = [f"{name} {here[name]} instead of {e}" for name, e in expected.items() if here[name] != e]
     if differ:

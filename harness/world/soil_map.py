@@ -100,7 +100,7 @@ def soils_on(text: str, ground: Heightfield, terrain: str) -> Soils:
 
     Args:
         text: A name, a file, or OWN.
-        ground: Whose vertices they are told for.
+        ground: Each of its vertices gets one.
         terrain: Its name, or a file.
 
     Raises:

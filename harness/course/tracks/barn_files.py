@@ -18,7 +18,7 @@ from harness.course.tracks.sdf import world_text
 LARGEST = 64 * 2**20  # bytes
 MOST = 1000  # worlds
 START, GOAL = (-2.25, 3.0), (-2.25, 13.0)
-RADIUS = 0.075  # [m] of a cylinder that does not say
+RADIUS = 0.075  # [m] of a cylinder whose radius the file leaves out
 TABLE, PATHS = "cylinders.csv", "paths.csv"
 # The cell of a path in the world [m]: BARN's own formula.
 PATH_CORNER, PATH_CELL = (-4.575, 5.075), 0.15

@@ -79,7 +79,13 @@ def save_all(
 
 
 def page_of(study: Study, result: Result, more: Iterable[Sheet] = ()) -> str:
-    """Returns a page of the plots, the tables and `more` tables."""
+    """Returns a page of the plots and the tables.
+
+    Args:
+        study: What was asked.
+        result: What came out.
+        more: Further tables, behind the others.
+    """
     drawn = ((name.replace("_", " "), figure, "") for name, figure in _figures(study, result) if figure)
     logs = counted(len(result.logs), "log")
     return page("Logs of rovers", f"{logs}: {', '.join(result.groups)}", drawn, [*sheets(result), *more])

@@ -17,7 +17,7 @@ class BufferedLog(CsvLog):
     """A CsvLog in which rows that the file refuses wait, at most `capacity` of them.
 
     Every row is tried again with the next one. Above the capacity the oldest row is dropped and
-    counted. A refusal is told when it begins, when its reason changes and when it is over.
+    counted. A refusal is reported when it begins, when its reason changes and when it is over.
     """
 
     def __init__(
