@@ -25,6 +25,7 @@ def _kept_out(*names: str) -> Iterator[None]:
 
 # numba imports them wherever they are installed: a tenth of each start, for nothing.
 with _kept_out("coverage", "scipy.linalg", "yaml"):
+    import llvmlite.binding as llvm
     import numba
     import numba.np.arraymath
     from numba.core import cgutils
@@ -43,20 +44,23 @@ def kernel(signature: str) -> Callable[[F], F]:
     Where neither __pycache__ nor the user's cache can be written, as in a container that is run by
     another user than built it, the code is kept in a temporary folder, or not at all.
     """
+    return partial(_kept, partial(numba.njit, signature, nogil=True, error_model="numpy"))
 
-    def compiled(function: F) -> F:
-        if borrowed := _borrowed(function):
-            function.__qualname__ += f"_{zlib.crc32(borrowed):08x}"
-        compiler = partial(numba.njit, signature, nogil=True, error_model="numpy")
-        try:
-            made: F = compiler(cache=True)(function)
-        except RuntimeError:  # numba's "no locator available"
-            folder = _temporary_cache()
-            numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"] = folder or ""
-            made = compiler(cache=folder is not None)(function)
-        return made
 
-    return compiled
+def callback(signature: str) -> Callable[[F], F]:
+    """Compiles, as `kernel` does, what C code calls: by the attribute `ctypes` of what comes back."""
+    return partial(_kept, partial(numba.cfunc, signature, error_model="numpy"))
+
+
+def _kept(compiler: Callable[..., Callable[[F], F]], function: F) -> F:
+    if borrowed := _borrowed(function):
+        function.__qualname__ += f"_{zlib.crc32(borrowed):08x}"
+    try:
+        return compiler(cache=True)(function)
+    except RuntimeError:  # numba's "no locator available"
+        folder = _temporary_cache()
+        numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"] = folder or ""
+        return compiler(cache=folder is not None)(function)
 
 
 def _borrowed(function: Callable[..., object]) -> bytes:
@@ -109,6 +113,22 @@ def inlined(function: F) -> F:
     """Marks a helper of a kernel; it is compiled with the kernel that calls it, not by itself."""
     helper: F = numba.njit(nogil=True, error_model="numpy")(function)
     return helper
+
+
+def placed(name: str, address: int) -> Callable[[], int]:
+    """Makes what kernels get an address of this process by, which their code in the cache only names."""
+    llvm.add_symbol(name, address)
+
+    def typed(_: object) -> tuple[object, object]:
+        def generate(_: object, builder: Any, *__: object) -> object:  # noqa: ANN401 - numba's
+            anything = cgutils.ir.FunctionType(cgutils.ir.VoidType(), [])
+            symbol = cgutils.get_or_insert_function(builder.module, anything, name)
+            return builder.ptrtoint(symbol, cgutils.intp_t)
+
+        return numba.types.intp(), generate
+
+    made: Callable[[], int] = numba.extending.intrinsic(typed)
+    return made
 
 
 def native(*kinds: type) -> Callable[[int, Sequence[int]], None]:

@@ -58,7 +58,13 @@ class Heartbeat:
 
 
 class RunProgress(Progress):
-    """A progress bar over simulated time; a line every PERIOD where the output is no terminal."""
+    """A progress bar over simulated time; a line every PERIOD where the output is no terminal.
+
+    Args:
+        console: Where the bar is.
+        title: Beside it.
+        total_s: Simulated time of the whole run [s].
+    """
 
     def __init__(self, console: Console, title: str, total_s: float) -> None:
         super().__init__(

@@ -108,7 +108,7 @@ class Helm(Pacer):
         stop: Ends the run, also while it is paused.
 
     Attributes:
-        rate: The same, from now on.
+        rate: Simulated seconds per wall second from now on; None does not wait.
         paused: Whether the run stands still between two control periods.
         idle: Called again and again meanwhile.
         held_s: Wall time for which it has stood still [s].

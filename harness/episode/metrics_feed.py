@@ -119,6 +119,11 @@ class SampleFeed:
 class DirectMetrics(SampleFeed):
     """Feeds ticks to a session of metrics and writes a row, the `last_row`, each simulated second.
 
+    Args:
+        session: The metrics.
+        lidar: Its azimuths and range limits go with each scan.
+        log: Gets the rows.
+
     Attributes:
         diagnosis: Message of the diagnostics on the latest row; None if the latest tick has no row.
     """

@@ -100,8 +100,12 @@ class RoverOrders:
 class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
-    Its `rovers` take the orders, in that order; if it is prompt, each comes into effect with the next
-    batch, and nothing is simulated ahead.
+    Its `rovers` take the orders, in that order.
+
+    Args:
+        run: What is driven.
+        frame_options: Which transforms are published; None for none.
+        prompt: Whether each order comes into effect with the next batch, and nothing is simulated ahead.
     """
 
     def __init__(

@@ -24,7 +24,7 @@ class FaultInjector:
         faults: What goes wrong.
         seed: Of the run.
         rows: The sensors of the run; None for all there are.
-        clock_seed: Of the clock's faults, which several rovers share; None for the same.
+        clock_seed: Of the clock's faults, which several rovers share; None for `seed`.
 
     Attributes:
         disturbs_time: Whether time will do anything else than go on by one tick after the other.

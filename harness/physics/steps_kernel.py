@@ -191,7 +191,7 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
         felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
         recorded: What of the data is recorded, qpos and qvel first; where it comes, each (ticks, ...).
         contacts: As `look` has it.
-        watched: As there.
+        watched: As `look` has it.
         obstacles: Those that are passed over while no rover can touch them.
 
     Returns:

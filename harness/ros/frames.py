@@ -107,7 +107,7 @@ class FrameTopics:
                 )
 
     def _others(self) -> str:
-        """The other nodes that publish it: which of them it was, no message tells."""
+        """The other nodes that publish it: no message says which of them it was."""
         infos = self._node.get_publishers_info_by_topic(self.moving[0].topic)
         names = {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos}
         return " or ".join(sorted(names - {self._node.get_fully_qualified_name()})) or "another node"

@@ -96,6 +96,13 @@ class SensorNoise:
 
     Chatter and vibration follow the latest speed in the odometry, which passes here too.
 
+    Args:
+        preset: The errors.
+        range_limits: Nearest and farthest range of the lidar [m].
+        scan_rng: Of the scans' errors.
+        imu_rng: Of the IMU's errors.
+        vibration: Shakes the IMU before its errors; None for nothing.
+
     Attributes:
         wheel_scale: Radius of the wheels, left and right, over the one that the odometry knows.
     """

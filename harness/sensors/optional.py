@@ -130,7 +130,13 @@ class Installation(Generic[Given]):
 
 
 class OptionalSensor(Sensor, Generic[Given]):
-    """A sensor with a name, which its samples carry in their field `sensor`."""
+    """A sensor with a name, which its samples carry in their field `sensor`.
+
+    Args:
+        simulation: Of the rover.
+        installation: Its options, its mount, its noise and its randomness.
+        period_ticks: Clock ticks between two samples.
+    """
 
     def __init__(
         self, simulation: "Simulation", installation: Installation[Given], period_ticks: int

@@ -56,10 +56,10 @@ def press_down(
     """Leaves the wheel's print in the ground; returns the sum of the heights that it took [m].
 
     Args:
-        grids: As the module has them.
-        frame: As the module has it.
+        grids: As the module's docstring says.
+        frame: As the module's docstring says.
         hub: Of the wheel in the world [m].
-        ahead: As the module has it.
+        ahead: As the module's docstring says.
         size: Radius and width of the wheel [m].
         plane: Height of the ground under the hub [m], its slopes ahead and to the left, the sinkage [m].
     """
@@ -91,10 +91,10 @@ def heap(grids: Grids, frame: Frame, hub: Pair, ahead: Pair, size: Pair, moved: 
     """Heaps displaced ground beside a wheel; returns whether there was room.
 
     Args:
-        grids: As the module has them.
-        frame: As the module has it.
+        grids: As the module's docstring says.
+        frame: As the module's docstring says.
         hub: Of the wheel in the world [m].
-        ahead: As the module has it.
+        ahead: As the module's docstring says.
         size: Half the length that is heaped along, and the wheel's width [m].
         moved: Sum of the heights that are heaped [m].
     """

@@ -236,6 +236,6 @@ def stall_table(soils: Mapping[str, Soil], rovers: Sequence[RoverSpec]) -> list[
 def _steady(soil: Soil, radius: float, width: float, grousers: Doubles, *given: Doubles) -> Doubles:
     """Sinkage, forces ahead and left of wheels; `given` is rim, ahead, left [m/s] and load [N]."""
     wheels = np.ascontiguousarray(np.stack([np.full(len(grousers), radius), grousers, *given], axis=1))
-    results = np.empty((len(wheels), 4))
+    results = np.empty((len(wheels), 5))
     steady_wheels(soil.numbers(width, GRAVITY), wheels, width, results)
     return results[:, :3]

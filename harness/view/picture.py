@@ -49,9 +49,13 @@ CALMED = 2.0 * FRAME_RATE  # states that the camera takes to follow a turn
 
 
 class Studio(AbstractContextManager["Studio"]):
-    """Draws the states of one run with its marks, and the beams if asked; a context manager.
+    """Draws the states of one run with its marks; a context manager that gives OpenGL back.
 
-    Leaving it gives OpenGL back.
+    Args:
+        paths: States of the run, a file a rover.
+        quality: Of the images.
+        lidar: Whether the beams are drawn.
+        reach: From a rover to where ruts are drawn [m]; math.inf for everywhere.
 
     Attributes:
         recording: The states of the first rover, which are as many as those of each other one.

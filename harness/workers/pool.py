@@ -82,7 +82,7 @@ class LocalWorkers(Workers):
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
             # No `yield from`: it would close joblib's generator before its warning is off.
-            for outcome in outcomes:  # noqa: UP028 - see above
+            for outcome in outcomes:  # noqa: UP028 - not `yield from`
                 yield outcome
         except BrokenExecutor as error:
             raise WorkerLost("a worker of this machine was killed (out of memory?)") from error

@@ -119,7 +119,7 @@ def _file_names(codes: Sequence[str]) -> list[str]:
 
 
 def write_csv(result: Result, folder: Path) -> list[Path]:
-    """Writes logs.csv, and of what there is across.csv, comparison.csv and correlation.csv."""
+    """Writes logs.csv and, if they have rows, those of the other tables; returns the files."""
     across = (
         {"group": group, **_record(result, {"code": code, **asdict(summary)})}
         for group, summaries in result.across.items()

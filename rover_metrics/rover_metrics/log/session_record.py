@@ -24,6 +24,11 @@ class SessionRecord:
     """The record of one running session; what cannot be written is reported and costs nothing else.
 
     It has failed if `failure` says why.
+
+    Args:
+        node: Full name of the node.
+        now: Returns the wall time.
+        tell: Takes lines for the user.
     """
 
     def __init__(self, node: str, now: Callable[[], datetime], tell: Callable[[str], None]) -> None:

@@ -184,9 +184,7 @@ def test_values_at_the_edge_of_what_is_valid_are_taken(entry: Mapping[str, Any])
         assert (given.model_dump() if isinstance(value, dict) else given) == expected
 
 
-def test_a_mount_is_in_its_parent_or_else_from_where_the_lidar_is_unless_the_rover_has_its_frame() -> (
-    None
-):
+def test_a_mount_without_parent_is_in_its_own_frame_if_the_rover_has_it_else_at_the_lidar() -> None:
     rover = BARE.but(frames=(FrameRow(parent="base_footprint", child="mast"),))
     for frame in ("lidar_link", LEO.imu_frame, "mast"):
         assert options(frame=frame).frames(rover) == ()

@@ -124,7 +124,7 @@ def _test(first: Floats, second: Floats) -> tuple[str, float]:
 
 
 def _test_pairs(differences: Floats) -> tuple[str, float]:
-    """Returns the same for the differences within pairs, of which 0 is the mean if nothing differs."""
+    """Returns test and p-value for the differences within pairs, whose mean is 0 if nothing differs."""
     if not differences.any():
         return "exact sign flips", 1.0
     if 2**differences.size > MOST_SPLITS:
