@@ -54,7 +54,7 @@ def print_table(console: Console, title: str, checks: Sequence[Check], missed: s
     Args:
         console: Where to.
         title: Of the table.
-        checks: One a row.
+        checks: One per row.
         missed: What a check is called whose quantity lies outside its span.
     """
     headings = (Column(heading, overflow="fold") for heading in HEADINGS)
