@@ -33,7 +33,7 @@ def validate(
 ) -> list[Check]:
     """Drives every manoeuvre; the same seed gives the same figures.
 
-    Of a rover whose rover.yaml expects nothing everything is measured, and nothing judged.
+    A rover whose rover.yaml expects nothing is measured in everything, and not judged.
 
     Args:
         rover: What drives.
