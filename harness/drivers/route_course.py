@@ -43,6 +43,6 @@ class RouteCourse:
         return Place(x, y, math.remainder(yaw, math.tau))
 
     def again(self) -> None:
-        """Returns the present goal once more, for a driver that is new or was put elsewhere."""
+        """Has `next` give the present goal once more: the driver is new, or was put elsewhere."""
         self._given = None
         self.progress.carried_away()

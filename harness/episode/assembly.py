@@ -111,7 +111,7 @@ def graded_world(run: Run, number: int = 0) -> GradedMap:
 
 
 def follows_route(driver: str) -> bool:
-    """Returns whether a driver, or who commands it, goes to the way points of a route."""
+    """Returns whether a driver takes the way points of a route, or is cmd_vel, whose commander does."""
     return takes_goals(driver) or driver == CMD_VEL
 
 

@@ -1,6 +1,6 @@
 """An environment as an image or in a window: the rover from behind, its world, its goal.
 
-OpenGL is loaded when something is first drawn, and from where it works without a display; whoever does
+OpenGL is loaded when something is first drawn, and from where it works without a display; what does
 not draw needs none.
 """
 

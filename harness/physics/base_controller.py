@@ -31,7 +31,7 @@ class BaseController(ABC):
         self._linear = 0.0
 
     def command(self, twist: Twist) -> bool:
-        """Latches a command; a non-finite one is refused and the previous one stays."""
+        """Latches a command; returns whether it is finite, for else the previous one stays."""
         if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
             return False
         self._target = twist

@@ -16,7 +16,7 @@ from pydantic import AfterValidator, ConfigDict
 from harness.base.errors import UsageError
 from harness.base.sim_time import period_ticks
 from harness.robots import FrameRow, RoverSpec
-from harness.samples import Vector3
+from harness.robots.sections import Angles, Vector
 from harness.sensors.base import Sensor
 from harness.sensors.noise import NoisePreset
 from harness.spec.value import Value, checked
@@ -62,8 +62,8 @@ class SensorOptions(Value):
 
     name: Annotated[str, AfterValidator(checked(_check_name))]
     parent: str = ""
-    xyz: Vector3 = (0.0, 0.0, 0.0)
-    rpy: Vector3 = (0.0, 0.0, 0.0)
+    xyz: Vector = (0.0, 0.0, 0.0)
+    rpy: Angles = (0.0, 0.0, 0.0)
     frame: str = ""
     topic: Annotated[str, AfterValidator(checked(_check_topic))] = ""
     rate: Rate = 10

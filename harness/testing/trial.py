@@ -205,7 +205,7 @@ class Trial(LeavesEvidence):
     def collect(
         self, message_type: type[Message], topic: str, qos: QoSProfile | int = ANYTHING, most: int = MOST
     ) -> Heard[Message]:
-        """Listens to a topic from now on.
+        """Listens to a topic from now on; returns what is heard.
 
         Args:
             message_type: Of the topic.

@@ -74,9 +74,9 @@ def write_results(
 
     Args:
         folder: Gets them.
-        studies: One a robot.
+        studies: One per robot.
         records: All episodes of the sweep.
-        command: What the user typed, for the files.
+        command: Words that make these files again, for the files themselves.
     """
     files = {study.name: parameter_file(study, command) for study in studies}
     page = render(studies, records, command, files)

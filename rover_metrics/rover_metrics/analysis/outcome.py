@@ -52,7 +52,7 @@ class Result:
     logs: tuple[LogResult, ...]
     across: Mapping[str, Mapping[str, Summary]]  # by group and code: each log's mean an observation
     correlations: tuple[Correlation, ...]  # combined over the logs
-    comparisons: tuple[Comparison, ...] = ()  # second group against the first, one a metric
+    comparisons: tuple[Comparison, ...] = ()  # second group against the first, one per metric
     titles: Mapping[str, str] = field(  # what each metric reports, with its unit, by code
         default_factory=lambda: {metric.code: metric.label for metric in METRICS.values()}
     )
@@ -66,7 +66,7 @@ class Result:
 
 
 def analyse(study: Study) -> Result:
-    """Works out everything there is to say in numbers."""
+    """Returns everything there is to say in numbers."""
     options = study.options
     comparisons = _comparisons(study)
     logs = tuple(_log_result(study, member) for member in study.members)

@@ -59,7 +59,7 @@ def save_all(
         result: Its numbers.
         folder: Where to.
         as_csv: Whether to write all numbers, see `write_csv`.
-        as_latex: Whether to write the tables, one a file.
+        as_latex: Whether to write the tables, one per file.
         outliers: Whether to write every outlier of every log.
     """
     try:
@@ -119,7 +119,7 @@ def _file_names(codes: Sequence[str]) -> list[str]:
 
 
 def write_csv(result: Result, folder: Path) -> list[Path]:
-    """Writes logs.csv, and of what there is across.csv, comparison.csv and correlation.csv."""
+    """Writes logs.csv and, if they have rows, those of the other tables; returns the files."""
     across = (
         {"group": group, **_record(result, {"code": code, **asdict(summary)})}
         for group, summaries in result.across.items()
