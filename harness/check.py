@@ -46,7 +46,7 @@ class Finding:
     """One line of the table.
 
     Attributes:
-        found: None if the run was skipped.
+        result: None if the run was skipped.
         verdict: What the comparison says.
         passed: Whether the proof holds so far.
     """

@@ -30,7 +30,7 @@ from harness.spec.rover import namespace_of
 from rover_metrics.errors import OneLineParser, complain
 
 PERIOD = 0.05  # [s] between two commands, as between two control periods at --rate 1
-LOOK = 3.0  # [s] for somebody to listen before that is told
+LOOK = 3.0  # [s] for somebody to listen before a warning
 QUIT, END_OF_INPUT = "Q", "\x04"
 HELP = ", ".join(f"{key} {about}" for key, (about, *_) in DIRECTIONS.items())
 Send = Callable[[float, float], object]
@@ -103,7 +103,7 @@ def _keyboard() -> Iterator[Callable[[float], str | None]]:
     try:
         yield pressed
     finally:
-        with suppress(termios.error):  # likewise
+        with suppress(termios.error):  # the terminal may be gone
             termios.tcsetattr(fd, termios.TCSAFLUSH, before)
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from harness.ros.topic_monitor import TopicMonitor
 
 LOOK_PERIOD = 0.5  # [s] from one look at the graph, and one table, to the next
-LONG_ENOUGH = 8.0  # [s] for DDS to connect and for a rate to be told, of a topic of 1 Hz too
+LONG_ENOUGH = 8.0  # [s] for DDS to connect and for a rate to be measured, of a topic of 1 Hz too
 SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
 
 

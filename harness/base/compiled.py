@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 @contextmanager
 def _kept_out(*names: str) -> Iterator[None]:
-    """Lets the import of these fail, where they are not imported yet."""
+    """Makes imports of these modules fail, unless they are imported already."""
     absent = [name for name in names if name not in sys.modules]
     sys.modules.update(dict.fromkeys(absent))  # type: ignore[arg-type]  # None makes an import fail
     yield
@@ -25,6 +25,7 @@ def _kept_out(*names: str) -> Iterator[None]:
 
 # numba imports them wherever they are installed: a tenth of each start, for nothing.
 with _kept_out("coverage", "scipy.linalg", "yaml"):
+    import llvmlite.binding as llvm
     import numba
     import numba.np.arraymath
     from numba.core import cgutils
@@ -43,24 +44,27 @@ def kernel(signature: str) -> Callable[[F], F]:
     Where neither __pycache__ nor the user's cache can be written, as in a container that is run by
     another user than built it, the code is kept in a temporary folder, or not at all.
     """
+    return partial(_kept, partial(numba.njit, signature, nogil=True, error_model="numpy"))
 
-    def compiled(function: F) -> F:
-        if borrowed := _borrowed(function):
-            function.__qualname__ += f"_{zlib.crc32(borrowed):08x}"
-        compiler = partial(numba.njit, signature, nogil=True, error_model="numpy")
-        try:
-            made: F = compiler(cache=True)(function)
-        except RuntimeError:  # numba's "no locator available"
-            folder = _temporary_cache()
-            numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"] = folder or ""
-            made = compiler(cache=folder is not None)(function)
-        return made
 
-    return compiled
+def callback(signature: str) -> Callable[[F], F]:
+    """Compiles, as `kernel` does, what C code calls: by the attribute `ctypes` of what comes back."""
+    return partial(_kept, partial(numba.cfunc, signature, error_model="numpy"))
+
+
+def _kept(compiler: Callable[..., Callable[[F], F]], function: F) -> F:
+    if borrowed := _borrowed(function):
+        function.__qualname__ += f"_{zlib.crc32(borrowed):08x}"
+    try:
+        return compiler(cache=True)(function)
+    except RuntimeError:  # numba's "no locator available"
+        folder = _temporary_cache()
+        numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"] = folder or ""
+        return compiler(cache=folder is not None)(function)
 
 
 def _borrowed(function: Callable[..., object]) -> bytes:
-    """Of what a kernel is made beside its own file: files of its helpers, and numbers that they name."""
+    """What a kernel depends on beside its own file: its helpers' files, and numbers that they name."""
     functions, numbers = [function], set[str]()
     for each in functions:  # grows
         for name in each.__code__.co_names:
@@ -97,9 +101,9 @@ def _temporary_cache() -> str | None:
     return None
 
 
-def _warn(what: str) -> None:
+def _warn(problem: str) -> None:
     print(
-        f"harness: {what}: neither the installation nor the user's cache can be written "
+        f"harness: {problem}: neither the installation nor the user's cache can be written "
         "(NUMBA_CACHE_DIR names another folder)",
         file=sys.stderr,
     )
@@ -111,8 +115,24 @@ def inlined(function: F) -> F:
     return helper
 
 
+def placed(name: str, address: int) -> Callable[[], int]:
+    """Makes what kernels get an address of this process by, which their code in the cache only names."""
+    llvm.add_symbol(name, address)
+
+    def typed(_: object) -> tuple[object, object]:
+        def generate(_: object, builder: Any, *__: object) -> object:  # noqa: ANN401 - numba's
+            anything = cgutils.ir.FunctionType(cgutils.ir.VoidType(), [])
+            symbol = cgutils.get_or_insert_function(builder.module, anything, name)
+            return builder.ptrtoint(symbol, cgutils.intp_t)
+
+        return numba.types.intp(), generate
+
+    made: Callable[[], int] = numba.extending.intrinsic(typed)
+    return made
+
+
 def native(*kinds: type) -> Callable[[int, Sequence[int]], None]:
-    """Makes what kernels call a C function by, which returns nothing: with its address, and a tuple.
+    """Makes a function (address, tuple of arguments) by which kernels call a C function without result.
 
     Args:
         kinds: Of the function's arguments: ctypes.c_void_p or c_int.

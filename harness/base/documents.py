@@ -12,12 +12,12 @@ __all__ = ["LARGEST_JSON", "parse_json", "read_bytes", "read_json", "read_mappin
 
 
 def read_bytes(path: Path, largest: int) -> bytes:
-    """Returns the at most so many bytes of a file or a shell's pipe; UsageError if it has none."""
+    """Returns the bytes of a file or a shell's pipe; UsageError if it is unreadable or too large."""
     return _named(str(path), lambda: documents.read_bytes(path, largest))  # type: ignore[no-any-return]
 
 
 def read_json(path: Path, largest: int = LARGEST_JSON) -> Any:  # noqa: ANN401 - whatever a file holds
-    """Returns what a JSON file of at most so many bytes holds; UsageError if it is none."""
+    """Returns what a JSON file holds; UsageError if it is none, or has more than `largest` bytes."""
     return _named(str(path), lambda: documents.read_json(path, largest))
 
 

@@ -13,21 +13,21 @@ BESIDE = Path()  # in place of a file: beside the log of a run, under its name
 
 
 def write_whole(
-    path: Path, text: str, what: str = "", failure: type[HarnessError] = HarnessError
+    path: Path, text: str, name: str = "", failure: type[HarnessError] = HarnessError
 ) -> None:
     """Writes a text as UTF-8; the file is there whole or not at all.
 
     Args:
         path: The file; it may exist.
         text: With the ends of its lines as they shall be.
-        what: The text, for the message.
+        name: The text, for the message.
         failure: What is raised if it cannot be written.
     """
     try:
         with whole_file(path) as part:
             part.write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise failure(f"cannot write {what and f'{what} to '}{path}: {error.strerror}") from error
+        raise failure(f"cannot write {name and f'{name} to '}{path}: {error.strerror}") from error
 
 
 def check_target(flag: str, target: Path, suffix: str = "") -> None:

@@ -1,6 +1,6 @@
 """Simulation time: whole nanoseconds, the clock tick, and the physics steps that divide it.
 
-Free of MuJoCo: whoever only counts ticks need not load it.
+Free of MuJoCo: code that only counts ticks need not load it.
 """
 
 import math

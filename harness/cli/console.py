@@ -39,20 +39,32 @@ class Heartbeat:
 
     def __init__(self, console: Console, title: str) -> None:
         self._silent, self._title = console.is_terminal, title
-        self._began = self._told = time.monotonic()
+        self._began = self._printed = time.monotonic()
 
     def tell(self, done: float, total: float, unit: str) -> None:
-        """Takes how much is done, and of how much; prints if it is time."""
+        """Takes how far the work is; prints if it is time.
+
+        Args:
+            done: So much of the work.
+            total: All of it, in the same unit.
+            unit: Behind the total, e.g. " s"; "" without one.
+        """
         now = time.monotonic()
-        if self._silent or now - self._told < PERIOD or not 0 < done < total:
+        if self._silent or now - self._printed < PERIOD or not 0 < done < total:
             return
-        self._told, left = now, (now - self._began) * (total - done) / done
+        self._printed, left = now, (now - self._began) * (total - done) / done
         text = f"{self._title}: {done:g} of {total:g}{unit}, about {left:.0f} s left"
         print(printable(text), file=sys.stderr, flush=True)
 
 
 class RunProgress(Progress):
-    """A progress bar over simulated time; a line every PERIOD where the output is no terminal."""
+    """A progress bar over simulated time; a line every PERIOD where the output is no terminal.
+
+    Args:
+        console: Where the bar is.
+        title: Beside it.
+        total_s: Simulated time of the whole run [s].
+    """
 
     def __init__(self, console: Console, title: str, total_s: float) -> None:
         super().__init__(
@@ -86,7 +98,7 @@ class RunProgress(Progress):
 
 @contextmanager
 def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
-    """Yields what moves a bar, called with what is done of what; a line every PERIOD in a pipe."""
+    """Yields a function (done, total) that moves a bar; in a pipe it prints a line every PERIOD."""
     heartbeat = Heartbeat(console, title)
     bar = Progress(
         TextColumn(title, style="bold", markup=False),

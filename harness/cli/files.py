@@ -1,4 +1,4 @@
-"""What a run of the command line leaves behind beside its log, and what it is not to come to."""
+"""What a run of the command line leaves behind beside its log, and the mishaps that make it fail."""
 
 from pathlib import Path
 from typing import Annotated, Literal

@@ -82,7 +82,7 @@ def from_flags(cls: type[V], given: argparse.Namespace, **others: object) -> V:
 
 
 def positive(text: str) -> float:
-    """Returns the number above 0 that a word of a command line is; argparse tells of another one."""
+    """Converts a word of a command line to a number above 0; argparse reports any other word."""
     with suppress(ValueError):
         if 0.0 < (value := number(text)) < math.inf:
             return value

@@ -95,7 +95,7 @@ def _parser() -> OneLineParser:
 
 
 def _words_so_far() -> list[str]:
-    """The words before that which the shell completes, the verb's own parser told where they begin."""
+    """The words before the one that the shell completes; tells the verb's parser where they begin."""
     line = os.environ["COMP_LINE"][: int(os.environ["COMP_POINT"])]
     words = line.split()[1:]
     if len(words) > 1 or line.endswith(" "):

@@ -1,4 +1,4 @@
-"""What harness.run does: drives, tells of it, leaves files.
+"""What harness.run does: drives, shows progress and summary, writes files.
 
 The drive is in harness.ros.session (through ROS) and harness.episode.direct (without).
 """
@@ -34,7 +34,7 @@ from harness.world.files import is_terrain_file
 from rover_metrics.errors import complain
 from rover_metrics.sheet.console import PlainConsole
 
-OUTSIDE = ("SIGTERM", HANGUP)  # whoever ends a run by these waits for no picture
+OUTSIDE = ("SIGTERM", HANGUP)  # a run that ends by these waits for no picture
 
 
 def run_command(given: argparse.Namespace, ros_args: Sequence[str]) -> int:
@@ -195,7 +195,7 @@ def _report(
             try:
                 write_manifest(result, path)
             except HarnessError as error:  # noqa: PERF203 - two files at most
-                if result.failure is None or path == summary:  # a full disk is told of once
+                if result.failure is None or path == summary:  # a full disk is reported once
                     complaints[str(error)] = None
     for complaint in complaints:
         complain("harness.run", complaint)
@@ -203,7 +203,7 @@ def _report(
 
 
 def _draw(drawing: Drawing, log: Path, stop: StopRequest, console: Console) -> None:
-    """Draws, which takes its time: whoever ended the run from outside is not kept waiting."""
+    """Draws, which takes its time: a run that was ended from outside does not wait for it."""
     if drawing.wanted and stop.name in OUTSIDE:
         complain("harness.run", f"nothing was drawn: stopped by {stop.name}")
         return

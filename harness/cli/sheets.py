@@ -34,7 +34,16 @@ def files_of(options: argparse.Namespace) -> dict[str, Path]:
 
 
 def write_sheets(files: Mapping[str, Path], heading: str, sheets: Sequence[Sheet]) -> None:
-    """Writes tables into the files that are asked for; UsageError if one cannot be written."""
+    """Writes tables into the files that are asked for.
+
+    Args:
+        files: By format: "json", "csv" or "page".
+        heading: Of the page.
+        sheets: The tables; their titles are the keys of the JSON.
+
+    Raises:
+        UsageError: A file cannot be written.
+    """
     if "json" in files:
         rows = {
             sheet.title: [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]

@@ -139,7 +139,14 @@ def _context(episode: Episode) -> DriverContext:
 
 
 def result_of(case: Case, task: Task, driven: Drive, episode: Episode) -> EpisodeResult:
-    """Returns the result of a drive, scored."""
+    """Returns the result of a drive, scored.
+
+    Args:
+        case: Track, seed and world of the episode.
+        task: What was to be driven, and how it is judged.
+        driven: What the referee has measured.
+        episode: Has come to its end.
+    """
     truth, info = driven.truth, episode.info
     reduced = penalty(task, driven, weight_of(episode.simulation.scene.rover))
     values: dict[str, Any] = {

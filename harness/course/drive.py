@@ -17,7 +17,7 @@ from harness.workers import Workers, work_off
 
 MEND = "run the same command again, with fewer --jobs"
 SEED_BYTES = 6
-SHARE = 10  # one episode in so many is driven again
+SHARE = 10  # one episode in ten is driven again
 
 Show = Callable[[int, int], None]
 
@@ -44,7 +44,14 @@ def cases_of(
 
 
 def unseen_seed(entry: Entry, nonce: str, track: str, number: int) -> int:
-    """Returns the seed of an unseen episode, from SHA-256 over the hash of the entry and the rest."""
+    """Returns the seed of an unseen episode, from SHA-256 over all arguments.
+
+    Args:
+        entry: Its hash goes in.
+        nonce: What somebody else has chosen, so that nobody knows the seed before.
+        track: The track's name.
+        number: Of the episode in its track, from 0.
+    """
     text = f"{entry.digest} {nonce} {track} {number}"
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:SEED_BYTES], "big")
 
@@ -58,7 +65,7 @@ def drive_all(
         cases: The episodes.
         entry: Who drives.
         workers: Where.
-        show: Told how many of how many are done.
+        show: Called with how many are done, and of how many.
     """
     done: dict[int, EpisodeResult] = {}
 
@@ -97,10 +104,15 @@ def check_origin(receipt: Receipt, entry: Entry) -> None:
 def drawn(receipt: Receipt, seed: int, worlds: Path | None = None) -> list[Case]:
     """Returns a random tenth of a receipt's episodes, one of each track or more.
 
+    Args:
+        receipt: Of the episodes.
+        seed: Of the draw.
+        worlds: Folder of the user's own worlds; None for those that ship.
+
     Raises:
         UsageError: A world is not among those that are given.
     """
-    rng = random.Random(seed)  # noqa: S311 - whoever verifies chooses the seed
+    rng = random.Random(seed)  # noqa: S311 - the user chooses the seed
     cases: list[Case] = []
     for name, track in receipt.tracks.items():
         count = -(-len(track.episodes) // SHARE)

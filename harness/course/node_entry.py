@@ -50,7 +50,7 @@ def drive_node(case: Case, task: Task, about: EntryFile, folder: Path) -> Episod
         commands = trial.bridge.commands
 
         def is_heard() -> bool:
-            """Whether its commands are, of whichever type they are."""
+            """Whether the node's commands are heard, of either type."""
             of_it = (own for own in trial.bridge.subscriptions if own.topic_name == commands.topic)
             return commands.look_around() and any(own.get_publisher_count() for own in of_it)
 

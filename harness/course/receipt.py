@@ -64,7 +64,14 @@ def receipt_of(
     *,
     own_worlds: bool = False,
 ) -> Receipt:
-    """Returns the receipt of an entry's episodes by track."""
+    """Returns the receipt of an entry.
+
+    Args:
+        entry: What drove.
+        episodes: Results by track.
+        nonce: From which the seeds were made; "" for the public ones.
+        own_worlds: Whether worlds of the user's own were driven.
+    """
     tracks = {name: summarise(some) for name, some in episodes.items()}
     return Receipt(
         entry=entry.name,

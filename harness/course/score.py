@@ -10,7 +10,13 @@ FREE_TRANSPORT, HALVING_TRANSPORT = 1.0, 5.0
 
 
 def score(task: Task, drive: Drive, reduced: float) -> float:
-    """Returns success x optimal / clip(time, fastest x optimal, slowest x optimal) x penalty."""
+    """Returns success x optimal / clip(time, fastest x optimal, slowest x optimal) x penalty, 0 to 1.
+
+    Args:
+        task: Has the optimal time and the rule with fastest and slowest.
+        drive: What the referee has measured.
+        reduced: The penalty: what is left of the score, 0 to 1.
+    """
     if drive.ending != REACHED:
         return 0.0
     rule, best = task.rule, task.optimal
@@ -23,7 +29,7 @@ def penalty(task: Task, drive: Drive, weight: float) -> float:
 
     Args:
         task: What was asked.
-        drive: What came of it.
+        drive: What the referee has measured.
         weight: Of the rover [N].
     """
     if not task.rule.penalties:

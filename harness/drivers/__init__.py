@@ -62,10 +62,10 @@ def find_driver(name: str) -> type[Driver]:
 
 
 def takes_goals(name: str) -> bool:
-    """Returns whether the driver of that name goes to goals that it is given; UsageError without it."""
+    """Returns whether the driver of that name takes goals; UsageError if there is none."""
     return issubclass(find_driver(name), TakesGoals)
 
 
 def sensed_by(name: str) -> frozenset[type[Sample]]:
-    """Returns the samples that the driver of that name looks at; UsageError without it."""
+    """Returns the samples that the driver of that name looks at; UsageError if there is none."""
     return find_driver(name).senses

@@ -69,15 +69,27 @@ class Driver(Protocol):
 
 @runtime_checkable
 class TakesGoals(Protocol):
-    """A driver that goes where it is told, by /goal_pose or by a plan."""
+    """A driver that goes to goals, which /goal_pose or a plan gives it."""
 
     def head_for(self, x: float, y: float, yaw: float, /) -> None:
-        """Takes the next goal: a position in the world [m] and a heading there [rad]."""
+        """Takes the next goal.
+
+        Args:
+            x: In the world [m].
+            y: In the world [m].
+            yaw: Heading there [rad]; a driver may arrive with any other.
+        """
         ...
 
 
 def turning(error: float, rover: RoverSpec, gain: float = 2.0) -> float:
-    """Returns the yaw rate that turns by an error [rad]: `gain` of the cruising one for each radian."""
+    """Returns the yaw rate that turns a rover towards a heading [rad/s].
+
+    Args:
+        error: From its heading to that one, positive to the left [rad].
+        rover: Its cruising yaw rate is the limit.
+        gain: Share of the cruising yaw rate for each radian.
+    """
     return max(-1.0, min(1.0, gain * error)) * rover.cruise_yaw_rate
 
 

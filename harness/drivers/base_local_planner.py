@@ -34,7 +34,7 @@ def place_costs(known: LocalMap, here: tuple[int, int], inscribed: float) -> Len
 
 
 def path_from(to_go: Lengths, cell: tuple[int, int]) -> NDArray[np.int64]:
-    """Returns the cells of the way down from a cell, as far as the map goes, shape (n, 2)."""
+    """Returns the cells of the way down from a cell, up to the map's edge, shape (n, 2)."""
     cells = [np.array(cell, np.int64)]
     while True:
         around = np.clip(cells[-1] + STEPS, 0, len(to_go) - 1)
@@ -46,7 +46,7 @@ def path_from(to_go: Lengths, cell: tuple[int, int]) -> NDArray[np.int64]:
 
 
 class Turns:
-    """Its oscillation flags: who has turned back on a spot turns on that way until he has moved."""
+    """Oscillation flags: a rover that has turned back on the spot turns on so until it has moved."""
 
     def __init__(self) -> None:
         self._spot = math.inf, math.inf

@@ -26,7 +26,7 @@ class Beeline:
         self._goal = x, y
 
     def command(self, observation: Observation) -> Twist:
-        """Returns the twist towards the goal; it stands there, and before the first."""
+        """Returns the twist towards the goal; zero at the goal, and before the first one."""
         here = observation.x, observation.y
         if self._goal is None or math.dist(self._goal, here) < REACHED:
             return Twist()

@@ -43,7 +43,7 @@ class Dwa(Beeline):
     decides_every: ClassVar[int] = 2  # periods: 10 Hz, at which its goal comes and stops it for a cycle
 
     def __init__(self, context: DriverContext) -> None:
-        # Not above: kernels are loaded for who drives, not for who only names drivers.
+        # Not at the top: kernels are loaded when a driver is made, not when drivers are only named.
         from harness.drivers import base_local_planner, local_map, rollout  # noqa: PLC0415
 
         super().__init__(context)
@@ -61,7 +61,7 @@ class Dwa(Beeline):
         self._count = 0
 
     def command(self, observation: Observation) -> Twist:
-        """Returns the twist that leads on best; it stands at the goal, and before the first."""
+        """Returns the twist that leads on best; zero at the goal, and before the first one."""
         self._map.see(observation)
         self._last = super().command(observation)
         return self._last
@@ -108,7 +108,7 @@ class Dwa(Beeline):
             self._rollout,
         )
         beyond = np.maximum(outcomes[:, of.ROOM] - self._inscribed, 0.0)
-        # About exp, the same bits everywhere.
+        # Approximates exp, with the same bits everywhere.
         fading = 1.0 + FADING * beyond * (1.0 + 0.5 * FADING * beyond)
         cost = outcomes[:, of.END] + np.where(beyond > FADED, 0.0, INSCRIBED / fading)
         cost[(outcomes[:, of.ROOM] <= 0.0) | np.isinf(outcomes[:, of.FARTHEST])] = np.inf
@@ -124,7 +124,7 @@ class Dwa(Beeline):
         return self._backed is not None
 
     def _twists(self, distance: float) -> NDArray[np.float64]:
-        """Those that are tried: straight on, then in curves, then on the spot."""
+        """The twists that are tried: straight on, then in curves, then on the spot."""
         low, top = SPEED
         speeds = np.linspace(low, max(low, min(top, self.rover.top_speed, distance / 2.0)), SPEEDS)
         last = self._last.angular

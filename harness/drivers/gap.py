@@ -20,7 +20,7 @@ SECTORS = 180  # directions that are looked at, all around
 STOP = 0.08  # [m] of room ahead at which it stops
 SHARE = 0.8  # of the rover's top speed that it drives at most
 HEADWAY = 1.2  # [s]: time for which it has room at its speed
-QUICKER = 1.5  # it turns so much faster than a rover that cruises
+QUICKER = 1.5  # times the yaw rate of `turning`
 
 
 class Gap(Beeline):

@@ -22,7 +22,7 @@ class Goal(Wander):
         self._is_there = False
 
     def head_for(self, x: float, y: float, yaw: float) -> None:
-        """Takes the next goal: a position in the world [m] and a heading there [rad]."""
+        """Takes the next goal; it is there only with that heading."""
         self._target, self._is_there = (x, y, yaw), False
         self._anchor = math.inf, math.inf  # while it stood there it was not stuck
 

@@ -57,7 +57,7 @@ class GoalCourse:
         return self._goal
 
     def again(self) -> None:
-        """Gives the goal once more that is in hand: its driver is new, or was put elsewhere."""
+        """Has `next` give the present goal once more: the driver is new, or was put elsewhere."""
         self._is_given = False
 
     def draw(self) -> Place:

@@ -145,7 +145,7 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
 
 
 class PolicyDriver:
-    """Drives to each goal that it is given as its policy does; stands there, and before the first."""
+    """Drives to each goal that it is given as its policy does; stands there, and before any."""
 
     summary: ClassVar[str] = "drives to each /goal_pose as a policy trained on PointNav does"
     senses: ClassVar[frozenset[type[Sample]]] = point_nav.SENSED

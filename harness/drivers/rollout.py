@@ -15,7 +15,13 @@ ROOM, CLOSE, END, AHEAD, NEAREST, FARTHEST = range(6)
 
 @inlined
 def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
-    """A direction turned by a small angle [rad], by a rational rotation: the same bits everywhere."""
+    """Returns a direction turned by a small angle, by a rational rotation: the same bits everywhere.
+
+    Args:
+        cos: Of the direction.
+        sin: Of the direction.
+        angle: Counter-clockwise [rad].
+    """
     half = angle * (0.5 + angle * angle / 24.0)
     scale = 1.0 / (1.0 + half * half)
     c, s = (1.0 - half * half) * scale, 2.0 * half * scale
@@ -23,7 +29,7 @@ def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
 
 
 @inlined
-def looked_up(field: Lengths, x: float, y: float) -> float:
+def _looked_up(field: Lengths, x: float, y: float) -> float:
     """The value of the cell that a point of the grid lies in [m]; inf off the grid."""
     row, column = int(y / CELL), int(x / CELL)
     if row < 0 or column < 0 or row >= SIDE or column >= SIDE:
@@ -71,13 +77,13 @@ def rolled(
             room = math.inf
             for at_x, at_y, radius in outline:
                 place_x, place_y = x + at_x * cos - at_y * sin, y + at_x * sin + at_y * cos
-                room = min(room, looked_up(clearance, place_x, place_y) - radius)
-            least, end = min(least, room), looked_up(to_go, x, y)
+                room = min(room, _looked_up(clearance, place_x, place_y) - radius)
+            least, end = min(least, room), _looked_up(to_go, x, y)
             nearest, farthest = min(nearest, end), max(farthest, end)
             sum_close += max(0.0, 1.0 - room / close) ** 2
             if room <= 0.0:
                 break
         result[number, ROOM], result[number, CLOSE] = least, sum_close
         result[number, END], result[number, NEAREST], result[number, FARTHEST] = end, nearest, farthest
-        result[number, AHEAD] = looked_up(to_go, x + ahead * cos, y + ahead * sin)
+        result[number, AHEAD] = _looked_up(to_go, x + ahead * cos, y + ahead * sin)
     return result

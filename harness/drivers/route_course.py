@@ -13,7 +13,7 @@ BEYOND = 1.0  # [m] behind a gate, so that a driver which stops before its goal 
 
 @dataclass
 class RouteCourse:
-    """Gives the next way point once the last one is reached or missed; see GoalCourse."""
+    """Gives the next way point once the last one is reached or missed; used as a GoalCourse is."""
 
     progress: RouteProgress
     _given: int | None = field(default=None, init=False)
@@ -43,6 +43,6 @@ class RouteCourse:
         return Place(x, y, math.remainder(yaw, math.tau))
 
     def again(self) -> None:
-        """Gives the goal once more that is in hand: its driver is new, or was put elsewhere."""
+        """Has `next` give the present goal once more: the driver is new, or was put elsewhere."""
         self._given = None
         self.progress.carried_away()

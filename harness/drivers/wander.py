@@ -1,6 +1,6 @@
 """The default driver: seeks seeded goals, avoids what its lidar sees, backs out when stuck.
 
-And the same at changing speeds, which shows how metrics depend on speed.
+`Roam` does the same at changing speeds, which shows how metrics depend on speed.
 """
 
 import math
@@ -40,7 +40,7 @@ class Wander:
     senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
-        # Not above: kernels are loaded for who drives, not for who only names drivers.
+        # Not at the top: kernels are loaded when a driver is made, not when drivers are only named.
         from harness.drivers.corridor_kernel import block  # noqa: PLC0415
 
         self._block = block

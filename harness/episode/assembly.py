@@ -40,7 +40,7 @@ from rover_metrics.topics import ENERGY
 
 
 def rover_of(setup: RoverSetup) -> RoverSpec:
-    """Returns a rover of a run with the motors and the tyres that it has there; UsageError without."""
+    """Returns a rover of a run, with its motors and tyres there; UsageError if it has none such."""
     return equipped(find_rover(setup.robot), setup.actuators, setup.surface)
 
 
@@ -111,12 +111,12 @@ def graded_world(run: Run, number: int = 0) -> GradedMap:
 
 
 def follows_route(driver: str) -> bool:
-    """Returns whether a driver goes to the way points of a route, or who commands it is told them."""
+    """Returns whether a driver takes the way points of a route, or is cmd_vel, whose commander does."""
     return takes_goals(driver) or driver == CMD_VEL
 
 
 def route_progress(run: Run, world: World | None = None) -> RouteProgress:
-    """Returns the route of a run that nobody has begun; UsageError if it has a place of no target."""
+    """Returns the progress on a run's route, not begun yet; UsageError if a point names no target."""
     route, world = run.plan.route, world_of(run) if world is None else world
     if route is None:
         return RouteProgress(())

@@ -34,23 +34,35 @@ class Diagnostics:
             self._reception.listen(space + name, may_be_missing=source.is_truth)
 
     def arrived(self, name: str, stamp_ns: int, remark: Remark | None) -> None:
-        """Counts a message of a topic, with its stamp [ns] and what was odd about it."""
+        """Counts a message.
+
+        Args:
+            name: Of its topic, without the rover's namespace.
+            stamp_ns: Of its header [ns].
+            remark: What was odd about it; None if nothing was.
+        """
         topic = self._space + name
         self._reception.arrived(topic, stamp_ns if self._sources[name].has_stamp else None)
         if remark is not None and remark.left_out:
-            self._reception.reject(topic, remark.what)
+            self._reception.reject(topic, remark.finding)
         elif remark is not None:
-            self._reception.remark(topic, remark.what)
+            self._reception.remark(topic, remark.finding)
 
-    def told(self, now_ns: int, row: Row, thresholds: Thresholds) -> bytes:
-        """Returns the message of a row at a time [ns]."""
+    def message(self, now_ns: int, row: Row, thresholds: Thresholds) -> bytes:
+        """Returns the message that is published with a row.
+
+        Args:
+            now_ns: Time on the ROS clock [ns].
+            row: The latest.
+            thresholds: What is too much in a row.
+        """
         for topic in self._reception.received:
             self._reception.publishers(topic, 1)
         self._reception.look(now_ns, self._stale_after_ns)
         statuses = self._view.statuses(row, self._reception.states(), thresholds, now_ns)
-        return self._message(now_ns, statuses)
+        return self._made(now_ns, statuses)
 
-    def _message(self, now_ns: int, statuses: Sequence[Status]) -> bytes:
+    def _made(self, now_ns: int, statuses: Sequence[Status]) -> bytes:
         message, hardware = blank(METRICS.message_type), self._space.strip("/") or "rover"
         set_stamp(message.header.stamp, now_ns)
         message.status = [

@@ -1,4 +1,4 @@
-"""Runs without ROS: with a log, the same CSV bytes; without, for whoever asks for the truth alone.
+"""Runs without ROS: with a log, of the same CSV bytes; or without one, for the truth alone.
 
 For machines without rclpy and for speed. What the MetricsNode's callbacks take from a message is taken
 from the sample, in the same order: a tick's samples first, then the row if a second is full.
@@ -84,7 +84,7 @@ def run_direct(
             routes.append(Route(faults, log.advance, (*output.observers, log)))
         if sinks:
             described = [each.description for each in episodes if each.description is not None]
-            routes = _told(routes, logged, RunTopics(run, described, sinks, at_end))
+            routes = _published(routes, logged, RunTopics(run, described, sinks, at_end))
         batches = together(episodes, ahead=helm is None)
         if helm is not None:
             helm.metered = logged
@@ -104,8 +104,8 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         log_dir: Gets the log.
         settings: Of the metrics.
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the result up to now, again and again.
-        diagnoses: Whether to make of each row what metrics_node tells of it.
+        show: Called with the result up to now, again and again.
+        diagnoses: Whether to make, of each row, the message of diagnostics that metrics_node publishes.
         paused_s: Wall time for which the run was paused so far [s].
 
     Raises:
@@ -171,24 +171,24 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         return self._session.metrics.thresholds
 
     @property
-    def told(self) -> bytes | None:
+    def diagnosis(self) -> bytes | None:
         """What /rover/metrics says of the latest tick, if it was that of a row."""
-        return self._metrics.told
+        return self._metrics.diagnosis
 
     def use(self, thresholds: Thresholds) -> None:
-        """Has other thresholds from the next sample on."""
+        """Replaces the thresholds from the next sample on."""
         self._session.metrics.thresholds = thresholds
 
 
-def _told(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
-    """The same routes, whose ticks are told under their topics when all rovers have had theirs."""
+def _published(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
+    """The same routes, whose ticks are published when all rovers have had theirs."""
     sent: list[Tick] = []
 
     def take(log: LoggedRun, tick: Tick, left: Tick) -> None:
         log.advance(tick, left)
         sent.append(left)
         if len(sent) == len(logs):
-            topics.tell(tick, sent, [each.told for each in logs])
+            topics.tell(tick, sent, [each.diagnosis for each in logs])
             sent.clear()
 
     return [replace(route, sink=partial(take, log)) for route, log in zip(routes, logs, strict=True)]
@@ -233,5 +233,5 @@ def _driven(ticks: Iterator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:
     """Says beside the log whether the session runs or has ended."""
-    with suppress(LogError):  # what a disk refuses to the log itself is told already
+    with suppress(LogError):  # a disk that refuses the log itself is reported already
         write_record(log.path, outcome, {})

@@ -94,10 +94,12 @@ class Episode:
         noise = sensor_noise(self.setup.noise, run.own_seed(number), lidar_spec, rover.vibration)
         rates: dict[type[Sample], int] = {Imu: self.setup.imu_rate}
         self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
-        crowd, told = self.simulation.crowd, samples is None or ActorPoses in samples
-        self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
+        crowd, are_sampled = self.simulation.crowd, samples is None or ActorPoses in samples
+        self._people = (
+            PeopleSensor(self.simulation, crowd) if crowd is not None and are_sampled else None
+        )
         self._ticks: list[Tick] = []  # since the last batch
-        self._goals, self._told = list[Place](), list[GoalPose]()  # that come with this batch
+        self._goals, self._goal_poses = list[Place](), list[GoalPose]()  # that come with this batch
         self.pilot = Pilot(run, number, self.simulation, lidar_spec, self.reset)
 
     def hand_over(self, driver: str) -> None:
@@ -162,7 +164,7 @@ class Episode:
 
     def begin_observing(self) -> None:
         """Takes over what was given for the control period that is observed next."""
-        self._goals, self._told = self.pilot.take_given()
+        self._goals, self._goal_poses = self.pilot.take_given()
 
     def needs(self, index: int) -> bool:
         """Returns whether anybody looks at the state at the end of a tick, counted from 1."""
@@ -174,8 +176,8 @@ class Episode:
         samples = self._sensors.tick(index)
         if self._people is not None and self._people.due(index):
             samples += (self._people.read(),)
-        if self._told:
-            samples += (replace(self._told.pop(), stamp_ns=self.simulation.time_ns),)
+        if self._goal_poses:
+            samples += (replace(self._goal_poses.pop(), stamp_ns=self.simulation.time_ns),)
         self._ticks.append(Tick(self.simulation.time_ns, samples))
 
     def end_period(self, *, is_last: bool) -> Batch:

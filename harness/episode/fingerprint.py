@@ -72,6 +72,12 @@ class StreamHash:
 def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[str] = ()) -> Fingerprint:
     """Returns the fingerprint of a run with one rover, in a folder that is gone afterwards.
 
+    Args:
+        drive: `run_direct` or `run_through_ros`.
+        run: What is driven.
+        stop: Ends it.
+        ros_args: From --ros-args on.
+
     Raises:
         RunFailed: It did not come to its planned end.
         Interrupted: Somebody stopped it.

@@ -1,7 +1,7 @@
 """Steering a run while it goes on: its pace, and orders to its rovers, from other threads.
 
 Orders come into effect between two control periods, at a time that is known. So what was ordered can be
-told as the plan of another run, which then gives the same bytes.
+written as the plan of another run, which then gives the same bytes.
 """
 
 import time
@@ -89,7 +89,7 @@ class Metered(Protocol):
         """What counts as an event."""
 
     def use(self, thresholds: Thresholds) -> None:
-        """Has other thresholds from the next sample on."""
+        """Replaces the thresholds from the next sample on."""
 
 
 class Given(NamedTuple):
@@ -108,7 +108,7 @@ class Helm(Pacer):
         stop: Ends the run, also while it is paused.
 
     Attributes:
-        rate: The same, from now on.
+        rate: Simulated seconds per wall second from now on; None does not wait.
         paused: Whether the run stands still between two control periods.
         idle: Called again and again meanwhile.
         held_s: Wall time for which it has stood still [s].
@@ -147,15 +147,15 @@ class Helm(Pacer):
         return self.metered[number].last_row if self.metered else None
 
     def thresholds(self, number: int) -> Thresholds:
-        """Returns those of the rover at a place of the run, once it has begun, with what was ordered."""
+        """Returns the thresholds of the rover at a place of a run that has begun, as ordered."""
         return self._thresholds.get(number) or self.metered[number].thresholds
 
     def judge(self, number: int, thresholds: Thresholds) -> None:
-        """Has other thresholds for the metrics of the rover at a place of the run."""
+        """Replaces the thresholds for the metrics of the rover at a place of the run."""
         self._thresholds[number] = thresholds
 
     def wait_until(self, simulation_ns: int) -> None:
-        """Waits until wall time has caught up with a simulation time, at the rate of now."""
+        """Waits until wall time has caught up with a simulation time, at the present rate."""
         if self.rate != self._rate:
             self._rate = self.rate
             if self._rate is not None:
@@ -210,7 +210,7 @@ class Helm(Pacer):
         )
 
     def note(self, run: Run) -> str:
-        """Returns what is to be told of a run that was steered; "" if it was not."""
+        """Returns a note on a run that was steered; "" if it was not."""
         if not (self.given or self._judged):
             return ""
         repeats = len(run.rovers) == 1 and not self._judged and not self.is_shared()

@@ -21,7 +21,7 @@ from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
-# There if given alone.
+# Options that stand in the manifest only where they are given.
 RARE = ("targets", "route", "drivers", "aborts", "resumes", "link_losses", "keep_ruts")
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
@@ -66,7 +66,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
 def write_manifest(result: RunResult, path: Path) -> None:
     """Writes the manifest, there whole or not at all; a UsageError says that it cannot be written."""
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
-    text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
+    text = FLAT_LIST.sub(lambda match: re.sub(r"\s+", " ", match[0]), text)
     write_whole(path, text, "the summary", UsageError)
 
 

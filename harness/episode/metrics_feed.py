@@ -119,19 +119,24 @@ class SampleFeed:
 class DirectMetrics(SampleFeed):
     """Feeds ticks to a session of metrics and writes a row, the `last_row`, each simulated second.
 
+    Args:
+        session: The metrics.
+        lidar: Its azimuths and range limits go with each scan.
+        log: Gets the rows.
+
     Attributes:
-        told: What the diagnostics say of the row of the latest tick; None without a row or diagnostics.
+        diagnosis: Message of the diagnostics on the latest row; None if the latest tick has no row.
     """
 
     def __init__(self, session: MetricsSession, lidar: LidarSpec, log: CsvLog) -> None:
         super().__init__(session, lidar)
         self._log, self._schedule = log, RowSchedule(NANOSECONDS)
         self.last_row: Row | None = None
-        self.told: bytes | None = None
+        self.diagnosis: bytes | None = None
 
     def advance(self, _: Tick, sent: Tick) -> None:
         """Takes what listeners get of a tick; the row of a full second comes after its samples."""
-        self.told = None
+        self.diagnosis = None
         for sample in sent.samples:
             self.take(sample)
         if sent.tells_time and self._schedule.is_due(sent.stamp_ns):
@@ -139,4 +144,4 @@ class DirectMetrics(SampleFeed):
             self._log.write(self.last_row)
             if self.diagnostics is not None:
                 thresholds = self._session.metrics.thresholds
-                self.told = self.diagnostics.told(sent.stamp_ns, self.last_row, thresholds)
+                self.diagnosis = self.diagnostics.message(sent.stamp_ns, self.last_row, thresholds)

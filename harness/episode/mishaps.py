@@ -50,16 +50,16 @@ class Mishap:
 
 def mishaps(result: "RunResult", kinds: tuple[Kind, ...] = SERIOUS) -> tuple[Mishap, ...]:
     """Returns what went wrong in a run, of each kind the first time, in the order of time."""
-    found = sorted(_found(result), key=lambda mishap: mishap.time_s)
-    return tuple(mishap for mishap in found if mishap.kind in kinds)
+    every = sorted(_every(result), key=lambda mishap: mishap.time_s)
+    return tuple(mishap for mishap in every if mishap.kind in kinds)
 
 
-def _found(result: "RunResult") -> Iterator[Mishap]:
+def _every(result: "RunResult") -> Iterator[Mishap]:
     along = result.along
     if not math.isnan(along.tipped_over_s):
-        yield _told("tipped_over", along.tipped_over_s, "tipped over")
+        yield _mishap("tipped_over", along.tipped_over_s, "tipped over")
     if result.failure is not None and LEFT_THE_MAP in result.failure:
-        yield _told("left_map", result.simulated_s, "left the map")
+        yield _mishap("left_map", result.simulated_s, "left the map")
     for kind, verb in CONTACTS.items():
         events = [
             e for e in along.events if e.kind == kind and (kind != "rock" or WHEEL not in e.part.lower())
@@ -67,9 +67,9 @@ def _found(result: "RunResult") -> Iterator[Mishap]:
         if events:
             first = events[0]
             often = f", {len(events)} times in all" if len(events) > 1 else ""
-            what = verb.format(other=first.other, part=first.part)
-            yield _told(kind, first.start_ns / NANOSECONDS, what, often)
+            event = verb.format(other=first.other, part=first.part)
+            yield _mishap(kind, first.start_ns / NANOSECONDS, event, often)
 
 
-def _told(kind: Kind, time_s: float, what: str, more: str = "") -> Mishap:
-    return Mishap(kind, time_s, f"{what} at {time_s:.1f} s{more}")
+def _mishap(kind: Kind, time_s: float, event: str, more: str = "") -> Mishap:
+    return Mishap(kind, time_s, f"{event} at {time_s:.1f} s{more}")

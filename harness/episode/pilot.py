@@ -56,10 +56,10 @@ class Pilot:
         self._bearings = lidar.bearings(rover.lidar_yaw)
         self._hazard_contact = simulation.summed(HAZARD_CONTACT)
         self._takes_goals = takes_goals(self._setup.driver)
-        self._course = course_of(run, number, simulation.scene.world)
+        self._course = _course_of(run, number, simulation.scene.world)
         self._is_linked, self._is_aborted = True, False
-        # For the next control period: the driver's goals, and what who drives over topics is told.
-        self._goals, self._told = list[Place](), list[GoalPose]()
+        # For the next control period: the driver's goals, and those that are published.
+        self._goals, self._goal_poses = list[Place](), list[GoalPose]()
         self._planned = self._plan(reset)
         self.begin()
 
@@ -147,9 +147,9 @@ class Pilot:
         self._base.command(self._faults.command(self._commanded(latest), self._simulation.time_ns))
 
     def take_given(self) -> tuple[list[Place], list[GoalPose]]:
-        """Returns the goals that were given, and those that are to be told, since it was asked last."""
-        given = self._goals, self._told
-        self._goals, self._told = [], []
+        """Returns the goals given to the driver, and those to be published, since the last call."""
+        given = self._goals, self._goal_poses
+        self._goals, self._goal_poses = [], []
         return given
 
     def drive_wheels(self, ticks: int) -> None:
@@ -181,7 +181,7 @@ class Pilot:
             return
         ground, half = self._simulation.scene.world.ground, 0.5 * goal.yaw
         turned = (0.0, 0.0, math.sin(half), math.cos(half))
-        self._told = [GoalPose(0, (goal.x, goal.y, ground.height_at(goal.x, goal.y)), turned)]
+        self._goal_poses = [GoalPose(0, (goal.x, goal.y, ground.height_at(goal.x, goal.y)), turned)]
 
     def _link(self, *, up: bool) -> None:
         self._is_linked = up
@@ -194,7 +194,7 @@ class Pilot:
         self._give_again()
 
     def _give_again(self) -> None:
-        """A new driver, or one that was held, is given the goal or way point that is in hand."""
+        """Gives the present goal or way point to a new driver, or to one that was held."""
         if self._course is not None:
             self._course.again()
 
@@ -203,7 +203,7 @@ def _is_due(time_s: float, tick: int) -> bool:
     return round(time_s * NANOSECONDS) <= tick * TICK_NS
 
 
-def course_of(run: Run, number: int, world: World) -> RouteCourse | GoalCourse | None:
+def _course_of(run: Run, number: int, world: World) -> RouteCourse | GoalCourse | None:
     """Returns what gives the goals of a rover: its route, or an area; None without either.
 
     Raises:

@@ -15,12 +15,12 @@ from rover_metrics.plugins import Table
 
 def plugins_of(result: RunResult) -> dict[str, dict[str, str]]:
     """Returns, by "TABLE NAME", where each plug-in of a rover's part of a run is from, and its hash."""
-    found = {}
+    plugins = {}
     for table, name in _asked(result):
         source = table.source(name) if name in table else None
         if source is not None:
-            found[f"{table.name} {name}"] = {"from": source[0], "sha256": source[1]}
-    return found
+            plugins[f"{table.name} {name}"] = {"from": source[0], "sha256": source[1]}
+    return plugins
 
 
 def _asked(result: RunResult) -> Iterator[tuple[Table[Any], str]]:

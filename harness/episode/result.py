@@ -44,7 +44,7 @@ class CommandCount:
 
     Attributes:
         taken: How many the rover was given.
-        older: How many of these were stamped before the time that /clock had told.
+        older: How many of these were stamped before the time that /clock had shown.
         refused: How many were not finite, or in a frame that is not the rover's.
     """
 
@@ -164,12 +164,12 @@ def steered(result: RunResult, helm: Helm | None) -> RunResult:
 
 @dataclass
 class RunAccount:
-    """An observer that keeps account of a run and tells it.
+    """An observer that keeps account of a run and shows it.
 
     Args:
         begun: What is known before the first batch.
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the result up to now, at most once in SHOWN_EVERY of wall time.
+        show: Called with the result up to now, at most once in SHOWN_EVERY of wall time.
         topics: Counts the messages so far; `rows` counts those of the CSV.
         paused_s: Wall time for which the run was paused so far [s].
     """

@@ -7,7 +7,7 @@ ordered already, at a time that it knows. With the cmd_vel driver the child wait
 instead.
 
 The child sends what the episodes were made of, then batches, TOGETHER in one message since each wakes
-the consumer, and an empty message at the end, or instead of any of these the error that it failed of.
+the consumer, and an empty message at the end, or instead of any of these the error by which it failed.
 """
 
 import contextlib
@@ -100,8 +100,12 @@ class RoverOrders:
 class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
-    Its `rovers` take the orders, in that order; if it is prompt, each comes into effect with the next
-    batch, and nothing is simulated ahead.
+    Its `rovers` take the orders, in that order.
+
+    Args:
+        run: What is driven.
+        frame_options: Which transforms are published; None for none.
+        prompt: Whether each order comes into effect with the next batch, and nothing is simulated ahead.
     """
 
     def __init__(
@@ -158,7 +162,7 @@ class EpisodeProcess(contextlib.AbstractContextManager["EpisodeProcess"]):
         if self.next_ns is None:
             return
         orders = tuple(rover.take() for rover in self.rovers)
-        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt says why
             self._connection.send(orders)
         self._ordered += 1
 
@@ -225,7 +229,7 @@ def _stream(
             if len(unsent) == size:
                 connection.send(unsent)
                 unsent.clear()
-    finally:  # what an episode failed of comes behind its batches
+    finally:  # the error of an episode comes behind its batches
         if unsent:
             connection.send(unsent)
     connection.send([])

@@ -1,4 +1,4 @@
-"""What a run without ROS tells under its topics: the messages that the bridge of one with ROS publishes.
+"""What a run without ROS publishes: the messages that the bridge of a run with ROS would.
 
 In the same order, as bytes, to sinks: a recording, Foxglove. Nobody listens, so there is no /cmd_vel.
 """
@@ -33,7 +33,7 @@ MAP_AT_NS = NANOSECONDS // 10  # when a bridge has looked for listeners of its m
 _tell = partial(complain, "harness.run")
 
 
-class _Lane:
+class _Channel:
     """One topic: what makes its messages, and where they go."""
 
     def __init__(self, intakes: Sequence[Intake], fill: Fill, *, on_demand: bool) -> None:
@@ -62,28 +62,30 @@ class _RoverTopics:
         setup = run.rovers[number]
         self.space, self._sinks = f"/{setup.name}" if setup.name else "", sinks
         rover = find_rover(setup.robot)
-        urdf, static = self.lane(DESCRIPTION, urdf_bytes), self.lane(STATIC, transforms_bytes)
+        urdf, static = self.channel(DESCRIPTION, urdf_bytes), self.channel(STATIC, transforms_bytes)
         outlets = outlets_of(run, number, painter.image)
         moving = MovingFrames(description.moving)
         outlets[Transforms] = [(topic, moving.fill) for topic in row_of(Transforms).topics]
-        self._lanes = {key: [self.lane(*outlet) for outlet in some] for key, some in outlets.items()}
-        self._map = self.lane(MAP, partial(occupancy_bytes, time_ns=MAP_AT_NS))
-        self._metrics = self.lane(METRICS, bytes, is_late=True)
+        self._channels = {
+            key: [self.channel(*outlet) for outlet in some] for key, some in outlets.items()
+        }
+        self._map = self.channel(MAP, partial(occupancy_bytes, time_ns=MAP_AT_NS))
+        self._metrics = self.channel(METRICS, bytes, is_late=True)
         self._limits = rover.slope_limit, rover.step_limit
         urdf.send(0, description.urdf)
         static.send(0, description.fixed)
 
-    def lane(self, topic: Topic, fill: Fill, *, is_late: bool = False) -> _Lane:
+    def channel(self, topic: Topic, fill: Fill, *, is_late: bool = False) -> _Channel:
         """Returns a topic of the rover."""
         name = topic.name if topic.name.startswith("/") else f"{self.space}/{topic.name}"
         opened = endpoint(topic, name)._replace(is_late=is_late)
-        return _Lane([sink.open(opened) for sink in self._sinks], fill, on_demand=topic.on_demand)
+        return _Channel([sink.open(opened) for sink in self._sinks], fill, on_demand=topic.on_demand)
 
     def send(self, time_ns: int, sent: Tick) -> None:
         """Sends the samples of a tick."""
         for sample in chain.from_iterable(burst.values() for burst in bursts(sent.samples)):
-            for lane in self._lanes[source(sample)]:
-                lane.send(time_ns, sample)
+            for channel in self._channels[source(sample)]:
+                channel.send(time_ns, sample)
 
     def end_tick(self, time_ns: int, metrics: bytes | None, run: Run) -> None:
         """Sends what comes after the clock: a row's metrics, and once the map."""
@@ -111,15 +113,15 @@ class RunTopics:
             _RoverTopics(run, number, each, sinks, at_end.enter_context(painter(run, number, _tell)))
             for number, each in enumerate(descriptions)
         ]
-        self._clock = self._rovers[0].lane(CLOCK, clock())
+        self._clock = self._rovers[0].channel(CLOCK, clock())
 
     def tell(self, tick: Tick, sent: Sequence[Tick], metrics: Sequence[bytes | None]) -> None:
-        """Tells a tick.
+        """Publishes a tick.
 
         Args:
             tick: Of the episodes.
             sent: What faults have left of each rover's.
-            metrics: What metrics_node tells of each, where a row was due.
+            metrics: Each one's message of diagnostics, where a row was due.
         """
         time_ns = tick.stamp_ns
         for rover, each in zip(self._rovers, sent, strict=True):

@@ -1,1 +1,1 @@
-"""What goes wrong between the sensors and whoever listens."""
+"""What goes wrong between the sensors and their listeners."""

@@ -14,7 +14,7 @@ from harness.base.streams import FAULTS, generator
 from harness.faults.base import Fault
 from harness.samples import Twist
 
-if TYPE_CHECKING:  # whoever only looks faults up does without MuJoCo
+if TYPE_CHECKING:  # looking faults up needs no MuJoCo
     from harness.physics.simulation import Simulation
 
 CMD_VEL, MOTOR, WHEEL = "cmd_vel", "motor.", "wheel."  # as faults call them; a side or a wheel follows
@@ -69,7 +69,7 @@ def late_commands(fault: Fault[Any], _: np.random.Generator) -> CommandEffect:
     return effect
 
 
-def held_commands(
+def _held_commands(
     share: Callable[[float], float], fault: Fault[Any], rng: np.random.Generator
 ) -> CommandEffect:
     """A share of the commands is not heard: the last one that was stays in force."""
@@ -83,5 +83,5 @@ def held_commands(
     return effect
 
 
-lost_commands: CommandAct = partial(held_commands, lambda value: value)
-frozen_commands: CommandAct = partial(held_commands, lambda _: 1.0)
+lost_commands: CommandAct = partial(_held_commands, lambda value: value)
+frozen_commands: CommandAct = partial(_held_commands, lambda _: 1.0)

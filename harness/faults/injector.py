@@ -1,4 +1,4 @@
-"""What goes wrong between the sensors and whoever listens: an iterator over ticks, seeded, no ROS.
+"""What goes wrong between the sensors and their listeners: an iterator over ticks, seeded, no ROS.
 
 The drive itself is untouched: the drivers of an episode see clean readings, so two runs that differ in
 a fault differ in nothing else. Each fault draws from its own generator. Faults of one sensor act in
@@ -24,7 +24,7 @@ class FaultInjector:
         faults: What goes wrong.
         seed: Of the run.
         rows: The sensors of the run; None for all there are.
-        clock_seed: Of the clock's faults, which several rovers share; None for the same.
+        clock_seed: Of the clock's faults, which several rovers share; None for `seed`.
 
     Attributes:
         disturbs_time: Whether time will do anything else than go on by one tick after the other.

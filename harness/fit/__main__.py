@@ -55,6 +55,9 @@ def _fit(options: argparse.Namespace, console: Console) -> int:
     check_new(options.out)
     rover, source = _rover(options.rover, options.surface), options.recording[0].name
     recording = read(options.recording, rover, topics).within(-1e9, options.seconds)
+    if recording.sources:
+        read_as = ", ".join(f"{name} {topic}" for name, topic in sorted(recording.sources.items()))
+        console.print(f"{source}: {read_as}; --topic chooses others", soft_wrap=True)
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,
         counted(console, f"driving {rover.name} as {source}") as show,

@@ -1,4 +1,4 @@
-"""What a fit says of one number: its value with an interval, or why the recording does not tell it."""
+"""What a fit says of one number: its value with an interval, or why the recording does not show it."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ class Estimate:
         after: The recording's; NaN if it is not known.
         half: Half of its interval of 95 %.
         why: Why it is not known; "" if it is.
-        scale: Of what may be 0: how uncertain it may be.
+        scale: For values that may be 0: half an interval up to which they count as known.
     """
 
     name: str
@@ -47,7 +47,13 @@ class Estimate:
         return not self.why
 
     def judged(self, after: float, half: float, lack: str) -> "Estimate":
-        """Returns it with a value, or, where its interval is too wide, with what is lacking."""
+        """Returns the estimate with a value, or with why it is not known where its interval is too wide.
+
+        Args:
+            after: The recording's value, in the estimate's unit; not finite if there is none.
+            half: Half of its interval of 95 %.
+            lack: What the recording lacks if that is too wide.
+        """
         estimate = replace(self, after=after, half=half)
         if isfinite(after) and half <= max(VAGUE * abs(after), self.scale):
             return estimate
@@ -55,7 +61,7 @@ class Estimate:
         return replace(estimate, after=nan, why=f"{reason}: {lack}")
 
     def unknown(self, why: str) -> "Estimate":
-        """Returns it as what nothing shows."""
+        """Returns the estimate as one that the recording does not show."""
         return replace(self, why=why)
 
 
@@ -121,14 +127,14 @@ def minimise(
 
     point = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
     for _ in range(rounds):
-        found = least_squares(
+        solution = least_squares(
             values, point, jac=_broyden(values, differences, steps), bounds=bounds, loss="soft_l1",
             x_scale=steps, max_nfev=MOST, xtol=1e-3, ftol=1e-3,
         )  # fmt: skip
-        point = found.x
-    weights = (1.0 + found.fun**2) ** -0.25  # roots of those of soft L1
-    halves = CERTAIN * deviations(weights[:, None] * differences(point), weights * found.fun)
-    return point, halves, float(found.cost)
+        point = solution.x
+    weights = (1.0 + solution.fun**2) ** -0.25  # roots of those of soft L1
+    halves = CERTAIN * deviations(weights[:, None] * differences(point), weights * solution.fun)
+    return point, halves, float(solution.cost)
 
 
 def _broyden(
@@ -140,15 +146,15 @@ def _broyden(
     def slopes(point: Series) -> Series:
         now = values(point)
         if last:
-            before, then, found = last.pop()
+            before, then, jacobian = last.pop()
             way = (point - before) / steps**2
-            found = found + np.outer(
-                now - then - found @ (point - before), way / (way @ (point - before))
+            jacobian = jacobian + np.outer(
+                now - then - jacobian @ (point - before), way / (way @ (point - before))
             )
         else:
-            found = differences(point)
-        last.append((point, now, found))
-        return found
+            jacobian = differences(point)
+        last.append((point, now, jacobian))
+        return jacobian
 
     return slopes
 
@@ -164,14 +170,14 @@ def deviations(jacobian: Series, left: Series) -> Series:
     blocks = np.array_split(np.arange(left.size), min(BLOCKS, left.size))
     scores = np.array([jacobian[block].T @ left[block] for block in blocks])
     spread: Series = scores.T @ scores * (len(blocks) / max(len(blocks) - jacobian.shape[1], 1))
-    found: Series = np.sqrt(np.diag(inverse @ spread @ inverse))
+    result: Series = np.sqrt(np.diag(inverse @ spread @ inverse))
     silent = np.abs(jacobian).sum(axis=0) == 0.0
-    found[silent] = np.inf
-    return found
+    result[silent] = np.inf
+    return result
 
 
 def slope(x: Series, y: Series) -> tuple[float, float]:
-    """Returns y over x by least squares, and half of its interval; NaN, infinite of nothing."""
+    """Returns y over x by least squares, and half of its interval; NaN and infinite without data."""
     square = float(x @ x)
     if not square > 0.0:
         return nan, np.inf

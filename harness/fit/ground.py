@@ -37,12 +37,12 @@ LIGHT = 0.02  # [m], or of a load: less does not matter
 NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
 
 
-Show = Callable[[int, int], None]  # is called with what is done of what
+Show = Callable[[int, int], None]  # called with how many are done, and of how many
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """What came of it: estimates, and ours beside the kinds of steady driving, before and after."""
+    """What the ground does: estimates, and ours beside the kinds of steady driving, before and after."""
 
     estimates: tuple[Estimate, ...]
     before: Steady
@@ -101,19 +101,19 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
         some: Recorded windows of steady driving.
         like: Their kinds, as which ours is driven.
         workers: Do so, from several starts at once.
-        show: Is called with what is done of what.
+        show: Called with how many are done, and of how many.
     """
     free, unknown = blanks(rover, some)
     before = driven(rover, like)
     while free:
-        found = _search(rover, free, some, like, workers, show)
-        vague = [one for one in found if not one.is_known]
+        estimates = _search(rover, free, some, like, workers, show)
+        vague = [one for one in estimates if not one.is_known]
         if not vague:
             break
         # The others again, for they were found together with what is not written.
-        free = [one for one, sought in zip(free, found, strict=True) if sought.is_known]
+        free = [one for one, sought in zip(free, estimates, strict=True) if sought.is_known]
         unknown += vague
-    known = found if free else []
+    known = estimates if free else []
     after = driven(with_values(rover, [(one.key, one.after) for one in known]), like)
     return Ground((track(some, before), *known, *unknown), before, after)
 
@@ -129,19 +129,19 @@ def _search(
     """What is free, with the values that explain the recorded windows best."""
     keys, prior = [one.key for one in free], np.array([one.before for one in free])
     starts = [np.array([_begun(rover, some, share)[key] for key in keys]) for share in DRAGS]
-    found: dict[int, tuple[Series, Series, float]] = {}
+    solutions: dict[int, tuple[Series, Series, float]] = {}
 
     def keep(number: int, outcome: tuple[Series, Series, float]) -> None:
-        found[number] = outcome
-        show(len(found), len(starts))
+        solutions[number] = outcome
+        show(len(solutions), len(starts))
 
     sought = partial(_sought, rover, like, tuple(keys), prior)
     work_off(
         dict(enumerate(starts)), sought, workers, keep,
         name=lambda number: f"search {number}", mend="give fewer --jobs",
     )  # fmt: skip
-    best = min(found.values(), key=lambda one: one[2])
-    others = [one[0] for one in found.values() if one[2] <= ALIKE * best[2] + 1e-3]
+    best = min(solutions.values(), key=lambda one: one[2])
+    others = [one[0] for one in solutions.values() if one[2] <= ALIKE * best[2] + 1e-3]
     halves = np.maximum(best[1], np.ptp(others, axis=0))
     return [
         one.judged(value, half, "steady driving of more kinds is missing")
@@ -166,26 +166,26 @@ def _sought(
 def compared(ours: Steady, like: Steady) -> dict[str, Series]:
     """Returns ours less the recorded over their tolerances, by quantity, weighted."""
     weight = np.sqrt(like.weight / like.weight.mean())
-    found = {}
+    residuals = {}
     for name, off in differences(ours, like).items():
         known, wide = np.isfinite(getattr(like, name)), np.full(off.size, TOLERANCES.get(name, 0.0))
         if name in CURRENTS:
             real: Series = getattr(like, name)
             wide = SHARE * np.maximum(real, _middle(like.left_current + like.right_current) / 2)
         scaled = np.where(np.isfinite(off), off / wide, UNSTEADY)
-        found[name] = (weight * scaled)[known]
-    return found
+        residuals[name] = (weight * scaled)[known]
+    return residuals
 
 
 def differences(ours: Steady, like: Steady) -> dict[str, Series]:
     """Returns ours less the recorded, by quantity; NaN of what either does not have."""
-    found = {name: getattr(ours, name) - getattr(like, name) for name in UNITS}
-    known = np.isfinite(found["ahead"])
-    off, turning = found["ahead"][known], like.yaw_rate[known]
+    errors = {name: getattr(ours, name) - getattr(like, name) for name in UNITS}
+    known = np.isfinite(errors["ahead"])
+    off, turning = errors["ahead"][known], like.yaw_rate[known]
     # Poses may be to the side of the rover's middle.
     aside = float(off @ turning) / max(float(turning @ turning), 1e-9)
-    found["ahead"][known] -= aside * turning
-    return found
+    errors["ahead"][known] -= aside * turning
+    return errors
 
 
 def driven(rover: RoverSpec, like: Steady) -> Steady:

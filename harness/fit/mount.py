@@ -12,7 +12,7 @@ STILL = 0.02, 0.05  # [m/s] of both sides, [rad/s]
 FEWEST = 20  # samples at rest
 STRIDE = 0.4  # [s] over which forces are means
 TOLERANCE = 0.1  # [m/s^2]
-LEAST = 0.15  # [m/s^2] rms of the change of speed, and of w^2 [rad^2/s^2], that tell something
+LEAST = 0.15  # least rms of the change of speed [m/s^2], and of w^2 [rad^2/s^2], for an estimate
 AXES = "roll", "pitch", "yaw"
 FAR = 2.0  # [m] from the rover's middle at most
 

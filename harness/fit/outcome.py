@@ -56,7 +56,7 @@ def fit(
         rover: With real actuators, where the search begins.
         whole: From `reading.read`; its last steps are held back.
         workers: Drive.
-        show: Is called with what is done of what.
+        show: Called with how many are done, and of how many.
 
     Raises:
         UsageError: The recording tells nothing.
@@ -67,22 +67,22 @@ def fit(
     near = fitted(rover, [*first, *constants])
     some = steady(_drawn(recording, near))
     like = kinds(some)
-    found = ground(near, some, like, workers, show)
-    loaded = fitted(near, found.estimates)
+    fitted_ground = ground(near, some, like, workers, show)
+    loaded = fitted(near, fitted_ground.estimates)
     second = response(rover, recording, loaded)
-    estimates = (*second, *found.estimates, *constants)
+    estimates = (*second, *fitted_ground.estimates, *constants)
     if not any(one.is_known for one in estimates):
         reasons = "; ".join(dict.fromkeys(one.why for one in estimates))
         raise UsageError(f"{whole.name} tells nothing: {reasons}")
     best = fitted(loaded, second)
     was, now = (_rms(difference(one, recording)) for one in (rover, best))
     pairs = {("speed of the sides", "m/s"): (was, now)}
-    before, after = (differences(ours, like) for ours in (found.before, found.after))
+    before, after = (differences(ours, like) for ours in (fitted_ground.before, fitted_ground.after))
     for name, unit in UNITS.items():
         if np.isfinite(after[name]).any():
             pairs[name.replace("_", " "), unit] = _rms(before[name]), _rms(after[name])
     ends = [step_ends(one, held) if held is not None else np.empty(0) for one in (rover, best)]
-    return Outcome(rover, best, estimates, recording, like, found, pairs, (ends[0], ends[1]))
+    return Outcome(rover, best, estimates, recording, like, fitted_ground, pairs, (ends[0], ends[1]))
 
 
 def split(whole: Recording) -> tuple[Recording, Recording | None]:

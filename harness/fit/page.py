@@ -21,7 +21,7 @@ WITHIN = 0.15  # of a step's length: harness.validate's limit
 def tables(outcome: Outcome) -> list[Sheet]:
     """Returns what was found, what is left of the differences, and what is not known and why."""
     known = [one for one in outcome.estimates if one.is_known]
-    found = [
+    rows = [
         (one.name, one.unit, one.key or NONE, *map(_number, (one.before, one.after)), _interval(one))
         for one in known
     ]
@@ -35,7 +35,7 @@ def tables(outcome: Outcome) -> list[Sheet]:
     titles = "parameter", "unit", "rover.yaml", "before", "after", "95 %"
     unknown = [{"parameter": one.name, "why": one.why} for one in outcome.estimates if not one.is_known]
     sheets = [
-        Sheet(titles, tuple(found), "Parameters"),
+        Sheet(titles, tuple(rows), "Parameters"),
         Sheet(("quantity", "unit", "before", "after"), tuple(left), DIFFERENCES),
         Sheet.of(unknown, "What the recording does not tell"),
     ]
@@ -82,7 +82,7 @@ def _sides(outcome: Outcome) -> list[Plot]:
 
 
 def _steady(outcome: Outcome) -> list[Plot]:
-    """Ours over the recorded, a mark for each kind of steady driving."""
+    """A plot of ours over the recorded, a mark for each kind of steady driving."""
     plots = []
     for name, unit in UNITS.items():
         real, title = getattr(outcome.like, name), f"{name.replace('_', ' ')} [{unit}]"

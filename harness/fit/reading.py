@@ -1,4 +1,4 @@
-"""CSV files or a bag of strangers -> one recording that can be fitted to, or what it lacks in a line."""
+"""A user's CSV files or bag -> one recording that can be fitted to, or what it lacks in a line."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -40,21 +40,21 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
     if all(path.is_file() and ".csv" in path.name for path in paths):
         if topics:
             raise UsageError("--topic is for bags; a CSV file's columns go by their names")
-        found = recording_of(paths, name.split(".csv")[0], rover.controller_radius)
+        recording = recording_of(paths, name.split(".csv")[0], rover.controller_radius)
     elif len(paths) > 1:
         raise UsageError("several recordings must be CSV files of one drive; give one bag")
     else:
-        found = recording_of_bag(paths[0], rover, topics)
-    _check(found)
-    return _begun(_aligned(found, rover))
+        recording = recording_of_bag(paths[0], rover, topics)
+    _check(recording)
+    return _begun(_aligned(recording, rover))
 
 
 def _check(recording: Recording) -> None:
     """Checks that what is needed is there, moves, overlaps and is whole."""
     there, name = recording.series, recording.name
     if missing := [one for one in NEEDED if one not in there]:
-        found = ", ".join(there) or "nothing that a rover's model is fitted to"
-        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {found}")
+        present = ", ".join(there) or "nothing that a rover's model is fitted to"
+        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}")
     spans = {one: (float(v[0, 0]), float(v[-1, 0])) for one, v in there.items()}
     begin, end = max(b for b, _ in spans.values()), min(e for _, e in spans.values())
     there_are = ", ".join(f"{one} {b:.1f} to {e:.1f} s" for one, (b, e) in spans.items())

@@ -15,7 +15,7 @@ from harness.validate.rig import TICK
 
 TOLERANCE = 0.03  # [m/s]
 STEP = 0.02  # [s], [m]: for derivatives, above a tick
-VARIES = 0.1  # [m/s], [rad/s] sd of commands that tell something
+VARIES = 0.1  # least sd of commands for an estimate [m/s], [rad/s]
 HELD = 0.4  # [s]: logs repeat a sample no longer
 LONGEST = 1.5  # [s] that a command may take to a wheel
 BOUNDS = {
@@ -65,9 +65,9 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
         return (difference(ours, recording) - lost) / TOLERANCE
 
     values, halves, _ = minimise(residuals, start, (low, high), np.full(len(free), STEP))
-    found = iter(zip(values.tolist(), halves.tolist(), strict=True))
+    fits = iter(zip(values.tolist(), halves.tolist(), strict=True))
     lack = "changes of the command are too few"
-    return [one.judged(*next(found), lack) if one.is_known else one for one in blank]
+    return [one.judged(*next(fits), lack) if one.is_known else one for one in blank]
 
 
 def difference(rover: RoverSpec, recording: Recording) -> Series:

@@ -46,7 +46,7 @@ class Steady:
 
     @property
     def table(self) -> Series:
-        """All, shape (n, 8)."""
+        """All fields as columns, shape (n, 8)."""
         return np.column_stack([getattr(self, name) for name in self.__dataclass_fields__])
 
     @property
@@ -56,7 +56,7 @@ class Steady:
 
     @property
     def difference(self) -> Series:
-        """Of the sides, right less left [m/s]."""
+        """Difference of the sides' speeds, right less left [m/s]."""
         return self.right - self.left
 
     @property
@@ -95,7 +95,7 @@ def steady(recording: Recording) -> Steady:
 
 
 def window(recording: Recording, begin: float, end: float) -> tuple[float, ...] | None:
-    """Returns what was so long, by the fields of Steady; None where it was not steady.
+    """Returns a window, by the fields of Steady; None where the driving was not steady.
 
     Args:
         recording: Of a real rover, or of ours.

@@ -54,7 +54,7 @@ class RoverFrames:
 
     @property
     def moving(self) -> tuple[Link, ...]:
-        """Those that a joint moves."""
+        """The frames that a joint moves."""
         return tuple(link for link in self.links if link.joint >= 0)
 
     def edge(self, link: Link) -> Edge:

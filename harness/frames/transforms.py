@@ -46,7 +46,12 @@ def describe(frames: RoverFrames, options: FrameOptions) -> Description:
 class TransformSensor(Sensor):
     """Where the rover is in odom, and its moving parts in their parents.
 
-    Of the sensors of the episode, which may be made later, the wheel odometry and what is due are asked.
+    Args:
+        simulation: Of the rover.
+        frames: The rover's.
+        options: Who owns odom -> base.
+        sensors: The episode's, which may be made later; asked for the wheel odometry and what is due.
+        period_ticks: Clock ticks between two samples, at least.
     """
 
     def __init__(

@@ -8,7 +8,7 @@ from harness.base.errors import UsageError
 from harness.samples import Quaternion, Vector3
 
 ODOM, MAP = "odom", "map"
-FOOTPRINT = "base_footprint"  # whose pose /odom_ground_truth tells, of every rover, as in RoboTerrain
+FOOTPRINT = "base_footprint"  # of every rover: /odom_ground_truth has its pose, as in RoboTerrain
 
 
 @dataclass(frozen=True)

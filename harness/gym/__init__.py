@@ -18,7 +18,7 @@ try:
     import gymnasium
 except ImportError as error:
     _MEND = "harness.gym needs Gymnasium; pip install 'rover-harness[gym]'"
-    if sys.argv[:1] == ["-m"]:  # a program of this package, which is not loaded yet to tell it
+    if sys.argv[:1] == ["-m"]:  # a program of this package, not loaded yet
         print(_MEND, file=sys.stderr)
         sys.exit(UsageError.exit_code)
     raise UsageError(_MEND) from error

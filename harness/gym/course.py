@@ -86,7 +86,13 @@ class Course:
         self._bed: Bed | None = None  # of the last simulation, if ruts are kept
 
     def camera_of(self, simulation: Simulation, lidar: Lidar, seed: int) -> RangeSensor | None:
-        """Returns the rover's depth camera in an episode, with the seed of its noise; None without."""
+        """Returns the rover's depth camera in an episode; None without one.
+
+        Args:
+            simulation: Of the episode.
+            lidar: Sees the same surroundings.
+            seed: Of the camera's noise.
+        """
         if self.camera is None or self._frames is None:
             return None
         run, scene, surroundings = self.run.but(seed=seed), simulation.scene, lidar.surroundings

@@ -51,12 +51,12 @@ class StepTruth:
 
 RewardFn = Callable[[StepTruth, "NDArray[np.float32]"], Mapping[str, float]]
 TerminateFn = Callable[[StepTruth], bool]
-OWN = "own"  # what an ending and an observation of no name are called
+OWN = "own"  # name of an ending and of an observation that have none
 
 
 @dataclass(frozen=True)
 class Sight:
-    """An entry of the observation of somebody's own.
+    """A user's own entry of the observation.
 
     Attributes:
         low, high: Smallest and largest value of each number.
@@ -133,7 +133,16 @@ class Own:
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:
-    """Returns what values or names of plug-ins or FILE.py:NAME ask for; UsageError if one is wrong."""
+    """Returns what users bring of their own to an environment.
+
+    Args:
+        reward: Function, name of a plug-in or FILE.py:NAME; None for the environment's own.
+        terminate: Function (truth) -> bool; None for none.
+        observe: A Sight, name of a plug-in or FILE.py:NAME; None for no further entry.
+
+    Raises:
+        UsageError: One is not valid.
+    """
     if terminate is not None and not callable(terminate):
         raise UsageError(f"terminate_fn {terminate!r} is not valid; give a function (truth) -> bool")
     name = observe.rpartition(":")[2] if isinstance(observe, str) else OWN

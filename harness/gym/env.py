@@ -289,7 +289,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     @property
     def terminal_endings(self) -> frozenset[str]:
         """Endings by which an episode is terminated; by others it is truncated."""
-        own = (name for name, what in self.endings.items() if what.startswith("terminated"))
+        own = (name for name, meaning in self.endings.items() if meaning.startswith("terminated"))
         return frozenset((*own, OWN))
 
     @abstractmethod

@@ -63,7 +63,13 @@ def straight_ahead(beams: int) -> Policy:
 
 
 def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
-    """Returns a row of the table, in the order of TITLES."""
+    """Returns a row of the table, in the order of TITLES.
+
+    Args:
+        name: What drove.
+        terrain: On which.
+        outcomes: One an episode.
+    """
     endings = Counter(outcome.ending for outcome in outcomes)
     good, count = endings.pop("reached", 0), len(outcomes)
     low, high = wilson(good, count, 0.95)

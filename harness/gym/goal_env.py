@@ -91,7 +91,7 @@ class PointNavGoalEnv(PointNavEnv):
         return {"observation": np.concatenate(flat), "achieved_goal": achieved, "desired_goal": desired}
 
     def _to_goal(self, driven: DrivenRover) -> float:
-        """By what is observed, so that a reward computed afterwards is the one that was given."""
+        """Distance to the goal as observed: a reward computed afterwards is the one that was given."""
         achieved = np.array(latest(driven.readings, Pose).position[:2], np.float32)
         return float(_apart(achieved, np.array(self.goal, np.float32)))
 

@@ -107,7 +107,7 @@ def depth_part(camera: DepthOptions, *, image: bool = False) -> Part:
 
 
 def soil_part(wheels: int) -> Part:
-    """Returns what soil does to so many wheels as a part of an observation; see `soil_values`."""
+    """Returns the part of an observation with what soil does to wheels, as `soil_values` has it."""
     largest = (0.5, math.pi / 2, 500.0, 500.0)
     about = (
         "of each wheel, left side front to rear, then right: sinkage [m]; then slip angles [rad]; pulls "

@@ -71,7 +71,7 @@ else:
 
 
 class Randomisation(Value):
-    """Between what the rover varies from episode to episode, evenly distributed; by default not at all.
+    """Ranges in which the rover varies from episode to episode, evenly distributed; by default none.
 
     Attributes:
         friction: Factor on the sliding friction of everything of the rover.

@@ -1,6 +1,6 @@
 """An environment as an image or in a window: the rover from behind, its world, its goal.
 
-OpenGL is loaded when something is first drawn, and from where it works without a display; whoever does
+OpenGL is loaded when something is first drawn, and from where it works without a display; what does
 not draw needs none.
 """
 
@@ -123,5 +123,5 @@ class Painter:
 def _has_display() -> bool:
     """Whether a window can be opened: MuJoCo's would wait for ever where none can."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what there is to know is told by the caller, in a line
+        warnings.simplefilter("ignore")  # the caller reports it in a line
         return bool(import_module("glfw").init())

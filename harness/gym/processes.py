@@ -40,7 +40,13 @@ class Shared(NamedTuple):
 
     @classmethod
     def of(cls, memory: Any, sizes: dict[str, int], count: int) -> "Shared":  # noqa: ANN401 - a RawArray
-        """Returns views of a memory, of so many environments that observe parts of these sizes."""
+        """Returns views of a memory.
+
+        Args:
+            memory: A RawArray of bytes, large enough for all.
+            sizes: Length of each part of an observation, by name.
+            count: Of environments.
+        """
         left = memoryview(memory).cast("B")
 
         def part(dtype: type, *shape: int) -> NDArray[Any]:
@@ -122,7 +128,7 @@ class ProcessVectorEnv(ManyRovers):
         super().__init__(one, num_envs, autoreset_mode)
         try:
             ForkingPickler.dumps((make, settings))
-        except Exception as error:  # whatever a stranger's object raises
+        except Exception as error:  # whatever a user's object raises
             mend = "give functions of a module, or the names of plug-ins or FILE.py:NAME"
             raise UsageError(f"an option cannot be sent to processes ({error}); {mend}") from error
         context, sizes = multiprocessing.get_context("spawn"), _sizes(one.observation_space)
@@ -187,10 +193,10 @@ class ProcessVectorEnv(ManyRovers):
             raise RuntimeError("the environments are closed")
         try:
             for (connection, _), given in zip(self._children, args, strict=True):
-                with contextlib.suppress(ConnectionError):  # the answer tells why
+                with contextlib.suppress(ConnectionError):  # the answer says why
                     connection.send((request, *given))
             answers = [_received(*child) for child in self._children]
-        except BaseException:  # of a signal too: who answers now would answer too late
+        except BaseException:  # of a signal too: an answer would come too late
             self.close()
             raise
         for answer in answers:
@@ -222,8 +228,8 @@ def _serve(
     given: dict[str, Any],
 ) -> None:
     """A process: does what it is asked until nobody listens."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for who asks
-    if hasattr(signal, "pthread_sigmask"):  # who ends without closing sends this one, and waits
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for the parent
+    if hasattr(signal, "pthread_sigmask"):  # a parent that ends without closing sends it, and waits
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
     *memory, part = place
     shared = Shared.of(*memory).rows(part)

@@ -64,6 +64,11 @@ class Training(Value):
 class HeldVecEnv(VecEnv):
     """The vector environment as stable-baselines3 has it; each action is held for some steps.
 
+    Args:
+        envs: Vector environment of this project.
+        hold: Steps for which an action is held.
+        seed: Of the first reset.
+
     Attributes:
         steps: Of all environments together.
         episodes: Those that ended: steps until then, terrain, success.

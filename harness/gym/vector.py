@@ -80,13 +80,25 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]], ABC):
     def step_each(
         self, rewards: NDArray[np.float64], terminated: Flags, truncated: Flags
     ) -> Sequence[Info]:
-        """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
+        """Steps all by what was accepted; returns the info of each.
+
+        Args:
+            rewards: Zeros, shape (num_envs,); are filled.
+            terminated: False, shape (num_envs,); are filled.
+            truncated: False, shape (num_envs,); are filled.
+        """
 
     @abstractmethod
     def reset_each(
         self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]
     ) -> Sequence[Info]:
-        """Begins an episode in those of a mask; returns the info of each, empty of others."""
+        """Begins an episode in some environments; returns the info of each, empty of others.
+
+        Args:
+            mask: In which, shape (num_envs,).
+            seeds: One an environment; None goes on with its random numbers.
+            options: Of Gymnasium's reset, the same for all.
+        """
 
     @abstractmethod
     def _observations(self) -> Observation:
@@ -215,7 +227,7 @@ class RoverVectorEnv(ManyRovers):
             env.close()
 
     def _stepped(self) -> list[int]:
-        """Those that a step drives; with NEXT_STEP, one that has ended begins anew instead."""
+        """The environments that a step drives; with NEXT_STEP, those that ended begin anew instead."""
         begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
         return np.flatnonzero(~begun).tolist()
 

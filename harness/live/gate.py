@@ -24,7 +24,7 @@ WELCOME = (
 
 
 class Gate(AbstractContextManager["Gate"]):
-    """Passes on to a port of this machine who knows the token.
+    """Passes on, to a port of this machine, those who know the token.
 
     Args:
         host: Where others come.

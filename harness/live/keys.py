@@ -34,5 +34,5 @@ class Keys:
 
     @property
     def share(self) -> tuple[float, float]:
-        """Of full speed forwards and of full yaw rate to the left, now."""
+        """The present shares of full speed forwards and of full yaw rate to the left."""
         return self._share if self._clock() < self._until else STANDING

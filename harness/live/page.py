@@ -95,7 +95,7 @@ class LivePage(AbstractContextManager["LivePage"]):
         while not self._ended.wait(FRAME):
             self._panel.let_go()
             if not self._server.get_clients():
-                versions = None  # who opens the page sees everything, also of a run that is paused
+                versions = None  # a new client sees everything, also of a run that is paused
                 continue
             latest = [watch.version for watch in self.observers]
             is_due = time.monotonic() - slowly >= SLOWLY

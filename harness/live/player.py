@@ -14,7 +14,7 @@ FRAME = 0.05  # [s] of wall time between two states that are shown
 
 
 class Player:
-    """The time of a recording that is played, `time_ns` of `end_ns`, and whoever puts it elsewhere."""
+    """The time of a recording that is played, `time_ns` of `end_ns`; it may be put elsewhere."""
 
     def __init__(self, end_ns: int) -> None:
         self.end_ns, self.time_ns = end_ns, 0

@@ -51,7 +51,7 @@ class Track:
         self.poses, self.joints, self.scans, self.people = Series(), Series(), Series(), Series()
 
     def show(self, watch: Watch, time_ns: int) -> None:
-        """Has a watch see what was to be seen at a time."""
+        """Shows a watch what was recorded for a time."""
         pose, joints, people = (s.at(time_ns) for s in (self.poses, self.joints, self.people))
         watch.people = watch.people if people is None else people
         driven = self.poses.values[: bisect_right(self.poses.times, time_ns)]
@@ -62,9 +62,11 @@ class Track:
 
 
 def manifests_near(*folders: Path) -> list[Path]:
-    """Returns what may be a manifest in folders and in those in them, the latest last."""
-    found = (file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form))
-    return sorted(found, key=modified_ns)
+    """Returns files that may be manifests, of folders and of those in them, the latest last."""
+    recorded = (
+        file for folder in folders for form in ("*.json", "*/*.json") for file in folder.glob(form)
+    )
+    return sorted(recorded, key=modified_ns)
 
 
 def run_of(recording: Path, given: Sequence[Path], near: Sequence[Path]) -> Run:

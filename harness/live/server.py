@@ -7,7 +7,7 @@ import viser
 
 
 class Server(viser.ViserServer):
-    """Serves a page to whoever reaches the host, on the first free port from the given one on."""
+    """Serves a page to everybody who reaches the host, on the first free port from the given one on."""
 
     def __init__(self, host: str, port: int) -> None:
         with contextlib.redirect_stdout(io.StringIO()):

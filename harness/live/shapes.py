@@ -165,5 +165,5 @@ def _ground(model: mujoco.MjModel, geom: int) -> Surface:
 
 
 def _thinned(count: int, stride: int) -> NDArray[np.int64]:
-    """Every so manieth of some indices, the last one among them."""
+    """Every `stride`-th of some indices, the last one among them."""
     return np.unique(np.append(np.arange(0, count, stride), count - 1))

@@ -30,7 +30,7 @@ ROOT = "/world"
 PATH_WIDTH, PATH_RAISED, HIT_SIZE = 0.04, 0.03, 0.05  # [m]
 SUN, SKYLIGHT = 1.8, 0.7  # how bright
 FARTHEST = 45.0, 110.0  # [m] where haze begins, and where it hides everything
-FURTHER = 2.5  # than a video's camera: who watches sees where it goes
+FURTHER = 2.5  # times as far as a video's camera, so that one sees where it goes
 GOAL_SIZE = 0.03, 0.8  # [m] radius and height of the post that marks a goal
 
 Points = NDArray[np.float64]

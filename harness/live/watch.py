@@ -35,7 +35,7 @@ class Sight(NamedTuple):
 
 
 class Watch:
-    """Keeps the latest of one rover, for another thread to look at whenever it likes.
+    """Keeps the latest of one rover, for another thread to look at at any time.
 
     Args:
         row: Returns the latest row of the rover's log; None before the first.
@@ -87,7 +87,13 @@ class Watch:
         self.version += 1
 
     def see(self, sight: Sight | None, truth: Truth, ranges: Ranges | None) -> None:
-        """Sees a rover that no batch tells of."""
+        """Takes the state of a rover that is in no batch.
+
+        Args:
+            sight: Its pose and joints; None to keep those before.
+            truth: What the simulator knows of it.
+            ranges: Of its lidar [m]; None without a scan.
+        """
         self.truth, self.ranges = truth, ranges
         if sight is not None:
             self.sight = sight

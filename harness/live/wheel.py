@@ -11,7 +11,7 @@ from harness.robots import find_rover
 from harness.samples import Place, Twist, Vector3
 from harness.spec.rover import RoverSetup
 
-GOAL = "goal"  # the driver that goes where it is told
+GOAL = "goal"  # the driver that goes to goals
 
 
 class Wheel:
@@ -45,7 +45,13 @@ class Wheel:
             self._turn()
 
     def head_for(self, x: float, y: float, of: Vector3) -> Place:
-        """Sends the rover to a place, along the line from where it is [m]; returns the goal."""
+        """Sends the rover to a place; returns the goal, whose yaw is that of the line from the rover.
+
+        Args:
+            x: In the world [m].
+            y: In the world [m].
+            of: Where the rover is in the world [m].
+        """
         goal = Place(x, y, math.atan2(y - of[1], x - of[0]))
         with self._lock:
             own = takes_goals(self._own) and not self._driver

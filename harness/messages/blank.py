@@ -40,10 +40,12 @@ def cdr(message: Message) -> bytes:
 @cache
 def _is_fixed(kind: str) -> bool:
     """Whether there is no text and no list of any length in messages of a type."""
-    found = (_innermost(node) for _, node in typestore().fielddefs[kind][1])
+    nodes = (_innermost(node) for _, node in typestore().fielddefs[kind][1])
     return all(
-        _is_fixed(name) if what == Nodetype.NAME else what == Nodetype.BASE and name[0] != "string"
-        for what, name in found
+        _is_fixed(name)
+        if category == Nodetype.NAME
+        else category == Nodetype.BASE and name[0] != "string"
+        for category, name in nodes
     )
 
 
@@ -53,14 +55,14 @@ def _innermost(node: Any) -> Any:  # noqa: ANN401 - of rosbags
 
 
 def _default(node: Any) -> Any:  # noqa: ANN401 - of rosbags
-    what, detail = node
-    if what == Nodetype.NAME:
+    category, detail = node
+    if category == Nodetype.NAME:
         return blank(detail)
-    if what == Nodetype.BASE:
+    if category == Nodetype.BASE:
         return PLAIN.get(detail[0], 0.0 if detail[0].startswith("float") else 0)
     (inner, kind), length = detail
     if inner != Nodetype.BASE or kind[0] == "string":
-        count = length if what == Nodetype.ARRAY else 0
+        count = length if category == Nodetype.ARRAY else 0
         return [_default((inner, kind)) for _ in range(count)]
     dtype = {"byte": "uint8", "char": "uint8", "octet": "uint8"}.get(kind[0], kind[0])
-    return np.zeros(length if what == Nodetype.ARRAY else 0, dtype)
+    return np.zeros(length if category == Nodetype.ARRAY else 0, dtype)

@@ -54,22 +54,22 @@ def places(message: Any, kind: str) -> dict[str, Place]:  # noqa: ANN401 - of rc
     """
     walk = _Walk()
     walk.field((Nodetype.NAME, kind), message, "")
-    return {**walk.found, "": Place(walk.at, "")}
+    return {**walk.places, "": Place(walk.at, "")}
 
 
 class _Walk:
     """Goes through a message field by field."""
 
     def __init__(self) -> None:
-        self.at, self.found = HEADER, dict[str, Place]()
+        self.at, self.places = HEADER, dict[str, Place]()
 
     def field(self, node: Any, value: Any, path: str) -> None:  # noqa: ANN401 - of rosbags
         """Goes past a field and notes what is in it."""
-        what, detail = node
-        if what == Nodetype.NAME:
+        category, detail = node
+        if category == Nodetype.NAME:
             self._fields(typestore().fielddefs[detail][1], value, path)
-        elif what != Nodetype.BASE:
-            self._list(detail[0], value, path, counted=what == Nodetype.SEQUENCE)
+        elif category != Nodetype.BASE:
+            self._list(detail[0], value, path, counted=category == Nodetype.SEQUENCE)
         elif detail[0] == "string":
             self._align(4)
             self.at += 4 + len(value.encode()) + 1
@@ -80,10 +80,10 @@ class _Walk:
         names = [f"{path}.{name}".lstrip(".") for name, _ in fields]
         for below, (name, node) in zip(names, fields, strict=True):
             self.field(node, getattr(value, name), below)
-        parts = [self.found.get(below) for below in names]
+        parts = [self.places.get(below) for below in names]
         row = [part for part in parts if part is not None and part.length is None]
         if row and len(row) == len(parts) and all(a.end == b.start for a, b in pairwise(row)):
-            self.found[path] = Place(row[0].start, "".join(part.letter for part in row))
+            self.places[path] = Place(row[0].start, "".join(part.letter for part in row))
 
     def _list(self, node: Any, value: Any, path: str, *, counted: bool) -> None:  # noqa: ANN401
         if counted:
@@ -99,8 +99,8 @@ class _Walk:
     def _numbers(self, letter: str, count: int | None, path: str) -> None:
         if count != 0:  # an empty list is not padded
             self._align(struct.calcsize(letter))
-        self.found[path] = Place(self.at, letter, count)
-        self.at = self.found[path].end
+        self.places[path] = Place(self.at, letter, count)
+        self.at = self.places[path].end
 
     def _align(self, size: int) -> None:
         self.at += -(self.at - HEADER) % size

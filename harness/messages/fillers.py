@@ -140,7 +140,7 @@ PLANAR_POSE: Mapping[str, Callable[[Any], object]] = {
 
 
 def _wheel_odometry(message: Message, rover: RoverSpec, _: LidarSpec) -> Fill:
-    """Wheel odometry; covariances are 0, as in Gazebo, unless noise has told some."""
+    """Wheel odometry; covariances are 0, as in Gazebo, unless noise has set some."""
     message.child_frame_id = rover.odometry_child_frame
     linear, angular = attrgetter("twist.linear"), attrgetter("twist.angular")
     twist = {"twist.twist.linear.x": linear, "twist.twist.angular.z": angular}

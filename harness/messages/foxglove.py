@@ -79,7 +79,7 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
         return Intake(take, channel.has_sinks)
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        """Sends who comes late the last message of a latched topic, on a thread of the server."""
+        """Sends a late subscriber the last message of a latched topic, on a thread of the server."""
         if channel.id in self._latched:
             sender, time_ns, data = self._latched[channel.id]
             sender.log(data, log_time=time_ns, sink_id=client.id)

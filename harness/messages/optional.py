@@ -114,7 +114,13 @@ def depth_image(message: Message, options: DepthOptions) -> Fill:
 
 
 def image_fill(message: Message, options: CameraOptions, draw: Draw | None) -> Fill:
-    """Returns a filler that has the image of each sample drawn; None for a message without one."""
+    """Returns a filler that has the image of each sample drawn; it gives None where there is no image.
+
+    Args:
+        message: A sensor_msgs/Image, filled again and again.
+        options: The camera's.
+        draw: Draws the scene of a sample; None where nothing can.
+    """
     message.encoding, message.is_bigendian = ENCODING, 0
     message.width, message.height = options.width, options.height
     message.step = CHANNELS * options.width

@@ -12,8 +12,8 @@ from harness.samples import Sample, Source
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SensorRow, Topic
 
-PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
-# Latched for who comes late; a subscriber of Nav2's, which is volatile, hears it too.
+PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin gives no stamp
+# Latched for late subscribers; one of Nav2's, which is volatile, hears it too.
 GOAL = Topic("goal_pose", "geometry_msgs/msg/PoseStamped", depth=1, latched=True)
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
 Outlets = dict[Source, list[tuple[Topic, Fill]]]  # of each sample its topics, and what fills messages
@@ -36,7 +36,7 @@ def outlets(
         rows: The sensors.
         draw: Gives the images of cameras; without it there are none.
         actors: Names of the people, as NAME_actor.
-        goals: Whether whoever commands the rover is told the way points of a route.
+        goals: Whether the way points of a route are published for who commands the rover.
     """
     made: Outlets = {
         row.source: [(topic, fillers.filler(row, topic, rover, lidar, draw)) for topic in row.topics]

@@ -36,8 +36,8 @@ def refilled(message: Message, sources: Mapping[str, Callable[[Any], Any]]) -> C
         if template is None or not template.fits(numbers):
             for put, value_of in setters:
                 put(value_of(sample))
-            found = places(message, kind_of(message))
-            template = Template(cdr(message), [found[path] for path in (*stamps, *sources)])
+            place_of = places(message, kind_of(message))
+            template = Template(cdr(message), [place_of[path] for path in (*stamps, *sources)])
         return template.filled(numbers)
 
     return fill

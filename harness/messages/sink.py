@@ -31,7 +31,7 @@ class Endpoint(NamedTuple):
 
     @property
     def latched(self) -> bool:
-        """Returns whether who comes later gets the last messages too."""
+        """Returns whether late subscribers get the last messages too (transient local)."""
         return self.durability == TRANSIENT_LOCAL
 
 

@@ -57,10 +57,10 @@ def transforms_bytes(edges: Sequence[Edge]) -> bytes:
 def transform_fill(frames: Sequence[tuple[str, str]]) -> Callable[[Transforms], bytes]:
     """Returns what makes a TFMessage's bytes of each sample of the same parents and children."""
     data = transforms_bytes([Edge(*names) for names in frames])
-    found = places(read_message(data, TF_MESSAGE), TF_MESSAGE)
+    place_of = places(read_message(data, TF_MESSAGE), TF_MESSAGE)
     fields = ("header.stamp", "transform")
     template = Template(
-        data, [found[f"transforms[{i}].{f}"] for i in range(len(frames)) for f in fields]
+        data, [place_of[f"transforms[{i}].{f}"] for i in range(len(frames)) for f in fields]
     )
 
     def fill(sample: Transforms) -> bytes:

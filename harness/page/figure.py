@@ -114,13 +114,27 @@ def points(name: str, x: ArrayLike, y: ArrayLike, marker: Layout, hover: str | N
 
 
 def band(name: str, x: ArrayLike, low: ArrayLike, high: ArrayLike) -> list[Trace]:
-    """Returns the area between two curves, as the legend names it; x, low and high of shape (n,)."""
+    """Returns the area between two curves.
+
+    Args:
+        name: In the legend.
+        x: Shape (n,).
+        low: Shape (n,).
+        high: Shape (n,).
+    """
     edges = [line(name, x, y, BAND, width=0) for y in (low, high)]
     return [edges[0] | {"showlegend": False}, edges[1] | {"fill": "tonexty", "fillcolor": BAND}]
 
 
 def level(name: str, place: Layout, dash: str, color: str = INK) -> Layout:
-    """Returns a straight line across a plot, as a shape: place in Plotly's terms, dash one of DASHES."""
+    """Returns a straight line across a plot, as one of its shapes.
+
+    Args:
+        name: In the legend.
+        place: Ends of the line, in Plotly's terms.
+        dash: One of DASHES.
+        color: Name of a custom property of the style sheet.
+    """
     return {"type": "line", "name": name, "line": {"color": color, "width": 1.5, "dash": dash}, **place}
 
 

@@ -42,7 +42,13 @@ def fit_motors(spec: mujoco.MjSpec, rover: RoverSpec) -> None:
 
 
 def sense_motors(spec: mujoco.MjSpec, rover: RoverSpec, prefix: str) -> None:
-    """Adds what batteries read of real motors: each driven joint's torque [N m] and speed [rad/s]."""
+    """Adds what batteries read of real motors: each driven joint's torque [N m] and speed [rad/s].
+
+    Args:
+        spec: The scene's.
+        rover: One without real motors gets nothing.
+        prefix: What the rover's names begin with there.
+    """
     if not rover.real:
         return
     for name, kind in (
@@ -101,6 +107,12 @@ def resist_rolling(
     """Adds what tyres and gears lose to the friction of a compiled rover's wheels.
 
     Where it falls with speed, that part of it is a damping that is negative.
+
+    Args:
+        model: Is changed.
+        rover: Has the tyres.
+        prefix: What the rover's names begin with in the model.
+        root: Number of its root body there.
 
     Raises:
         UsageError: It would push the rover at its top speed.

@@ -2,7 +2,7 @@
 
 MuJoCo steps a copy of the state in a thread that never needs the interpreter; it is woken by a lock of
 Python's own that any thread may release, because a thread that had to take the interpreter's lock first
-would wait for whoever reads.
+would wait for the thread that reads.
 """
 
 import ctypes
@@ -56,13 +56,13 @@ def serve(locks: tuple[int, int, int, int], steps: NDArray[np.int64], stepping: 
         steps: As of `advance`, but what comes first is afterwards where it ended.
         stepping: What `advance` takes beside them; contacts must be known.
     """
-    told, control, health, felt, recorded, contacts, watched, obstacles = stepping
+    pointers, control, health, felt, recorded, contacts, watched, obstacles = stepping
     while True:
         _acquire(locks[2], (locks[0], 1))
         if steps[1] == OVER:
             return
         span = (steps[0], steps[1], steps[2])
-        steps[0] = advance(told, span, control, health, felt, recorded, contacts, watched, obstacles)
+        steps[0] = advance(pointers, span, control, health, felt, recorded, contacts, watched, obstacles)
         _release(locks[3], (locks[1],))
 
 
@@ -121,7 +121,7 @@ class Ahead:
         self._data, self.is_away = mujoco.MjData(self._model), False
         self._contacts = ContactWatch(scenes, self._data)
         self._span = Span(self._model, self._data, span.motors, span.obstacles)
-        self._span.fence, self._found = span.fence, self._contacts.watched[-1]
+        self._span.fence, self._strongest = span.fence, self._contacts.watched[-1]
         self._aside: Aside | None = None
 
     def launch(self, steps: int, per_tick: int) -> bool:
@@ -139,7 +139,7 @@ class Ahead:
                 return False
             self._aside = Aside(self._span, self._contacts)
         self._span.commands[:] = self._shown[0].commands
-        self._found[..., 0] = 0.0
+        self._strongest[..., 0] = 0.0
         self._aside.launch(steps, per_tick)
         return True
 
@@ -151,7 +151,7 @@ class Ahead:
         ended = 0 if self._aside is None else self._aside.land()
         span, contacts = self._shown
         contacts.begin()
-        contacts.watched[-1][:] = self._found
+        contacts.watched[-1][:] = self._strongest
         span.take(self._span)
         if self._span.is_wrong():
             self.come_back()

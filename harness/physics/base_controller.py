@@ -31,7 +31,7 @@ class BaseController(ABC):
         self._linear = 0.0
 
     def command(self, twist: Twist) -> bool:
-        """Latches a command; a non-finite one is refused and the previous one stays."""
+        """Latches a command; returns whether it is finite, for else the previous one stays."""
         if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
             return False
         self._target = twist
@@ -157,15 +157,15 @@ class LaggingController(BaseController):
         self._half_way = self._there = np.zeros(self._driven)
 
     def commands(self) -> list[float]:
-        """Returns what the wheels are told now, as the controller of its kind of drive does."""
+        """Returns the present wheel commands, in the order of the controller of its kind of drive."""
         self._controller.command(self._delayed())
-        told = self._controller.wheel_speeds()
-        wanted = self._limited(told[: self._driven])
+        commanded = self._controller.wheel_speeds()
+        wanted = self._limited(commanded[: self._driven])
         self._half_way = wanted + self._keep * (self._half_way - wanted)
         self._there = self._half_way + self._keep * (self._there - self._half_way)
         if not wanted.any() and (np.abs(self._there) < STILL).all():
             self._half_way = self._there = np.zeros(self._driven)
-        return [*self._there.tolist(), *told[self._driven :].tolist()]
+        return [*self._there.tolist(), *commanded[self._driven :].tolist()]
 
     def _delayed(self) -> Twist:
         """The command of a delay ago, between those of two periods."""
@@ -201,5 +201,11 @@ def curvature_of(angles: list[float], wheelbase: float, separation: float) -> fl
 
 
 def approach(value: float, target: float, step: float) -> float:
-    """Returns a value that is nearer to a target by at most a step."""
+    """Returns a value that is nearer to a target.
+
+    Args:
+        value: Any unit.
+        target: Same unit.
+        step: The largest change, not negative.
+    """
     return value + max(-step, min(step, target - value))

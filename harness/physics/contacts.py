@@ -69,12 +69,12 @@ class ContactWatch:
             row[scene.geoms()] = WHEEL
             row[list(body_geoms(scene))] = BODY
         poses = np.array([scene.qpos_at for scene in scenes])
-        found = np.zeros((len(scenes), SPAN, len(KINDS), FOUND))
-        self._all = np.array(ends), kinds, poses, found
-        self._none = np.zeros((0, 2), int), kinds, poses, found
+        strongest = np.zeros((len(scenes), SPAN, len(KINDS), FOUND))
+        self._all = np.array(ends), kinds, poses, strongest
+        self._none = np.zeros((0, 2), int), kinds, poses, strongest
         unknown = np.zeros(1, np.int32), np.zeros((0, 1)), np.zeros((0, 1), np.int32), np.zeros(2, int)
         self.contacts: Contacts = unknown
-        self.rovers = tuple(RoverContacts(number, scenes, rows) for number, rows in enumerate(found))
+        self.rovers = tuple(RoverContacts(number, scenes, rows) for number, rows in enumerate(strongest))
 
         self.begin()
 
@@ -99,9 +99,9 @@ class ContactWatch:
     def look(self, tick: int = 0) -> None:
         """Takes a step of a tick in which something was touched into account."""
         self.are_known()
-        told = addresses()[1], self._model._address, self._data._address  # noqa: SLF001 - no other name
+        pointers = addresses()[1], self._model._address, self._data._address  # noqa: SLF001 - no other name
         state = self._data.qpos, self._data.sensordata
-        look(told, state, self.contacts, self.watched, tick)
+        look(pointers, state, self.contacts, self.watched, tick)
 
 
 class RoverContacts:
@@ -110,15 +110,15 @@ class RoverContacts:
     Args:
         number: The rover's place among those of the world.
         scenes: Of all of them.
-        found: Its strongest contacts, as `steps_kernel` has them.
+        strongest: Its strongest contacts, as `steps_kernel` has them.
 
     Attributes:
         strongest: The strongest contact of each kind in the tick that is shown.
     """
 
-    def __init__(self, number: int, scenes: Sequence[Scene], found: np.ndarray) -> None:
+    def __init__(self, number: int, scenes: Sequence[Scene], strongest: np.ndarray) -> None:
         scene = scenes[number]
-        self._model, self._prefix, self._found = scene.model, scene.prefix, found
+        self._model, self._prefix, self._strongest = scene.model, scene.prefix, strongest
         others = [*scenes[:number], *scenes[number + 1 :]]
         self._whose = {geom: other for other in others for geom in other.geoms()}
         # Terrain and decks.
@@ -127,7 +127,7 @@ class RoverContacts:
 
     def show(self, tick: int) -> None:
         """Turns to a tick, from 0."""
-        rows = self._found[tick]
+        rows = self._strongest[tick]
         order = rows[:, 0].tolist()
         if not any(order):
             self.strongest = {}

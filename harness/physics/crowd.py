@@ -1,6 +1,6 @@
 """The people of a simulation: mocap bodies, moved once a clock tick, and whether a rover touches one.
 
-They are kinematic: nothing pushes them, and they push the rover only if they are told to. A touch is
+They are kinematic: nothing pushes them, and they push the rover only if `push` asks for it. A touch is
 truth all the same: it is a contact with a hazard, without a force where nobody pushes.
 """
 
@@ -79,7 +79,7 @@ class Crowd:
         ]
 
     def look(self, watches: Sequence[RoverContacts]) -> None:
-        """Takes note of whom each rover overlaps; of who pushes, MuJoCo's contacts tell the force."""
+        """Notes whom each rover overlaps; where people push, MuJoCo's contacts have the force."""
         for number, ((pose, reach), contacts) in enumerate(zip(self._rovers, watches, strict=True)):
             x, y = pose[:2].tolist()
             for geom, place, actor in zip(self._geoms, self.places, self.actors, strict=True):

@@ -66,7 +66,13 @@ class DrawnGround:
         self._patch, self._window = (slice(0), slice(0)), (slice(0), slice(0))
 
     def scenes(self, fleet: Sequence[Member], timestep: float, dress: Dress) -> tuple[Scene, ...]:
-        """Returns the rovers in the world, dressed, with no ruts yet."""
+        """Returns the scenes of rovers in the world, with no ruts yet.
+
+        Args:
+            fleet: The rovers.
+            timestep: Of the physics [s].
+            dress: Adds what is only to be seen.
+        """
 
         def dressed(spec: mujoco.MjSpec) -> None:
             dress(spec)
@@ -93,7 +99,13 @@ class DrawnGround:
         self.heights[self._patch] = heights
 
     def show(self, x: float, y: float, upload: Callable[[int], object]) -> None:
-        """Shows the ground near a place [m]; `upload` is called with each heightfield that changes."""
+        """Shows the ruts near a place.
+
+        Args:
+            x: In the world [m].
+            y: In the world [m].
+            upload: Called with the number of each heightfield that changes.
+        """
         if not self.leaves_ruts:
             return
         off = (np.array([y, x]) - self.corner[::-1]) / (self.cell * self._parts) - 0.5 * self._cells

@@ -15,11 +15,11 @@ from harness.base.errors import INSTALL_OPENGL, UsageError
 CONTEXTS = ("mujoco.egl", "mujoco.osmesa", "mujoco.cgl", "mujoco.glfw")  # in the order they are tried
 
 
-def gl_context(what: str, width: int, height: int) -> Any:  # noqa: ANN401 - of MuJoCo's, by system
+def gl_context(user: str, width: int, height: int) -> Any:  # noqa: ANN401 - of MuJoCo's, by system
     """Returns an OpenGL context for images; MUJOCO_GL names which, else whichever works.
 
     Args:
-        what: Needs it, for the message.
+        user: Needs it, for the message.
         width: Of the largest image [pixels].
         height: Of the largest image [pixels].
 
@@ -32,7 +32,7 @@ def gl_context(what: str, width: int, height: int) -> Any:  # noqa: ANN401 - of 
         with suppress(Exception):  # whatever a missing library brings about
             return import_module(name).GLContext(width, height)
     mend = INSTALL_OPENGL.get(platform.system(), "install its libraries")
-    raise UsageError(f"{what} needs OpenGL, and none works here; {mend}")
+    raise UsageError(f"{user} needs OpenGL, and none works here; {mend}")
 
 
 class Canvas:

@@ -215,7 +215,7 @@ class Physics:
         self._turn_drag()
 
     def _turn_drag(self) -> None:
-        if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # whoever looks on
+        if self.step_count % (TICKS_PER_CONTROL * self.steps_per_tick) == 0:  # observed or not
             for rover in self.rovers:
                 rover.drag.turn(rover.twist[:2])
 

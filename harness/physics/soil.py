@@ -37,7 +37,7 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
     (half_x, half_y), (x, y) = ground.half_size, ground.middle
     corner = x - half_x, y - half_y
     solid = scenes[0].world.ground
-    told = Ground(
+    numbers = Ground(
         heights=ground.heights,
         corner=corner,
         cell=ground.cell,
@@ -55,7 +55,7 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
                 f"wheels {1e3 * wheel.width:.0f} mm wide are too narrow for soil, whose ruts have "
                 f"cells of {1e3 * ground.cell:g} mm; leave out --soil"
             )
-    return Bed(world.soil.kinds, told, wheels, model, data)
+    return Bed(world.soil.kinds, numbers, wheels, model, data)
 
 
 def _roundness(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> float:

@@ -46,7 +46,7 @@ def check_room(scene: Scene, fleet: Sequence[Scene] = ()) -> None:
 
 
 def check_start(scene: Scene, settled: mujoco.MjData) -> None:
-    """Checks what came of a start that somebody chose.
+    """Checks where a rover has come to rest that was set down at a chosen start.
 
     Args:
         scene: The rover in its world.

@@ -43,7 +43,7 @@ class Span:
         self.motors, self.commands = motors, np.zeros((SPAN, motors.size))
         self.obstacles = obstacles
         self.warnings = data.warning.number  # a view: MuJoCo counts up in it
-        self._told = *addresses(), model._address, data._address  # noqa: SLF001 - no other name
+        self._pointers = *addresses(), model._address, data._address  # noqa: SLF001 - no other name
         self._control = data.ctrl, motors, self.commands
         self.sums = np.zeros((SPAN, data.sensordata.size))
         self._felt = data.sensordata, self.sums
@@ -62,8 +62,8 @@ class Span:
         """
         step, end, per_tick = steps
         while True:
-            told, *rest = self.arguments(watch)
-            step = advance(told, (step, end, per_tick), *rest)
+            pointers, *rest = self.arguments(watch)
+            step = advance(pointers, (step, end, per_tick), *rest)
             if step >= 0:
                 return step
             step = -step
@@ -73,7 +73,7 @@ class Span:
         """Returns what `steps_kernel.advance` takes, but for its steps."""
         health, recorded = (self.warnings, self.fence), (self._state, self._record)
         watched = watch.contacts, watch.watched
-        return self._told, self._control, health, self._felt, recorded, *watched, self.obstacles
+        return self._pointers, self._control, health, self._felt, recorded, *watched, self.obstacles
 
     def is_wrong(self) -> bool:
         """Returns whether there are warnings, or a rover left its fence."""

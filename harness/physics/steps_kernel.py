@@ -68,10 +68,18 @@ def _kind(mine: int, other: int) -> int:
 
 @inlined
 def _look(
-    told: tuple[int, int, int], qpos: Doubles, contacts: Contacts, watched: Watched, at: tuple[int, int]
+    pointers: tuple[int, int, int],
+    qpos: Doubles,
+    contacts: Contacts,
+    watched: Watched,
+    at: tuple[int, int],
 ) -> None:
     """Takes the contacts of a rover in the present step, which belongs to a tick, into account."""
-    (count, doubles, integers, places), (_, kinds, poses, found), (rover, tick) = contacts, watched, at
+    (count, doubles, integers, places), (_, kinds, poses, strongest), (rover, tick) = (
+        contacts,
+        watched,
+        at,
+    )
     force = np.empty(6)
     for contact in range(count[0]):
         part, thing = integers[contact, places[1]], integers[contact, places[1] + 1]
@@ -82,10 +90,10 @@ def _look(
         kind = _kind(kinds[rover, part], kinds[rover, thing])
         if kind < 0:
             continue  # a wheel on the ground
-        _contact_force(told[0], (told[1], told[2], contact, force.ctypes.data))
-        row = found[rover, tick, kind]
+        _contact_force(pointers[0], (pointers[1], pointers[2], contact, force.ctypes.data))
+        row = strongest[rover, tick, kind]
         if row[0] == 0.0:
-            row[0] = 1.0 + np.count_nonzero(found[rover, tick, :, 0])
+            row[0] = 1.0 + np.count_nonzero(strongest[rover, tick, :, 0])
         elif force[0] <= row[1]:
             continue
         row[1], row[2], row[3] = force[0], part, thing
@@ -95,7 +103,7 @@ def _look(
 
 @inlined
 def _look_at_all(
-    told: tuple[int, int, int],
+    pointers: tuple[int, int, int],
     state: tuple[Doubles, Doubles],
     contacts: Contacts,
     watched: Watched,
@@ -106,7 +114,7 @@ def _look_at_all(
         if np.any(state[1][counts[rover, 0] : counts[rover, 1]]):
             touches = True
             if contacts[1].size:
-                _look(told, state[0], contacts, watched, (rover, tick))
+                _look(pointers, state[0], contacts, watched, (rover, tick))
     return touches
 
 
@@ -116,7 +124,7 @@ def _look_at_all(
     "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])), int64)"
 )
 def look(
-    told: tuple[int, int, int],
+    pointers: tuple[int, int, int],
     state: tuple[Doubles, Doubles],
     contacts: Contacts,
     watched: Watched,
@@ -125,7 +133,7 @@ def look(
     """Takes the contacts of the present step into account, those of rovers that touch something.
 
     Args:
-        told: Addresses of mj_contactForce, of the model and of its data.
+        pointers: Addresses of mj_contactForce, of the model and of its data.
         state: The data's positions and its sensor values.
         contacts: Its contacts; none as long as nobody knows where they are.
         watched: What is looked for, and where the strongest of a kind comes.
@@ -134,7 +142,7 @@ def look(
     Returns:
         Whether a rover touches something.
     """
-    return _look_at_all(told, state, contacts, watched, tick)
+    return _look_at_all(pointers, state, contacts, watched, tick)
 
 
 @kernel("boolean(Tuple((int32[:], float64[:,::1])), float64[::1])")
@@ -163,7 +171,7 @@ def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
     f"{SIGNATURE})"
 )
 def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object that holds them
-    told: tuple[int, int, int, int],
+    pointers: tuple[int, int, int, int],
     steps: tuple[int, int, int],
     control: tuple[Doubles, Integers, Doubles],
     health: tuple[NDArray[np.int32], Doubles],
@@ -176,14 +184,14 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
     """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
 
     Args:
-        told: Addresses of mj_step, of mj_contactForce, of the model and of its data.
+        pointers: Addresses of mj_step, of mj_contactForce, of the model and of its data.
         steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
         control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
         health: The data's counters of warnings; the rovers' `Span.fence`.
         felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
         recorded: What of the data is recorded, qpos and qvel first; where it comes, each (ticks, ...).
         contacts: As `look` has it.
-        watched: As there.
+        watched: As `look` has it.
         obstacles: Those that are passed over while no rover can touch them.
 
     Returns:
@@ -197,9 +205,11 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
         if within == 0:
             _begin_tick(control, tick)
             sums[tick] = 0.0
-        _step(told[0], (told[2], told[3]))
+        _step(pointers[0], (pointers[2], pointers[3]))
         sums[tick] += sensors
-        touches = _look_at_all((told[1], told[2], told[3]), (state[0], sensors), contacts, watched, tick)
+        touches = _look_at_all(
+            (pointers[1], pointers[2], pointers[3]), (state[0], sensors), contacts, watched, tick
+        )
         is_last = within == per_tick - 1
         if is_last:
             for part in range(len(state)):

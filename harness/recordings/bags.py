@@ -18,7 +18,8 @@ from rover_metrics.timing import NANOSECONDS
 
 Row = tuple[float, ...]
 Take = Callable[[Any, RoverSpec], dict[str, Row]]
-TRUTH = "truth"  # in the names of topics that no real rover has
+# In the names of topics that no real rover has, and of poses where it is not, but is to be.
+NEITHER = ("truth", "goal", "initialpose")
 APART = 1.0  # [s] from which on stamps are of another clock than the recorder's, and do not count
 
 
@@ -28,7 +29,7 @@ def _twist(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401 - rosb
 
 
 def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
-    """Rims' speeds, and what motors give: torque along the speed, of a motor that is dragged none."""
+    """The rims' speeds, and the motors' torque along the speed; 0 of a motor that is dragged along."""
     speeds = dict(zip(message.name, message.velocity, strict=False))
     torques = dict(zip(message.name, message.effort, strict=False))
     tied = rover.actuators is not None and rover.actuators.one_motor_a_side
@@ -105,21 +106,24 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
                 raise UsageError(
                     f"{path} has no topic {missing[0]}; it has {', '.join(sorted(bag.topics))}"
                 )
-            rows = _rows(bag, rover, chosen or {})
+            rows, sources = _rows(bag, rover, chosen or {})
     except BagError as error:
         raise UsageError(f"{path}: {error}") from error
     series = {name: _timed(some) for name, some in rows.items()}
     if "poses" in series:
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
-    return Recording(path.name, **series)  # type: ignore[arg-type]  # of series alone
+    sources = {name: topic for name, topic in sources.items() if name in series}
+    return Recording(path.name, sources=sources, **series)  # type: ignore[arg-type]  # of series alone
 
 
-def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, list[Row]]:
-    """By series: stamp (NaN without one), time of recording and values of each message."""
+def _rows(
+    bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]
+) -> tuple[dict[str, list[Row]], dict[str, str]]:
+    """By series: stamp (NaN without one), time of recording and values of each message; its topic."""
     store, takes = get_typestore(Stores.LATEST), dict[str, Take]()
     for kind, word, take in TAKEN:
         for topic in sorted(t for t, k in bag.topics.items() if k == kind and word in t):
-            if TRUTH not in topic:
+            if not any(word in topic for word in NEITHER):
                 takes.setdefault(topic, take)
     rows: dict[str, list[Row]] = {}
     source: dict[str, str] = dict(chosen)
@@ -138,7 +142,7 @@ def _rows(bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]) -> dict[str, li
                 source[name], rows[name] = message.topic, []
             if source[name] == message.topic:
                 rows.setdefault(name, []).append((stamp or np.nan, now, *row))
-    return rows
+    return rows, source
 
 
 def _timed(rows: list[Row]) -> Series:

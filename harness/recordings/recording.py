@@ -1,5 +1,6 @@
 """A recording as plain series: what was commanded, what the rover did and felt, where it was."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -34,6 +35,8 @@ class Recording:
     torques: Series = field(default_factory=lambda: empty(3))  # of motors, 0 of one dragged [N m]
     power: Series = field(default_factory=lambda: empty(2))  # what the battery gives [W]
     steps: Series = field(default_factory=lambda: empty(2))  # begin and end of each commanded one [s]
+
+    sources: Mapping[str, str] = field(default_factory=dict)  # topics of a bag, by series
 
     @property
     def series(self) -> dict[str, Series]:

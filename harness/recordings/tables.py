@@ -111,7 +111,8 @@ def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = 
         if twice := sorted(read.keys() & series.keys()):
             raise UsageError(f"{path}: the {twice[0]} of {name} stand in another file too; give one")
         series |= read
-    return Recording(name, ground or re.sub(r"[_\-]?\d+$", "", name), **series)
+    ground = ground or re.sub(r"[_\-]?\d+$", "", name)
+    return Recording(name, ground, **series)  # type: ignore[arg-type]  # of series alone
 
 
 def _grounds(path: Path) -> dict[str, str]:
@@ -174,7 +175,7 @@ def _seconds(times: pd.Series) -> pd.Series:
 
 
 def _steps_of(times: pd.Series) -> Series:
-    """From each time to the next, where there are both."""
+    """The steps from each time to the next, where there are both."""
     steps: Series = np.diff(times[np.isfinite(times)])
     return steps
 

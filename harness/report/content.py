@@ -31,10 +31,10 @@ NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
 
 
-def content(
+def _content(
     result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
 ) -> dict[str, Any]:
-    """Returns what the template shows of a run; see `render`."""
+    """Returns what the template shows of a run; arguments as of `render`."""
     log, values, rover = read_log(result.log_path), manifest(result), result.rover
     robot = robot_name(rover.robot)
     called = f"{rover.name}, a {robot}," if rover.name else robot
@@ -137,5 +137,11 @@ def _summary(name: str, values: list[float]) -> str:
 def render(
     result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
 ) -> str:
-    """Returns the HTML of a run's report; `others` are further rovers in the same world, by name."""
-    return fill("report", content(result, recorder, others), "harness.report")
+    """Returns the HTML of a run's report.
+
+    Args:
+        result: What the run came to.
+        recorder: Watched the rover.
+        others: Paths of further rovers in the same world, by name.
+    """
+    return fill("report", _content(result, recorder, others), "harness.report")

@@ -13,7 +13,7 @@ MOST_ENCOUNTERS = 30  # that a page can show
 
 @dataclass(frozen=True)
 class Encounter:
-    """A time that somebody was near, or of who never was, the nearest there was."""
+    """A time at which a person was near; for one who never was, the nearest moment."""
 
     person: int  # in the order of the world's people
     nearest: Approach  # the moment at which the rover was nearest to them

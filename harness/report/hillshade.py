@@ -60,7 +60,13 @@ def shade(ground: Heightfield) -> Hillshade:
 
 
 def map_layout(ground: Heightfield, hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
-    """Returns axes of one scale over the terrain as a picture."""
+    """Returns axes of one scale, in metres of the world, over the terrain as a picture.
+
+    Args:
+        ground: The terrain.
+        hillshade: The picture.
+        track: Path of the rover, which the view shows whole.
+    """
     x_range, y_range = _view(track, ground)
     place = {"xref": "x", "yref": "y", "x": hillshade.west, "y": hillshade.north}
     size = {"sizex": hillshade.size[0], "sizey": hillshade.size[1], "sizing": "stretch"}

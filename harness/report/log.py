@@ -34,8 +34,8 @@ DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
 
 def describe(name: str) -> Column:
     """Returns the entry of the data dictionary; what it does not know has the unit in its name."""
-    if found := DICTIONARY.get(name) or find_truth_column(name):  # by the rover's wheels
-        return found
+    if column := DICTIONARY.get(name) or find_truth_column(name):  # by the rover's wheels
+        return column
     unit = re.search(r"\[(.+)\]$", name)
     meaning = "The data dictionary does not know this column."
     return Column(name=name, unit=unit[1] if unit else "", meaning=meaning, formula="", source="the log")
@@ -83,7 +83,7 @@ def _number(cell: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """From when to when [s], and where the rover was [m]."""
+    """Something that lasted: from when to when [s], and where the rover was [m]."""
 
     start_s: float
     end_s: float

@@ -47,7 +47,7 @@ class Stretch:
 
     @property
     def nearest_person(self) -> float:
-        """From the model frame to the nearest person's axis, from above [m], or inf."""
+        """Distance from the model frame to the nearest person's axis, from above [m], or inf."""
         return min((approach.distance for approach in self.approaches), default=math.inf)
 
     def followed_by(self, later: "Stretch") -> "Stretch":
@@ -143,7 +143,7 @@ class RunRecorder:
 
 
 def _nearest(one: tuple[Approach, ...], other: tuple[Approach, ...]) -> tuple[Approach, ...]:
-    """Of each person the nearer of two moments, the earlier one if they are alike."""
+    """The nearer of two moments of each person, the earlier one if they are alike."""
     if not (one and other):
         return one or other
     pairs = zip(one, other, strict=True)

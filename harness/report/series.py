@@ -48,7 +48,16 @@ def series_figure(
     contacts: Sequence[Event],
     gravity: float,
 ) -> fig.Figure:
-    """Returns one column over time, beside what was recorded of the same run; gravity in m/s^2."""
+    """Returns one column over time, beside what was recorded of the same run.
+
+    Args:
+        name: The column.
+        log: Has it.
+        thresholds: Drawn as levels where the column has one.
+        track: Samples and truth of the run.
+        contacts: With hazards, drawn as bands.
+        gravity: What the IMU reads at rest [m/s^2].
+    """
     unit = fig.spelled(describe(name).unit)
     data = [*_samples(name, track), _logged(name, unit, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)

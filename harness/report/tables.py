@@ -22,7 +22,13 @@ UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  #
 
 
 def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
-    """Returns the metrics of a run against its truth."""
+    """Returns the metrics of a run beside its truth.
+
+    Args:
+        result: Has the truth.
+        log: Has the metrics; may be empty.
+        track: Has the people.
+    """
     truth, row = result.truth, result.last_row or {}
     threshold = result.thresholds.collision_threshold
     clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]

@@ -136,7 +136,7 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
 
 
 def _ways(places: Mapping[str, Sequence[Vector3]], color: str) -> list[Trace]:
-    """Dashed lines by name, and a dot where each ends; nothing of who was nowhere."""
+    """Dashed lines by name, and a dot where each ends; none for those without a place."""
     traces: list[Trace] = []
     for number, (name, way) in enumerate(places.items()):
         hover = f"{name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
@@ -185,7 +185,7 @@ def _ends(track: Sequence[Stretch]) -> list[Trace]:
 
 
 def _columns(points: Points | Sequence[Sequence[float]]) -> tuple[Sequence[float], Sequence[float]]:
-    """Their x and their y."""
+    """The x and the y of places."""
     x, y, *_ = zip(*points, strict=True) if len(points) else ((), ())
     return x, y
 

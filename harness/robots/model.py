@@ -193,7 +193,13 @@ def extent(
 
 
 def body_box(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> np.ndarray:
-    """Returns `extent` of what collides and is fixed to a body, shape (2, 3) [m]."""
+    """Returns `extent` of what collides and is fixed to a body: shape (2, 3) [m].
+
+    Args:
+        model: Of the rover alone.
+        data: The state in which it is measured.
+        body: Number of the body.
+    """
     fixed = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)
     return np.array(extent(model, data, np.flatnonzero(fixed).tolist()))
 

@@ -73,7 +73,7 @@ def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
 def _shipped(folder: Path) -> dict[str, Any]:
     model = folder / f"{folder.name}.xml"
     try:
-        return stated_by_mjcf(ET.parse(model).getroot())  # noqa: S314 - no stranger's
+        return stated_by_mjcf(ET.parse(model).getroot())  # noqa: S314 - it ships with this package
     except (OSError, ET.ParseError, AttributeError, KeyError, ValueError, IndexError) as error:
         raise UsageError(f"{model} is not as models/README.md says: {error!r}") from error
 

@@ -13,7 +13,11 @@ ACKERMANN: Literal["ackermann"] = "ackermann"
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
-Vector = tuple[Number, Number, Number]
+# [m] and [rad] of what is on a rover: more is in millimetres, and more than a turn in degrees.
+Coordinate = Annotated[float, Field(strict=True, ge=-20.0, le=20.0)]
+Vector = tuple[Coordinate, Coordinate, Coordinate]
+Angle = Annotated[float, Field(strict=True, ge=-round(math.tau, 4), le=round(math.tau, 4))]
+Angles = tuple[Angle, Angle, Angle]
 
 
 class FrameRow(Value):
@@ -28,7 +32,7 @@ class FrameRow(Value):
     )
     site: str = Field(default="", description="the model's site that it is at")
     xyz: Vector = Field(default=(0.0, 0.0, 0.0), description="its origin there, else in the parent [m]")
-    rpy: Vector = Field(default=(0.0, 0.0, 0.0), description="its roll, pitch and yaw there [rad]")
+    rpy: Angles = Field(default=(0.0, 0.0, 0.0), description="its roll, pitch and yaw there [rad]")
 
 
 class Mount(Value):
@@ -36,7 +40,7 @@ class Mount(Value):
 
     body: str = Field(default="", description="the model's body that carries it; empty: the root body")
     xyz: Vector = Field(default=(0.0, 0.0, 0.0), description="its origin in that body [m]")
-    rpy: Vector = Field(default=(0.0, 0.0, 0.0), description="its roll, pitch and yaw there [rad]")
+    rpy: Angles = Field(default=(0.0, 0.0, 0.0), description="its roll, pitch and yaw there [rad]")
 
 
 class Drive(Value):
@@ -53,7 +57,7 @@ class Drive(Value):
     steering: tuple[str, ...] = Field(
         default=(), description="joints that turn the left and the right front wheel; ackermann only"
     )
-    steering_limit: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(
+    steering_limit: Annotated[float, Field(strict=True, ge=0.0, le=1.5)] = Field(
         default=0.0, description="largest angle of a steered wheel [rad]; 0: its joint's or motor's"
     )
     steering_rate: Positive = Field(

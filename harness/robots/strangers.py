@@ -1,7 +1,7 @@
-"""What a stranger's model may not be: endless, a reader of other files, or impossible as a body.
+"""What a model from elsewhere may not be: endless, a reader of other files, or impossible as a body.
 
-MuJoCo takes friction below 0, reads whatever a file names, and makes room for every heightfield; all of
-here it is an error of one line instead.
+MuJoCo takes friction below 0, reads whatever a file names, and makes room for every heightfield; here
+each of these is an error of one line.
 """
 
 import math

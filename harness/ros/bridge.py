@@ -41,7 +41,7 @@ class Listener(Protocol):
         """Returns when what went out on them is handled, or sure to be before all that follows."""
 
     def wait_for_clock(self, stamp_ns: int) -> None:
-        """Returns when the time is told and its timers have run, or sure to before all that follows."""
+        """Returns when it has the time and its timers have run, or will have before all that follows."""
 
 
 class Bridge(GuardedNode):
@@ -58,7 +58,7 @@ class Bridge(GuardedNode):
 
     Attributes:
         channels_of: The topics of each sensor's samples, in publishing order.
-        time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
+        time_ns: Simulation time of the tick that goes out now, whatever a fault does to its stamp.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class Bridge(GuardedNode):
         return (*self.frames.fixed, *samples_, *clock)
 
     def describe(self, description: Description) -> None:
-        """Tells of a rover what is fixed, and of what the transforms of its ticks are."""
+        """Publishes a rover's fixed frames; the transforms of ticks to come are of its moving ones."""
         self.frames.describe(description)
 
     def advance(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:

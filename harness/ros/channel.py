@@ -51,7 +51,12 @@ class Channel:
 
 
 def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
-    """Returns a topic of a node, of that name, type and QoS.
+    """Returns a new topic of a node.
+
+    Args:
+        node: Publishes it.
+        topic: Its name, type and QoS.
+        fill: Makes a message of a sample, or None.
 
     Raises:
         UsageError: Its type is not to be had.

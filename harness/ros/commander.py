@@ -40,7 +40,7 @@ class Commander:
         return bool(self._publisher.get_subscription_count())
 
     def end(self) -> None:
-        """Has the rover stand, whoever drove it last."""
+        """Stops the rover."""
         self.send(0.0, 0.0)
         self._publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
 

@@ -147,13 +147,13 @@ class Commands:
     def _receive_stamped(self, message: TwistStamped) -> None:
         frame = message.header.frame_id
         if frame and frame.rpartition("/")[2] not in self._frames:
-            what = f"a command in the frame '{shown(frame)}'"
-            self._refuse(what, f"give one of {', '.join(self._frames)}, or none")
+            ignored = f"a command in the frame '{shown(frame)}'"
+            self._refuse(ignored, f"give one of {', '.join(self._frames)}, or none")
         elif self._receive(message.twist) and stamp_ns(message) < self.clock_ns:
             self.count.older += 1
 
-    def _refuse(self, what: str, why: str) -> None:
+    def _refuse(self, ignored: str, why: str) -> None:
         self.count.refused += 1
         self._node.get_logger().warning(
-            f"ignored {what} on {self.topic}: {why}", throttle_duration_sec=1.0
+            f"ignored {ignored} on {self.topic}: {why}", throttle_duration_sec=1.0
         )

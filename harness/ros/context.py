@@ -105,5 +105,5 @@ def spin_until_quiet(
     seen = look()
     while now() - since < quiet and now() - began < patience:
         executor.spin_once(timeout_sec=min(quiet, SPIN_TIMEOUT))
-        if (found := look()) != seen:
-            seen, since = found, now()
+        if (present := look()) != seen:
+            seen, since = present, now()

@@ -67,7 +67,7 @@ class AwaitedEffect:
         """Returns when the last input has been answered.
 
         Args:
-            stamp_ns: Of the time that was told.
+            stamp_ns: The time that was published.
 
         Raises:
             RunFailed: No answer came within the time-out.

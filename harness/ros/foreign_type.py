@@ -3,7 +3,7 @@
 rclpy publishes bytes as they are, and rosbags knows the types and serialises them. What is missing is
 a type support: where the middleware asks for name and hash of a type. It is made of another type's for
 Fast DDS, in which name and hash are replaced. Its functions still are the other type's, so messages of
-such a class are published as bytes and received raw, never as objects; only the hash is told of the
+such a class are published as bytes and received raw, never as objects; only the hash is given of the
 type, no definition (Fast DDS would send the other's).
 """
 
@@ -117,8 +117,8 @@ def _capsule(namespace: bytes, name: bytes, digest: bytes) -> object:
     support.data = ctypes.pointer(callbacks)
     if FORMER:  # creates nothing without a definition, and sends none
         fields = whole.find(address, DEFINITION)
-        found = {TYPE_SUPPORT: ctypes.addressof(support), DEFINITION: fields}
-        support.find = _Find(lambda _, identifier: found.get(identifier))
+        handles = {TYPE_SUPPORT: ctypes.addressof(support), DEFINITION: fields}
+        support.find = _Find(lambda _, identifier: handles.get(identifier))
     support.get_type_hash = _GetHash(lambda _: ctypes.addressof(type_hash))
     _kept.extend((support, callbacks, type_hash, label))
     capsule: object = _python.PyCapsule_New(ctypes.c_void_p(ctypes.addressof(support)), label, None)

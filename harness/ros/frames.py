@@ -34,7 +34,7 @@ RECENT = 1000  # messages sent that may still come back
 
 
 class FrameTopics:
-    """What a bridge tells of a rover's frames, and whether somebody else tells it too.
+    """What a bridge publishes of a rover's frames, and whether somebody else publishes it too.
 
     Args:
         node: The bridge.
@@ -107,7 +107,7 @@ class FrameTopics:
                 )
 
     def _others(self) -> str:
-        """The other nodes that publish it: which of them it was, no message tells."""
+        """The other nodes that publish it: no message says which of them it was."""
         infos = self._node.get_publishers_info_by_topic(self.moving[0].topic)
         names = {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos}
         return " or ".join(sorted(names - {self._node.get_fully_qualified_name()})) or "another node"

@@ -82,7 +82,7 @@ class HostedMetrics:
     def make_room(self, channels: Sequence[Channel]) -> None:
         """Returns at once: nothing of it waits between two ticks."""
 
-    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002 - its counts tell
+    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002 - it counts
         """Spins until the counts agree; gives up what does not come.
 
         Raises:
@@ -113,7 +113,7 @@ class HostedMetrics:
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         self._possible_ns = {stamp_ns}
         self._clock_received += 1
-        self._missing()  # a stranger's message stood for one of ours until all had arrived
+        self._missing()  # a foreign message counted as one of ours until all had arrived
 
     def _missing(self) -> dict[str, int]:
         """How many messages are not handled yet, of each topic that has any."""
@@ -132,7 +132,7 @@ class HostedMetrics:
 def heard_by(
     hosts: Iterable[HostedMetrics], published: Mapping[str, TopicCount]
 ) -> dict[str, TopicCount]:
-    """Returns what was published with what nodes received, and of what they share the most one lost."""
+    """Returns what was published and received by topic; of a shared one the most that a node lost."""
     topics = dict(published)
     for host in hosts:
         for topic, received in host.received().items():

@@ -109,7 +109,7 @@ class RemoteNodes:
         Raises:
             RunFailed: One of them does not answer.
         """
-        if stamp_ns % NANOSECONDS == 0:  # one may have come when another went: counts do not tell
+        if stamp_ns % NANOSECONDS == 0:  # one may have come when another went: counts do not show it
             self._listening.clear()
         awaited = {node: node.ask() for node in self._others}
         clock = self._bridge.clock_channel.topic

@@ -39,7 +39,7 @@ class Navigation:
         bridge: The node that does.
         run: What is driven.
         number: The rover's place in the run.
-        source: Is told where the rover goes.
+        source: Gets what is ordered of the rover.
         truth_map: Whether there is /map/truth too.
 
     Attributes:

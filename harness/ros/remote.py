@@ -75,7 +75,7 @@ class RemoteNode:
         self.waited_s, self.is_gone = 0.0, False
 
     def ask(self) -> Future:
-        """Returns what is done when the node has handled all that arrived before."""
+        """Returns a future that is done when the node has handled all that arrived before."""
         return self._parameters.call_async(BARRIER)
 
     def release(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
@@ -124,7 +124,7 @@ class RemoteNode:
             ValueError,
             TypeError,
             AttributeError,
-        ):  # a stranger of that name
+        ):  # another node of that name
             return {}
 
     def _call(

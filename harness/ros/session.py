@@ -1,7 +1,7 @@
 """A run through ROS 2: child simulation -> bridges -> topics -> MetricsNodes, in lock-step.
 
 Each rover of the run has a bridge and a MetricsNode, in the namespace of its name if there are several.
-The first one's bridge tells the time, when all have sent the samples of a tick.
+The first one's bridge publishes /clock, when all have sent the samples of a tick.
 """
 
 import time
@@ -148,7 +148,7 @@ class _Session:
         except RunFailed as error:
             failure = str(error)
         except Overdue as error:
-            self._remotes = []  # one of them hangs: it will not tell what it has received
+            self._remotes = []  # one of them hangs: it will not say what it has received
             interrupted = error.signal.name
         except (ExternalShutdownException, RuntimeError):
             if self._context.ok():

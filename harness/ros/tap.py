@@ -21,7 +21,7 @@ Record = Callable[[Message], bytes]
 
 
 class Tap:
-    """Of the nodes of one run.
+    """Taps the nodes of one run.
 
     Args:
         sinks: Get the messages.

@@ -171,7 +171,7 @@ def quality(profile: Any) -> str:  # noqa: ANN401 - rclpy has no types
         words.append(profile.durability.name.lower().replace("_", " "))
     if profile.history.name == "KEEP_ALL":
         words.append("all")
-    elif profile.depth > 0:  # Fast DDS does not tell: 0
+    elif profile.depth > 0:  # Fast DDS gives 0
         words.append(str(profile.depth))
     return " ".join(words)
 

@@ -21,7 +21,7 @@ Read = Callable[[Any], Iterable[Any]]
 
 
 class Reader(NamedTuple):
-    """What takes out of messages of these types what is judged."""
+    """Takes out of messages of these types what is judged."""
 
     types: Sequence[str]
     read: Read
@@ -112,7 +112,7 @@ def _rate(times: Integers, end_ns: int) -> Series:
 
 
 def _latency(output: Arrivals, source: Arrivals) -> NDArray[np.float64]:
-    """From the stamp of the newest input that had been heard by then to each output [s]."""
+    """The time from the stamp of the newest input heard by then to each output [s]."""
     newest = np.searchsorted(np.array(source.times), np.array(output.times), side="right") - 1
     values = np.full(len(output.times), np.nan)
     known = newest >= 0

@@ -73,7 +73,7 @@ def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Att
     with watched(case.run, live, live.rate, stop) as (helm, seen):
         outputs = Outputs(log_dir=own, observers=(watch, *seen), settings=watch.settings)
         (result,) = run_direct(case.run, (outputs,), ros, stop, None, helm)
-    if helm is not None and (note := helm.note(case.run)):  # of whoever steered, not of the scenario
+    if helm is not None and (note := helm.note(case.run)):  # says that somebody steered
         return Attempt(case, error=note.removeprefix(", "))
     judged = watch.judged(result, {})
     if judged.passed and not options.keep:

@@ -48,7 +48,13 @@ def key_of(name: str, bound: Bound) -> str:
 
 
 def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded:
-    """Returns a run as a baseline keeps it."""
+    """Returns a run as a baseline keeps it.
+
+    Args:
+        case: What was driven, with the scenario's bounds.
+        result: What it came to.
+        series: Every quantity that is bounded, by its label.
+    """
     # Only what is not the default: an argument that a later version adds changes nothing.
     defaults, fields = Run().fields(), case.run.fields()
     for name, before in (("terrain", ""), ("soil", ""), ("driver", OF_POLICY)):

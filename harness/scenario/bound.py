@@ -51,7 +51,7 @@ class Bound(Value):
     of: FullName | None = None
 
     def label(self, name: str) -> str:
-        """Returns what a quantity of that name is called where it is told."""
+        """Returns what a quantity of that name is called in messages."""
         return name if self.of is None else f"{name} of {self.of}"
 
     @property

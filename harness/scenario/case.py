@@ -131,19 +131,19 @@ def _check_number(runs: int, where: str = "") -> None:
 
 
 def _beside(path: Path, name: str) -> Path:
-    """A file beside the scenario, if there is such a one, or what is called so otherwise."""
+    """A file beside the scenario if it is there, else the name as it is."""
     there = path.parent / name
     return there if there.is_file() else Path(name)
 
 
 def _robot_beside(path: Path, robot: str) -> str:
-    """A rover's folder beside the scenario, if there is such a one, or what is called so otherwise."""
+    """A rover's folder beside the scenario if it is there, else the name as it is."""
     there = path.parent / robot
     return str(there) if robot not in ROVERS and (there / "rover.yaml").is_file() else robot
 
 
 def _driver_beside(path: Path, driver: str) -> str:
-    """A driver; the file of a policy is beside the scenario, if there is such a one."""
+    """A driver; the file of a policy is the one beside the scenario if it is there."""
     file = driver.removeprefix(OF_POLICY)
     return driver if file == driver else f"{OF_POLICY}{_beside(path, file)}"
 

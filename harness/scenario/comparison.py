@@ -176,7 +176,7 @@ def _values(cell: Cell, index: int) -> Floats:
 
 
 def _difference(title: str, cells: tuple[Cell, Cell], values: tuple[Floats, Floats]) -> Comparison:
-    """Of the second from the first; run by run where both drove in the same worlds."""
+    """The second cell's difference from the first; run by run where both drove in the same worlds."""
     first, second = values
     runs = [[attempt.case.run for attempt in cell.attempts] for cell in cells]
     worlds, others = ([(run.seed, run.world, run.rover.start) for run in some] for some in runs)
@@ -187,7 +187,7 @@ def _difference(title: str, cells: tuple[Cell, Cell], values: tuple[Floats, Floa
 
 
 def _adjusted(quantities: Sequence[Compared]) -> Iterator[Compared]:
-    """With p-values adjusted for all comparisons of the scenario."""
+    """The quantities with p-values adjusted for all comparisons of the scenario."""
     differences = [row.difference for quantity in quantities for row in quantity.rows]
     adjusted = iter(holm([None if one is None else one.p for one in differences]))
     for quantity in quantities:

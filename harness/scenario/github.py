@@ -18,7 +18,7 @@ def tell_github(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> 
     """Annotates each bad run and appends to the summary, if `GITHUB_ACTIONS` says that it is a job."""
     if environment.get("GITHUB_ACTIONS") != "true":
         return
-    for line in dict.fromkeys(map(annotation, bad_runs(verdicts))):  # what ails many runs is told once
+    for line in dict.fromkeys(map(annotation, bad_runs(verdicts))):  # each text once
         print(line)
     if target := environment.get("GITHUB_STEP_SUMMARY"):
         with Path(target).open("a", encoding="utf-8") as file:

@@ -12,14 +12,14 @@ from harness.scenario.series import Series
 
 
 def readers(names: Iterable[str]) -> dict[str, Reader]:
-    """Returns what takes out of the messages of each topic what these quantities need."""
-    found: dict[str, Reader] = {}
+    """Returns the Reader of each topic of which these quantities need something."""
+    readers: dict[str, Reader] = {}
     for name in names:
         if (pose := heard_quantity(name, POSE)) is not None:
-            found |= dict.fromkeys(pose.topics, Reader(poses.TYPES, poses.rows_of))
+            readers |= dict.fromkeys(pose.topics, Reader(poses.TYPES, poses.rows_of))
         if (grid := heard_quantity(name, MAP)) is not None:
-            found[grid.topic] = Reader(maps.TYPES, maps.grids_of)
-    return found
+            readers[grid.topic] = Reader(maps.TYPES, maps.grids_of)
+    return readers
 
 
 def judged_series(case: Case, read: Mapping[str, Any], path: poses.TruePath) -> dict[str, Series]:
@@ -30,11 +30,11 @@ def judged_series(case: Case, read: Mapping[str, Any], path: poses.TruePath) -> 
         read: What was taken out of the messages of each topic, in the order of their arrival.
         path: The true poses.
     """
-    found: dict[str, Series] = {}
+    series: dict[str, Series] = {}
     for name in case.scenario.quantities:
         if (pose := heard_quantity(name, POSE)) is not None:
-            found[name] = poses.pose_series(pose, read, path)
+            series[name] = poses.pose_series(pose, read, path)
         if (grid := heard_quantity(name, MAP)) is not None:
             truth = graded_world(case.run)  # kept
-            found[name] = maps.map_series(grid, read.get(grid.topic, ()), truth)
-    return found
+            series[name] = maps.map_series(grid, read.get(grid.topic, ()), truth)
+    return series

@@ -86,14 +86,26 @@ def _yaw(q: Any) -> float:  # noqa: ANN401
 
 
 def map_series(quantity: HeardQuantity, grids: Sequence[Grid], truth: GradedMap) -> Series:
-    """Returns a quantity of each map that was heard, NaN where no cell counts."""
+    """Returns a quantity of each map that was heard; NaN where no cell counts.
+
+    Args:
+        quantity: Its measure is one of OF_MAPS.
+        grids: The maps, by time.
+        truth: The world graded for the rover.
+    """
     times = np.array([grid.stamp_ns for grid in grids]) / NANOSECONDS
     values = np.array([share(quantity.measure, grid, truth) for grid in grids], dtype=float)
     return Series(times, values, nothing=f"no map was heard on {quantity.topic} that could be judged")
 
 
 def share(measure: str, grid: Grid, truth: GradedMap) -> float:
-    """Returns one of OF_MAPS of a map; NaN where no cell counts."""
+    """Returns a share of a map's cells, 0 to 1; NaN where none counts.
+
+    Args:
+        measure: One of OF_MAPS.
+        grid: The map.
+        truth: The world graded for the rover.
+    """
     x, y = grid.places()
     inset = truth.resolution * np.array(truth.layers["danger"].shape)[::-1] - EDGE_MARGIN
     low = np.array(truth.corner) + EDGE_MARGIN

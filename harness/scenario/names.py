@@ -90,7 +90,7 @@ def heard_quantity(name: str, kind: str = TOPIC) -> HeardQuantity | None:
 
 
 def check_heard(name: str) -> str | None:
-    """Returns what is wrong with a name of a topic, pose or map, as far as is known up front."""
+    """Returns what is wrong with a name of a topic, pose or map, before anything is heard of it."""
     kind = next(kind for kind in FORMS if name.startswith(kind))
     quantity = heard_quantity(name, kind)
     if quantity is None:

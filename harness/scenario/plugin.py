@@ -38,7 +38,7 @@ class ScenarioFile(pytest.File):
 
     def collect(self) -> "Iterator[ScenarioRun]":
         """Yields a test a run; one for all where a share of them may fail."""
-        from harness.base.errors import UsageError  # noqa: PLC0415 - see above
+        from harness.base.errors import UsageError  # noqa: PLC0415 - only if asked for
         from harness.scenario.case import plan  # noqa: PLC0415
 
         count, here = self.config.getoption("rover_seeds"), self.config.invocation_params.dir
@@ -64,7 +64,7 @@ class ScenarioRun(pytest.Item):
 
     def setup(self) -> None:
         """Drives the rover; what cannot be run is an error of the test."""
-        from harness.scenario.attempt import attempt  # noqa: PLC0415 - see above
+        from harness.scenario.attempt import attempt  # noqa: PLC0415 - only if asked for
         from harness.scenario.junit import properties_of  # noqa: PLC0415
 
         folder = self._folder()
@@ -77,7 +77,7 @@ class ScenarioRun(pytest.Item):
 
     def runtest(self) -> None:
         """Passes, fails, or fails as expected."""
-        from harness.scenario.verdict import Outcome, outcome_of, verdicts_of  # noqa: PLC0415 - see above
+        from harness.scenario.verdict import Outcome, outcome_of, verdicts_of  # noqa: PLC0415 - only if asked for
 
         (verdict,) = verdicts_of(self._attempts)
         if verdict.outcome is not Outcome.PASSED:
@@ -100,7 +100,7 @@ class ScenarioRun(pytest.Item):
 
 
 def _lines(attempt: "Attempt") -> str:
-    from harness.scenario.verdict import reasons_of  # noqa: PLC0415 - see above
+    from harness.scenario.verdict import reasons_of  # noqa: PLC0415 - only if asked for
 
     see = [f"see:   {path}" for path in attempt.kept[:1]]
     return "\n".join([*reasons_of(attempt), f"again: {attempt.case.command}", *see])

@@ -126,9 +126,15 @@ OF: dict[str, Callable[[trajectory.Poses, trajectory.Poses], float]] = {
 
 
 def chained(fixed: Sequence[Row], moving: Sequence[Row], parent: str, child: str) -> Iterator[Row]:
-    """Yields a frame's pose in another each time that the nearest moving frame above it is told.
+    """Yields a frame's pose in another at each transform of the nearest moving frame above it.
 
-    What is further up is as it was told last.
+    Of frames further up the latest transform before it counts.
+
+    Args:
+        fixed: Transforms of /tf_static.
+        moving: Transforms of /tf, by time.
+        parent: The frame that poses are given in.
+        child: Whose poses.
     """
     latest = {row.child: row for row in fixed}
     trigger, own = child, {row.child for row in moving}

@@ -212,7 +212,7 @@ def quantity_of(name: str) -> Quantity | None:
 
 
 def check_name(name: str) -> str | None:
-    """Returns what to tell of a quantity that does not exist, None of one that does."""
+    """Returns the complaint about a quantity that does not exist; None about one that does."""
     if name.startswith(tuple(FORMS)):
         return check_heard(name)
     if OF_TARGET.fullmatch(name):

@@ -85,7 +85,7 @@ class Goal(Value):
 
 
 class ExpectedFailure(Value):
-    """Why some runs are known to fail; whoever mends that is told by the run that passes.
+    """Why some runs are known to fail; a run of them that passes is reported.
 
     Attributes:
         reason: In a sentence.

@@ -31,7 +31,7 @@ def run_all(
         cases: What to run.
         workers: Who runs them.
         folder: For what runs leave that do not pass.
-        show: Told how many of how many are done.
+        show: Called with how many are done, and of how many.
         options: How each is judged, shown and kept.
         resume: Whether to go on where the same suite was stopped.
 

@@ -49,7 +49,7 @@ def yaw_error(estimate: Poses, truth: Poses) -> float:
     return rms(wrapped(estimate[:, 2] - truth[:, 2]))
 
 
-def rpe(estimate: Poses, truth: Poses, delta: float = DELTA) -> float:
+def rpe(estimate: Poses, truth: Poses) -> float:
     """Returns the relative pose error, the RMS drift of position over each metre of the true path [m].
 
     NaN where the path is shorter.
@@ -58,7 +58,7 @@ def rpe(estimate: Poses, truth: Poses, delta: float = DELTA) -> float:
     ends, since = [0], 0.0
     for index, step in enumerate(path.tolist()):
         since += step
-        if since >= delta:
+        if since >= DELTA:
             ends.append(index)
             since = 0.0
     first, last = np.array(ends[:-1], dtype=int), np.array(ends[1:], dtype=int)
@@ -74,7 +74,7 @@ def nees(estimate: Poses, truth: Poses, covariances: Poses) -> float:
     Args:
         estimate: Shape (n, 3).
         truth: Shape (n, 3).
-        covariances: Of x, y and yaw, shape (n, 3, 3); NaN comes of one that has no inverse.
+        covariances: Of x, y and yaw, shape (n, 3, 3); NaN where one has no inverse.
     """
     error = estimate - truth
     error[:, 2] = wrapped(error[:, 2])

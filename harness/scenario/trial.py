@@ -135,7 +135,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
                 record=hear,
             )
             self._await_nodes()
-            if not trial.nodes.subjects:  # who answers after it has been published has heard it
+            if not trial.nodes.subjects:  # a node that answers after it was published has heard it
                 trial.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
             mode = f"ROS 2, lock-step with {', '.join(node.name for node in trial.nodes.subjects)}"
             begun = RunResult(run=self.case.run, mode=mode, info=trial.info)
@@ -147,7 +147,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     @property
     def findings(self) -> Attempt:
         """What the run came to, after `finish`."""
-        assert self._findings is not None, "it has not finished"  # noqa: S101 - for who calls it before
+        assert self._findings is not None, "it has not finished"  # noqa: S101 - a call comes too early
         return self._findings
 
     def finish(self) -> tuple[str, ...]:
@@ -194,7 +194,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
     def joined(self, node: object) -> None:
         """Hears what a node publishes from its first message on."""
         trial, bridge = self._trial, self._trial.bridge
-        if node is None:  # no answer of another process tells that all of its publishers are known here
+        if node is None:  # another process's answer does not prove that its publishers are known
             spin_until_quiet(trial.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
         commands = bridge.commands
         before = commands.heard

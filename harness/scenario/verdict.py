@@ -1,4 +1,4 @@
-"""What came of a run, and of a scenario whose runs need not all pass."""
+"""Verdicts on a run, and on a scenario whose runs need not all pass."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

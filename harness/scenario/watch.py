@@ -1,4 +1,4 @@
-"""What is watched of a run of a scenario, and what comes of it: what was not as expected."""
+"""Watches a run of a scenario and judges it: what was not as expected."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from harness.samples import Sample, Source
 
-if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
+if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     from collections.abc import Callable, Mapping
 
     import numpy as np

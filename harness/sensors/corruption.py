@@ -88,7 +88,7 @@ class RangeErrors(Value):
             ranges: Exact ones [m], shape (beams,); +inf where nothing is.
             limits: Nearest and farthest range that can be read [m].
             rng: Draws the errors.
-            lost: What a lost return reads: of a lidar it cannot be told from a miss, which is +inf.
+            lost: What a lost return reads: of a lidar it is like a miss, which is +inf.
         """
         read = (ranges + _gaussian(rng, self.white, ranges.shape)).astype(np.float32)  # inf stays inf
         if self.step:

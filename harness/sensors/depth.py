@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from harness.robots import FrameRow, RoverSpec
-from harness.samples import Vector3
+from harness.robots.sections import Angles
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.ranging import RangeOptions
 from harness.spec.value import Length, NotNegative
@@ -44,7 +44,7 @@ class DepthOptions(RangeOptions):
     }
 
     preset: str = "small"
-    rpy: Vector3 = (0.0, 0.35, 0.0)  # a little down; RoboTerrain's depth camera is tilted as much
+    rpy: Angles = (0.0, 0.35, 0.0)  # a little down; RoboTerrain's depth camera is tilted as much
     width: Annotated[int, Field(ge=1)] = 160
     height: Annotated[int, Field(ge=1)] = 120
     fov: Annotated[float, Field(gt=0.0, lt=math.pi)] = 1.047

@@ -62,7 +62,13 @@ class Lidar:
 
 
 class LidarSensor(Sensor):
-    """The lidar as a sensor of the episode."""
+    """The lidar as a sensor of the episode.
+
+    Args:
+        simulation: Of the rover.
+        lidar: Casts the rays.
+        period_ticks: Clock ticks between two scans.
+    """
 
     sees_ground = True
 

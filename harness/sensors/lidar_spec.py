@@ -50,7 +50,7 @@ def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
 @cache
 def _lidar_mount(rover: RoverSpec) -> tuple[Points, Points]:
     """Returns position [m] and rotation of the lidar in the model frame, from the rover's model file."""
-    import mujoco  # noqa: PLC0415 - whoever only publishes does without
+    import mujoco  # noqa: PLC0415 - not to publish
 
     from harness.robots.model import read_model  # noqa: PLC0415
 

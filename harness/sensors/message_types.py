@@ -35,7 +35,7 @@ uint16 outer_start_index
 uint16 inner_start_index
 """,
 }
-MOST = 12  # fields that are listed to whoever named one that does not exist
+MOST = 12  # fields that a message lists where one does not exist
 
 
 @cache  # it takes a while to build

@@ -33,7 +33,7 @@ class NoisePreset:
     # standard deviation of the share by which the wheels of a side are larger than the odometry
     # takes them for
     wheel_radius: float = 0.0
-    # what wheel odometry tells of its speed [m^2/s^2] and yaw rate [rad^2/s^2]; 0, 0 if nothing
+    # variances that wheel odometry states of speed [m^2/s^2] and yaw rate [rad^2/s^2]; 0, 0 for none
     twist_variance: tuple[float, float] = (0.0, 0.0)
     ranges: RangeErrors = field(default_factory=RangeErrors)
     # what shakes the IMU before its own errors come on top; None for nothing
@@ -95,6 +95,13 @@ class SensorNoise:
     """Corrupts scans and IMU readings; leaves everything else as it is.
 
     Chatter and vibration follow the latest speed in the odometry, which passes here too.
+
+    Args:
+        preset: The errors.
+        range_limits: Nearest and farthest range of the lidar [m].
+        scan_rng: Of the scans' errors.
+        imu_rng: Of the IMU's errors.
+        vibration: Shakes the IMU before its errors; None for nothing.
 
     Attributes:
         wheel_scale: Radius of the wheels, left and right, over the one that the odometry knows.

@@ -16,13 +16,13 @@ from pydantic import AfterValidator, ConfigDict
 from harness.base.errors import UsageError
 from harness.base.sim_time import period_ticks
 from harness.robots import FrameRow, RoverSpec
-from harness.samples import Vector3
+from harness.robots.sections import Angles, Vector
 from harness.sensors.base import Sensor
 from harness.sensors.noise import NoisePreset
 from harness.spec.value import Value, checked
 from harness.world.geodesy import Datum
 
-if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
+if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     import mujoco
 
     from harness.physics.simulation import Simulation
@@ -62,8 +62,8 @@ class SensorOptions(Value):
 
     name: Annotated[str, AfterValidator(checked(_check_name))]
     parent: str = ""
-    xyz: Vector3 = (0.0, 0.0, 0.0)
-    rpy: Vector3 = (0.0, 0.0, 0.0)
+    xyz: Vector = (0.0, 0.0, 0.0)
+    rpy: Angles = (0.0, 0.0, 0.0)
     frame: str = ""
     topic: Annotated[str, AfterValidator(checked(_check_topic))] = ""
     rate: Rate = 10
@@ -130,7 +130,13 @@ class Installation(Generic[Given]):
 
 
 class OptionalSensor(Sensor, Generic[Given]):
-    """A sensor with a name, which its samples carry in their field `sensor`."""
+    """A sensor with a name, which its samples carry in their field `sensor`.
+
+    Args:
+        simulation: Of the rover.
+        installation: Its options, its mount, its noise and its randomness.
+        period_ticks: Clock ticks between two samples.
+    """
 
     def __init__(
         self, simulation: "Simulation", installation: Installation[Given], period_ticks: int
@@ -140,7 +146,7 @@ class OptionalSensor(Sensor, Generic[Given]):
 
     def pose(self) -> NDArray[np.float64]:
         """Returns where the sensor is now: its origin [m] and below it R_world_sensor, shape (4, 3)."""
-        from mujoco import mj_kinematics  # noqa: PLC0415 - whoever only publishes does without
+        from mujoco import mj_kinematics  # noqa: PLC0415 - not to publish
 
         mj_kinematics(self._simulation.model, self._simulation.data)  # poses are one step old
         return self._mount.pose(self._simulation.data)

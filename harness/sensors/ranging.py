@@ -1,6 +1,6 @@
 """What optional lidars and depth cameras have in common: directions, limits, readings, the sensor.
 
-Importing this loads neither MuJoCo nor compiled kernels: who publishes needs the directions too.
+Importing this loads neither MuJoCo nor compiled kernels: processes that publish need the directions too.
 """
 
 import math

@@ -52,7 +52,7 @@ class Topic:
     message_type: str
     best_effort: bool = False  # whether it is offered best effort instead of reliable
     depth: int = 10  # how many messages may wait
-    # whether who comes later gets the last ones too (transient local); else volatile
+    # whether late subscribers get the last ones too (transient local); else volatile
     latched: bool = False
     # the field of the sensor's options that must be true for the topic to be there, if any
     option: str = ""
@@ -66,7 +66,7 @@ class SensorRow:
     # what it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
     # `sensor` too
     sample: type[Sample]
-    # the Sensor class, or "module:Class", which is loaded by whoever makes one
+    # the Sensor class, or "module:Class", which is loaded when one is made
     factory: str | type[Sensor]
     topics: tuple[Topic, ...]  # where the sample is published, in this order; options complete the names
     # samples a second of simulation time, of every rover or by rover [Hz], or of its options
@@ -80,7 +80,7 @@ class SensorRow:
     # the options of an optional one; None if every rover has it
     options: type[SensorOptions] | None = None
     given: SensorOptions | None = None  # the options of one that is carried
-    # what corrupts it in this run, for what its messages tell of their errors
+    # what corrupts it in this run, for the covariances of its messages
     noise: NoisePreset | None = None
     summary: str = ""  # a line for lists and the docs
 
@@ -110,7 +110,7 @@ class SensorRow:
 
 # In publishing order. Rates, topics and frames are RoboTerrain's.
 SENSORS: tuple[SensorRow, ...] = (
-    SensorRow(  # first: whoever gets another sample can transform it
+    SensorRow(  # first, so that later samples can be transformed
         sample=samples.Transforms,
         factory="harness.frames.transforms:TransformSensor",
         topics=(Topic("tf", "tf2_msgs/msg/TFMessage", depth=100),),  # tf2_ros's DynamicBroadcasterQoS
@@ -286,7 +286,7 @@ OPTIONAL = Table[SensorRow](
 
 
 def row_of(sample: type[Sample]) -> SensorRow:
-    """Returns the first row that has this sample, whoever's it is."""
+    """Returns the first row whose sensor has this type of sample."""
     return next(row for row in (*SENSORS, *OPTIONAL.loaded().values()) if row.sample is sample)
 
 

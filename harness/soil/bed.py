@@ -15,6 +15,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.compiled import callback, placed
 from harness.base.errors import UsageError
 from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
 from harness.soil.soils import SOIL_CONTACT, Soil
@@ -176,32 +177,25 @@ def _spin(model: mujoco.MjModel, wheel: SoilWheel) -> tuple[float, ...]:
 
 
 _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of the bed's arrays
-_callback: list[object] = []  # as long as MuJoCo may call it
+_table_address = placed("rover_harness_beds", _table.ctypes.data)
 
 
 def _register(data: mujoco.MjData, passed: np.ndarray, bed: Bed) -> None:
     """Lets MuJoCo press the wheels of a bed whenever it steps that state, as long as the bed lives."""
-    if not _callback:
-        _callback.append(_compiled(_table.ctypes.data))
     free = np.flatnonzero(_table[:MOST_BEDS, 0] == 0)
     if not free.size:
         raise UsageError(f"more than {MOST_BEDS} simulations with soil in a process; use several")
     row = int(free[0])
     _table[row] = data._address, passed.ctypes.data  # noqa: SLF001 - MuJoCo offers no other name
-    mujoco.set_mjcb_control(_callback[0].ctypes)  # type: ignore[attr-defined]  # numba has no types
+    mujoco.set_mjcb_control(_press.ctypes)  # type: ignore[attr-defined]  # numba has no types
     weakref.finalize(bed, _table[row].fill, 0)
 
 
-def _compiled(table: int) -> object:
-    """What MuJoCo calls in each step; the beds' table is at that address."""
-    rows = MOST_BEDS
-
-    @numba.cfunc("void(int64, int64)")  # type: ignore[untyped-decorator]  # numba has no types
-    def press(_: int, state: int) -> None:
-        beds = numba.carray(pointer(table), (rows, 2), np.int64)
-        for row in range(rows):
-            if beds[row, 0] == state:
-                press_bed(beds[row, 1])
-                return
-
-    return press
+@callback("void(int64, int64)")
+def _press(_: int, state: int) -> None:
+    """Is called by MuJoCo in each step, with the addresses of a model and its state."""
+    beds = numba.carray(pointer(_table_address()), (MOST_BEDS, 2), np.int64)
+    for row in range(MOST_BEDS):
+        if beds[row, 0] == state:
+            press_bed(beds[row, 1])
+            return

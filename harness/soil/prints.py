@@ -21,7 +21,13 @@ Frame = tuple[float, float, float, float, float]
 
 @inlined
 def level(field: Doubles, u: float, v: float) -> float:
-    """Value of a grid between its vertices, in cells from its corner; clamped to the map."""
+    """Value of a grid between its vertices; bilinear, clamped to the map.
+
+    Args:
+        field: Shape (rows, columns).
+        u: Column from the grid's corner [cells].
+        v: Row from the grid's corner [cells].
+    """
     rows, columns = field.shape
     u, v = min(max(u, 0.0), columns - 1.001), min(max(v, 0.0), rows - 1.001)
     col, row = int(u), int(v)
@@ -32,7 +38,7 @@ def level(field: Doubles, u: float, v: float) -> float:
 
 
 @inlined
-def window(low: float, high: float, begin: float, cell: float, count: int) -> range:
+def _window(low: float, high: float, begin: float, cell: float, count: int) -> range:
     """Rows or columns of a grid, which begins there, from one place to just behind another [m]."""
     first, last = int((low - begin) / cell), int((high - begin) / cell) + 1
     return range(max(first, 0), min(last, count - 1) + 1)
@@ -50,10 +56,10 @@ def press_down(
     """Leaves the wheel's print in the ground; returns the sum of the heights that it took [m].
 
     Args:
-        grids: See above.
-        frame: See above.
+        grids: As the module's docstring says.
+        frame: As the module's docstring says.
         hub: Of the wheel in the world [m].
-        ahead: See above.
+        ahead: As the module's docstring says.
         size: Radius and width of the wheel [m].
         plane: Height of the ground under the hub [m], its slopes ahead and to the left, the sinkage [m].
     """
@@ -65,8 +71,8 @@ def press_down(
     reach_y = abs(ahead[1]) * length + 0.5 * abs(ahead[0]) * b
     rows, columns = surface.shape
     moved = 0.0
-    for row in window(hub[1] - reach_y, hub[1] + reach_y, y0, cell, rows):
-        for col in window(hub[0] - reach_x, hub[0] + reach_x, x0, cell, columns):
+    for row in _window(hub[1] - reach_y, hub[1] + reach_y, y0, cell, rows):
+        for col in _window(hub[0] - reach_x, hub[0] + reach_x, x0, cell, columns):
             dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
             x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
             if abs(x) > length or abs(y) > 0.5 * b:
@@ -82,7 +88,16 @@ def press_down(
 
 @inlined
 def heap(grids: Grids, frame: Frame, hub: Pair, ahead: Pair, size: Pair, moved: float) -> bool:
-    """Heaps heights of that sum [m] beside a wheel of that reach and width; returns if it could."""
+    """Heaps displaced ground beside a wheel; returns whether there was room.
+
+    Args:
+        grids: As the module's docstring says.
+        frame: As the module's docstring says.
+        hub: Of the wheel in the world [m].
+        ahead: As the module's docstring says.
+        size: Half the length that is heaped along, and the wheel's width [m].
+        moved: Sum of the heights that are heaped [m].
+    """
     virgin, surface, field = grids
     x0, y0, cell, base, scale = frame[0], frame[1], frame[2], frame[3], 1.0 / frame[4]
     near, far = 0.5 * size[1] + cell, 0.5 * size[1] + 3.0 * cell
@@ -91,8 +106,8 @@ def heap(grids: Grids, frame: Frame, hub: Pair, ahead: Pair, size: Pair, moved: 
     rows, columns = surface.shape
     heaped, share = 0, 0.0
     for turn in range(2):  # counts, then heaps
-        for row in window(hub[1] - reach_y, hub[1] + reach_y, y0, cell, rows):
-            for col in window(hub[0] - reach_x, hub[0] + reach_x, x0, cell, columns):
+        for row in _window(hub[1] - reach_y, hub[1] + reach_y, y0, cell, rows):
+            for col in _window(hub[0] - reach_x, hub[0] + reach_x, x0, cell, columns):
                 dx, dy = x0 + col * cell - hub[0], y0 + row * cell - hub[1]
                 x, y = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
                 if abs(x) > size[0] or not near <= abs(y) <= far:
@@ -144,8 +159,8 @@ def let_near_touch(
                 reach[k] += abs(turn[3 * k + j]) * boxes[i, 3 + j]
             low[k] = middle - reach[k]
         touches = False
-        for row in window(low[1], low[1] + 2.0 * reach[1], y0, cell, rows):
-            for col in window(low[0], low[0] + 2.0 * reach[0], x0, cell, columns):
+        for row in _window(low[1], low[1] + 2.0 * reach[1], y0, cell, rows):
+            for col in _window(low[0], low[0] + 2.0 * reach[0], x0, cell, columns):
                 touches |= solid[row, col] > low[2]
             if touches:
                 break

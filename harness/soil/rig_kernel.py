@@ -8,6 +8,8 @@ from harness.base.compiled import kernel
 from harness.soil.rim import DEEPEST, Doubles
 from harness.soil.wheel_force import STATE, wheel_force
 
+HUGE_STEP = 1e9  # [s] after which whatever was before is forgotten
+
 
 @kernel("void(float64[::1], float64[:,::1], float64, float64[:,::1])")
 def steady_wheels(soil: Doubles, trials: Doubles, width: float, results: Doubles) -> None:
@@ -18,8 +20,9 @@ def steady_wheels(soil: Doubles, trials: Doubles, width: float, results: Doubles
         trials: Radius [m], grousers, speeds of the rim, of the hub ahead and left [m/s], load [N],
             shape (n, 6).
         width: Of the wheels [m].
-        results: Sinkage [m], forces ahead and left [N], braking moment [N m], shape (n, 4); the least
-            sinkage that carries the load, NaN where none does.
+        results: Sinkage [m], forces ahead and left [N], braking moment [N m], and the inertia that shear
+            gives the rim within HUGE_STEP [kg m^2], shape (n, 5); of the least sinkage that carries
+            the load, NaN where none does.
     """
     state = np.zeros(STATE)
     for i in range(trials.shape[0]):
@@ -29,20 +32,23 @@ def steady_wheels(soil: Doubles, trials: Doubles, width: float, results: Doubles
         low, high, h = 0.0, 0.0, 0.0
         while high == 0.0 and h < DEEPEST * r:
             h += 0.02 * r
-            if wheel_force(soil, size, (h, 0.0), (h, 0.0), velocity, state, 1e9)[2] >= load:
+            if wheel_force(soil, size, (h, 0.0), (h, 0.0), velocity, state, HUGE_STEP)[2] >= load:
                 high = h
             else:
                 low = h
         for _ in range(30):
             h = 0.5 * (low + high)
-            if wheel_force(soil, size, (h, 0.0), (h, 0.0), velocity, state, 1e9)[2] >= load:
+            if wheel_force(soil, size, (h, 0.0), (h, 0.0), velocity, state, HUGE_STEP)[2] >= load:
                 high = h
             else:
                 low = h
-        ahead, left, _, brake, _ = wheel_force(
-            soil, size, (high, 0.0), (high, 0.0), velocity, state, 1e9
+        if high == 0.0:
+            results[i] = math.nan
+            continue
+        ahead, left, _, brake, inertia = wheel_force(
+            soil, size, (high, 0.0), (high, 0.0), velocity, state, HUGE_STEP
         )
-        results[i] = (high, ahead, left, brake) if high else (math.nan, math.nan, math.nan, math.nan)
+        results[i] = (high, ahead, left, brake, inertia)
 
 
 @kernel("void(float64[::1], float64, float64, float64, float64[::1], float64[::1])")

@@ -12,10 +12,9 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import timesteps
-from harness.soil.rig_kernel import steady_wheels
+from harness.soil.rig_kernel import HUGE_STEP, steady_wheels
 from harness.soil.rim import COMPACTION, YIELD, Doubles
 from harness.soil.soils import Soil
-from harness.soil.wheel_force import STATE, wheel_force
 
 if TYPE_CHECKING:
     from harness.soil.bed import SoilWheel
@@ -58,7 +57,7 @@ def _stiffness(soil: Soil, numbers: Doubles, wheel: "SoilWheel", gravity: float)
     trials = np.zeros((3, 6))
     trials[:] = wheel.radius, wheel.grousers, 0.01, 0.01, 0.0, 0.0
     trials[:, 5] = loads
-    results = np.empty((3, 4))
+    results = np.empty((3, 5))
     steady_wheels(numbers, trials, wheel.width, results)
     sinkages = results[:, 0]
     if np.isnan(sinkages).any():
@@ -67,19 +66,16 @@ def _stiffness(soil: Soil, numbers: Doubles, wheel: "SoilWheel", gravity: float)
         )
     stiffness = (loads[2] - loads[0]) / max(sinkages[2] - sinkages[0], 1e-9)
     stiffness /= 1.0 - (1.0 - COMPACTION) * (soil.rebound == 0.0) * 0.8
-    size, depth, long = (wheel.radius, wheel.width, wheel.grousers), (sinkages[1], 0.0), 1e9
-    rolling = (0.01, 0.01, 0.0, 0.0)
-    inertia = wheel_force(numbers, size, depth, depth, rolling, np.zeros(STATE), long)[4]
-    return math.sqrt(stiffness * gravity / wheel.load), inertia / (
-        (long * wheel.radius) ** 2 * wheel.load / gravity
-    )
+    mass = wheel.load / gravity
+    growth = results[1, 4] / ((HUGE_STEP * wheel.radius) ** 2 * mass)
+    return math.sqrt(stiffness / mass), growth
 
 
-def _demand(timestep: float, share: Callable[[float], float], what: str, soil: str) -> None:
+def _demand(timestep: float, share: Callable[[float], float], part: str, soil: str) -> None:
     """Raises UsageError if a step takes more than its share, with the largest step that does not."""
     if share(timestep) > 1.0:
         valid = [f"--timestep {each:g}, or " for each in timesteps() if share(each) <= 1.0]
         raise UsageError(
-            f"the soil is too stiff for a wheel at steps of {1e3 * timestep:g} ms: {what} "
+            f"the soil is too stiff for a wheel at steps of {1e3 * timestep:g} ms: {part} "
             f"({share(timestep):.1f} times too much); give {''.join(valid[:1])}a soil of a {soil}"
         )

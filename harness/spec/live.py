@@ -15,7 +15,16 @@ TOKEN = re.compile(r"[A-Za-z0-9_-]{8,}")  # what a cookie and an address can hol
 
 
 def address_of(text: str, flag: str = "--live", default: int = PORT) -> tuple[str, int]:
-    """Returns host and port of [HOST][:PORT], e.g. 0.0.0.0:8080; a UsageError if it is none."""
+    """Returns host and port of an address.
+
+    Args:
+        text: [HOST][:PORT], e.g. 0.0.0.0:8080.
+        flag: The option, for the message.
+        default: The port where none is given.
+
+    Raises:
+        UsageError: It is no address.
+    """
     host, colon, port = text.rpartition(":") if ":" in text or text.isdigit() else (text, "", "")
     if (colon and not port) or (port and not (port.isdigit() and 0 < int(port) < 65536)) or " " in text:
         form = f"give HOST, PORT or HOST:PORT, e.g. {HERE}:{default}"

@@ -111,6 +111,12 @@ class Evidence:
         self._account.take(batch)
 
     def keep(self, folder: Path, reason: str, recording: Recording) -> tuple[Path, ...]:
-        """Ends the recording, puts it and the page into a folder, and returns their places."""
+        """Ends the recording and keeps it with the page; returns their places.
+
+        Args:
+            folder: Gets both.
+            reason: What failed, for the page.
+            recording: Of the topics.
+        """
         more = [recording.end()]
         return keep_evidence(self._account.ended(), self._page, folder / PAGE, reason, more)

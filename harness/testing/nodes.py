@@ -33,8 +33,8 @@ class Nodes:
 
     def names(self) -> set[str]:
         """Returns the full names of all nodes in the domain, but for the bridge's own."""
-        found = self._bridge.get_node_names_and_namespaces()
-        names = {f"{space.rstrip('/')}/{name}" for name, space in found}
+        running = self._bridge.get_node_names_and_namespaces()
+        names = {f"{space.rstrip('/')}/{name}" for name, space in running}
         return names - {self._bridge.get_fully_qualified_name()}
 
     def wait_until(self, is_there: Callable[[], bool]) -> None:

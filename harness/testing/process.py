@@ -13,7 +13,7 @@ from pathlib import Path
 from harness.base.errors import RunFailed, UsageError
 
 EXIT_PATIENCE = 5.0  # [s] for a process to leave after SIGINT before it is killed
-LAST_LINES, LAST_BYTES = 8, 4096  # of what it said, for whoever reads why it ended
+LAST_LINES, LAST_BYTES = 8, 4096  # of its output, for the message that it ended
 # What becomes the program: it hears signals that a worker of many blocks, and on Linux the kernel ends
 # it with the process that started it, however that ended (PR_SET_PDEATHSIG).
 BECOME = """\
@@ -79,7 +79,7 @@ class Process:
         raise RunFailed("\n".join([f"{self._command} ended {how}{when}", *self.last_lines()]))
 
     def last_lines(self) -> list[str]:
-        """Returns what it said last, as far as that is known."""
+        """Returns its last lines of output, where these are kept."""
         if self._output is None:
             return []
         text = self._output.read_bytes()[-LAST_BYTES:].decode(errors="replace")
@@ -118,7 +118,14 @@ class Programs(ExitStack):
         *,
         may_end: bool = False,
     ) -> Process:
-        """Starts a Process, which ends with this context."""
+        """Starts a Process, which ends with this context.
+
+        Args:
+            command: Its words.
+            folder: In which it runs; that of this process if None.
+            output: Gets what it says; where this process says it if None.
+            may_end: Whether it may end well before the trial does.
+        """
         process = Process(command, self._environment, folder=folder, output=output, may_end=may_end)
         self.callback(process.stop)
         self._running.append(process)

@@ -42,7 +42,7 @@ Start = tuple[float, float, float]
 
 
 class TrialListener:
-    """Goes along with a trial and is told of what happens in it; a subclass says what it heeds."""
+    """Follows what happens in a trial; a subclass overrides what it needs."""
 
     def begin_programs(self, programs: Programs) -> None:
         """Starts what takes its time while the world is built."""
@@ -71,7 +71,7 @@ class Trial(LeavesEvidence):
             /cmd_vel, whichever spoke last.
         artifacts: Folder for a recording and a page, if an exception ends the trial; None for none.
         frames: Which transforms are published; None for those of a run.
-        listener: Is told of what happens; None for nobody.
+        listener: Follows what happens; None for nobody.
         recording: Records the topics; None if that is done for `artifacts` only.
         cmd_vel: How commands come: "twist", "stamped", "auto" or "auto_twist".
 
@@ -205,7 +205,7 @@ class Trial(LeavesEvidence):
     def collect(
         self, message_type: type[Message], topic: str, qos: QoSProfile | int = ANYTHING, most: int = MOST
     ) -> Heard[Message]:
-        """Listens to a topic from now on.
+        """Listens to a topic from now on; returns what is heard.
 
         Args:
             message_type: Of the topic.

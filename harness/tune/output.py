@@ -34,7 +34,7 @@ FOOTPRINT_UNITS = {
 
 
 def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
-    """For each robot a table of its thresholds and what follows from it."""
+    """Prints a table of each robot's thresholds and what follows from it."""
     for study in studies:
         console.print(*terminal([sheet_of(study)], console.width), sep="\n")
         console.print(study.driven.text(), highlight=False)
@@ -70,7 +70,14 @@ def write_results(
     records: Mapping[Planned, EpisodeRecord],
     command: str,
 ) -> Iterator[Path]:
-    """Writes the files, each there whole or not at all, and yields the path of each."""
+    """Writes the files, each there whole or not at all, and yields the path of each.
+
+    Args:
+        folder: Gets them.
+        studies: One a robot.
+        records: All episodes of the sweep.
+        command: Words that make these files again, for the files themselves.
+    """
     files = {study.name: parameter_file(study, command) for study in studies}
     page = render(studies, records, command, files)
     texts = {f"{name}.yaml": text for name, text in files.items()}

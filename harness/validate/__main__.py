@@ -122,10 +122,10 @@ def _rig(options: argparse.Namespace, console: Console) -> Outcome:
         header = ("stalls at [deg]", *(rover.name for rover in rovers))
         soils = {**SOILS, options.soil: soil}
         depths = (f"{1e3 * depth:.0f} mm [N]" for depth in pressing.DEPTHS)
-        found = pressing.measured(options.pressing) if options.pressing else {}
+        measured = pressing.measured(options.pressing) if options.pressing else {}
         sheets = (
             Sheet(header, tuple(single_wheel.stall_table(soils, rovers)), "Slopes"),
-            Sheet(("wheel pressed to", *depths), tuple(pressing.table(soils, found)), "Pressing"),
+            Sheet(("wheel pressed to", *depths), tuple(pressing.table(soils, measured)), "Pressing"),
         )
         console.print(*terminal(sheets, console.width), sep="\n")
         return sheets, ()

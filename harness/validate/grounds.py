@@ -29,7 +29,13 @@ class Course:
 
 
 def flat(half_size: float = PLANE_HALF_SIZE, cell: float = PLANE_CELL, heading: float = 0.0) -> Course:
-    """Returns a level plane, of 120 m x 120 m if its half size is not given [m]."""
+    """Returns a level plane.
+
+    Args:
+        half_size: Half its side length [m].
+        cell: Distance of its vertices [m].
+        heading: Of the rover at the start [rad].
+    """
     count = 2 * round(half_size / cell) + 1
     return Course(World("check", Heightfield(np.zeros((count, count)), cell), (), 0, 0.0), heading)
 

@@ -49,8 +49,10 @@ def measured(path: Path) -> dict[str, NDArray[np.float64]]:
     return means
 
 
-def table(soils: Mapping[str, Soil], found: Mapping[str, NDArray[np.float64]]) -> list[tuple[str, ...]]:
+def table(
+    soils: Mapping[str, Soil], measured_forces: Mapping[str, NDArray[np.float64]]
+) -> list[tuple[str, ...]]:
     """Returns rows of a name and the forces [N] at DEPTHS, as text: of soils, then what was measured."""
     rows = {name: pressed(soil) for name, soil in soils.items()}
-    rows |= {f"measured, {wheel}": forces for wheel, forces in found.items()}
+    rows |= {f"measured, {wheel}": forces for wheel, forces in measured_forces.items()}
     return [(name, *("-" if np.isnan(f) else f"{f:.0f}" for f in row)) for name, row in rows.items()]

@@ -32,7 +32,7 @@ class Distances:
 
     @property
     def ratio(self) -> float:
-        """Ours to the farther recorded log, over recorded to recorded."""
+        """Distance of ours to the farther recorded log, over that of both recorded ones."""
         return max(self.ours) / self.recorded
 
     @property
@@ -56,7 +56,7 @@ class Comparison:
 
 
 def compare(paths: Sequence[Path], robot: str, seed: int) -> Comparison:
-    """Returns how a run of ours lies to two logs.
+    """Compares a run of ours with two recorded logs.
 
     Args:
         paths: Of the two logs.

@@ -68,12 +68,12 @@ class Rig:
             observe()
 
     def run(self, seconds: float) -> None:
-        """Drives on for so many simulated seconds."""
+        """Drives on for a simulated time [s]."""
         for _ in range(round(seconds / TICK)):
             self.tick()
 
     def run_until(self, done: Callable[[], bool], limit: float) -> bool:
-        """Drives on until something is the case, for at most `limit` seconds; tells whether it is."""
+        """Drives on until `done()` holds, for at most `limit` seconds; returns whether it does."""
         for _ in range(round(limit / TICK)):
             self.tick()
             if done():
@@ -114,7 +114,7 @@ class Rig:
 
     @property
     def yaw_rate(self) -> float:
-        """About the rover's own vertical [rad/s]."""
+        """Yaw rate about the rover's own vertical [rad/s]."""
         return float(self.simulation.data.qvel[5])
 
     def stands_on(self, geoms: list[int]) -> bool:

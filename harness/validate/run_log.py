@@ -32,7 +32,7 @@ from rover_metrics.analysis.logs.reading import read_log as read_metrics_log
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.session import MetricsSession
 
-COLUMNS = {  # that tell how a run went, with their units
+COLUMNS = {  # that show how a run went, with their units
     "IMU Acceleration Magnitude": "m/s2",
     "Vertical Roughness": "m/s2",
     "Current Velocity": "m/s",

@@ -111,11 +111,11 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
         notes.append(
             f"left out: {int((~known).sum())} trials of {others[0]!r} and its like, no known wheel"
         )
-    for kept, what in ((whole, f"whose {', '.join(GIVEN)} are no such numbers ({valid})"),
+    for kept, reason in ((whole, f"whose {', '.join(GIVEN)} are no such numbers ({valid})"),
                        (measured, f"without {', '.join(MEASURED)}")):  # fmt: skip
         if (left_out := known & ~kept).any():
             first = int(np.flatnonzero(left_out)[0]) + 2
-            notes.append(f"left out: {left_out.sum()} trials {what}; the first in line {first}")
+            notes.append(f"left out: {left_out.sum()} trials {reason}; the first in line {first}")
     lacking = usable[list(MEASURED)].isna().sum()
     notes += [
         f"{name} was not measured in {count} trials: its RMSE is of fewer"
@@ -133,14 +133,14 @@ def number_of(cell: object) -> float:
     return math.nan
 
 
-def predict(soil: Soil, trials: pd.DataFrame, radius: float = RADIUS, width: float = WIDTH) -> Doubles:
+def predict(soil: Soil, trials: pd.DataFrame) -> Doubles:
     """Returns sinkage [m], tractive and lateral force [N], shape (n, 3); NaN where the wheel sinks."""
     angle = np.radians(trials["slip_angle_deg"].to_numpy(float))
     travel = trials["travel_speed"].to_numpy(float)
     rim = trials["wheel_speed"].to_numpy(float) * RADIUS / RECORDED_RADIUS
     grousers = np.array(trials["wheel"] == "grousered", np.float64)
     speeds = rim, travel * np.cos(angle), travel * np.sin(angle)
-    results = _steady(soil, radius, width, grousers, *speeds, trials["load"].to_numpy(float))
+    results = _steady(soil, RADIUS, WIDTH, grousers, *speeds, trials["load"].to_numpy(float))
     return results * (1.0, 1.0, -1.0)
 
 
@@ -148,15 +148,15 @@ def judge(trials: pd.DataFrame, predicted: Doubles) -> list[Errors]:
     """Returns the errors of each wheel, over all slip angles up to STEEPEST_DEG and straight ahead."""
     off = np.where(np.isnan(predicted), (1.5 * RADIUS, 0.0, 0.0), predicted)
     off = off - trials[list(MEASURED)].to_numpy(float)
-    found = []
+    errors = []
     for wheel in WHEELS:
         for title, limit in ((f"to {STEEPEST_DEG:g}°", STEEPEST_DEG), ("at 0°", 0.0)):
             rows = ((trials["wheel"] == wheel) & (trials["slip_angle_deg"].abs() <= limit)).to_numpy()
             if rows.any():
                 sunk = int(np.isnan(predicted[rows, 0]).sum())
                 rms = [_rms(errors[~np.isnan(errors)]) for errors in off[rows].T]
-                found.append(Errors(wheel, title, int(rows.sum()), sunk, *rms))
-    return found
+                errors.append(Errors(wheel, title, int(rows.sum()), sunk, *rms))
+    return errors
 
 
 def _rms(errors: Doubles) -> float:
@@ -187,7 +187,13 @@ def stall_slope_deg(soil: Soil, rover: RoverSpec) -> float:
 
 
 def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
-    """Draws sinkage, pull and side force of both wheels over slip: curves computed, points measured."""
+    """Draws sinkage, pull and side force of both wheels over slip: curves computed, points measured.
+
+    Args:
+        path: Of the PNG.
+        soil: Under the wheel.
+        trials: A row a trial, as `read_trials` gives them.
+    """
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second that only plots pay
 
     figure = Figure(figsize=(11, 10), layout="constrained")
@@ -230,6 +236,6 @@ def stall_table(soils: Mapping[str, Soil], rovers: Sequence[RoverSpec]) -> list[
 def _steady(soil: Soil, radius: float, width: float, grousers: Doubles, *given: Doubles) -> Doubles:
     """Sinkage, forces ahead and left of wheels; `given` is rim, ahead, left [m/s] and load [N]."""
     wheels = np.ascontiguousarray(np.stack([np.full(len(grousers), radius), grousers, *given], axis=1))
-    results = np.empty((len(wheels), 4))
+    results = np.empty((len(wheels), 5))
     steady_wheels(soil.numbers(width, GRAVITY), wheels, width, results)
     return results[:, :3]

@@ -100,7 +100,7 @@ def _drive_square(rig: Rig) -> Journey:
 
 
 def _drive(rig: Rig, speed: float, yaw_rate: float, done: Callable[[], float], goal: float) -> None:
-    """Drives until so much is done, then stops."""
+    """Drives until `done` reaches `goal`, then stops."""
     rig.command(speed, yaw_rate)
     rig.run_until(lambda: done() >= goal, PATIENCE)
     rig.command()

@@ -31,9 +31,14 @@ SUITE: tuple[Manoeuvres, ...] = (
 def validate(
     rover: RoverSpec, seed: int, show: Callable[[int, int], None] = lambda _, __: None
 ) -> list[Check]:
-    """Drives every manoeuvre; the same seed gives the same figures; `show` hears how many of how many.
+    """Drives every manoeuvre; the same seed gives the same figures.
 
     Of a rover whose rover.yaml expects nothing everything is measured, and nothing judged.
+
+    Args:
+        rover: What drives.
+        seed: Of everything random.
+        show: Called with how many are done, and of how many.
     """
     checks: list[Check] = []
     for done, manoeuvres in enumerate(SUITE):
@@ -66,7 +71,13 @@ def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
 
 
 def sheet_of(title: str, checks: Sequence[Check], missed: str = MISS) -> Sheet:
-    """Returns the checks as a table, with the arguments of `print_table`."""
+    """Returns checks as a table.
+
+    Args:
+        title: Of the table.
+        checks: A row each.
+        missed: What stands beside a check that was not passed.
+    """
     return Sheet(HEADINGS, tuple(cells_of(check, missed) for check in checks), title)
 
 

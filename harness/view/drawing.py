@@ -107,7 +107,7 @@ class Drawing(AbstractContextManager["Drawing"]):
 
         Args:
             show: Is called with the number of frames drawn and of all frames; of a picture there is one.
-            beside: The log of the run, if `begin` was not told.
+            beside: The log of the run, if `begin` was not given it.
         """
         if self._artist is None:
             return []

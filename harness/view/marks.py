@@ -78,7 +78,13 @@ def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
 
 
 def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> list[Mark]:
-    """Returns the imprints of the lugs along both sides of the path's end."""
+    """Returns the imprints of the lugs along both sides of the path's end.
+
+    Args:
+        recording: States of the drive.
+        ground: Where they lie.
+        rover: Its track and the width of its wheels.
+    """
     length = _driven(recording)[-1]
     stations = np.arange(max(0.0, length - TRACK_LENGTH), length, TRACK_SPACING)
     size = (TRACK_HALF_LENGTH, 0.5 * rover.wheel_width, TRACK_HALF_HEIGHT)
@@ -118,7 +124,7 @@ def _driven(recording: States) -> Vector:
 
 
 def _interpolated(recording: States, stations: Vector) -> list[Vector]:
-    """x, y [m], yaw [rad] and time [s] after so many metres."""
+    """x, y [m], yaw [rad] and time [s] at stations along the path [m]."""
     columns = (*recording.path[:, :2].T, recording.yaw, recording.times)
     return [np.interp(stations, _driven(recording), column) for column in columns]
 

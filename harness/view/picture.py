@@ -49,9 +49,13 @@ CALMED = 2.0 * FRAME_RATE  # states that the camera takes to follow a turn
 
 
 class Studio(AbstractContextManager["Studio"]):
-    """Draws the states of one run with its marks, and the beams if asked; a context manager.
+    """Draws the states of one run with its marks; a context manager that gives OpenGL back.
 
-    Leaving it gives OpenGL back.
+    Args:
+        paths: States of the run, a file a rover.
+        quality: Of the images.
+        lidar: Whether the beams are drawn.
+        reach: From a rover to where ruts are drawn [m]; math.inf for everywhere.
 
     Attributes:
         recording: The states of the first rover, which are as many as those of each other one.
@@ -184,7 +188,13 @@ def _draw_video(recordings: Sequence[Path], target: Path, camera: str, *, lidar:
 
 
 def chase(recording: States, scale: float = 1.0, camera: str = "chase") -> list[View]:
-    """Returns a view at each state that follows; a low-pass makes it turn more calmly than the rover."""
+    """Returns a view at each state that follows the rover, and turns more calmly than it.
+
+    Args:
+        recording: States of the drive.
+        scale: Of distances, by the rover's size.
+        camera: One of CAMERAS.
+    """
     headings = accumulate(recording.yaw.tolist(), lambda calm, yaw: calm + (yaw - calm) / CALMED)
     places = zip(recording.path, headings, strict=True)
     return [chase_view(place, yaw, scale, camera) for place, yaw in places]
@@ -195,7 +205,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         if options.wait:
-            # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
+            # The error that MuJoCo raises without OpenGL is what the parent process looks for.
             mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
             print("ready", flush=True)
             words = sys.stdin.readline()

@@ -29,7 +29,13 @@ HALF_WINDOW = 0.25  # [s] of a speed that can be read
 
 
 class StateWriter:
-    """Appends the states of an episode to a new file until it is closed."""
+    """Appends the states of an episode to a new file until it is closed.
+
+    Args:
+        path: The file, which is overwritten.
+        run: What the scene is made of.
+        number: The rover's place in the run.
+    """
 
     def __init__(self, path: Path, run: Run, number: int = 0) -> None:
         self.path = path

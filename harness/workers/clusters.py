@@ -127,7 +127,7 @@ print(ray.cluster_resources().get("CPU", 0))"""
 
     def cancel(self) -> None:
         """Gives up every task."""
-        if self._ray.is_initialized():  # as above
+        if self._ray.is_initialized():  # or this would start one
             for reference in self._submitted:
                 self._ray.cancel(reference, force=True)
         self._submitted.clear()
@@ -195,7 +195,7 @@ def _by_value(
 
     def load_and_call() -> tuple[Any, Exception | None]:
         try:
-            function, *arguments = pickle.loads(content)  # noqa: S301 - our own, see above
+            function, *arguments = pickle.loads(content)  # noqa: S301 - our own
         except (ImportError, AttributeError) as error:
             return None, ImportError(str(error))
         outcome: tuple[Any, Exception | None] = function(*arguments)
@@ -207,7 +207,7 @@ def _by_value(
 def _work_elsewhere(
     work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]
 ) -> tuple[Outcome | None, Exception | None]:
-    """In a process of a cluster: works on an item, if the versions are those of the same bytes."""
+    """Works on an item in a process of a cluster, if its versions give the same bytes."""
     here = versions()
     differ = [f"{name} {here[name]} instead of {e}" for name, e in expected.items() if here[name] != e]
     if differ:

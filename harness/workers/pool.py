@@ -82,7 +82,7 @@ class LocalWorkers(Workers):
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
             # No `yield from`: it would close joblib's generator before its warning is off.
-            for outcome in outcomes:  # noqa: UP028 - see above
+            for outcome in outcomes:  # noqa: UP028 - not `yield from`
                 yield outcome
         except BrokenExecutor as error:
             raise WorkerLost("a worker of this machine was killed (out of memory?)") from error
@@ -95,7 +95,7 @@ class LocalWorkers(Workers):
 
 
 def _begin(parent: int) -> None:
-    """In a worker: ends it with the process that started it, even if that was killed."""
+    """Makes a worker end with the process that started it, even if that was killed."""
 
     def watch() -> None:
         while os.getppid() == parent:
@@ -122,7 +122,7 @@ def work_off(
         workers: Who works.
         keep: Takes each outcome as soon as it is there.
         name: Of an item, in messages.
-        mend: What a user can do who has lost all workers.
+        mend: What a user can do when all workers are lost.
 
     Raises:
         RunFailed: Workers died again and again.

@@ -32,7 +32,13 @@ def _ground(world: World, slope_limit: float) -> OccupancyMap:
 
 
 def overlaps(disc: Disc, others: Iterable[Disc], gap: float = 0.0) -> bool:
-    """Returns whether a disc comes closer to one of some others than `gap` [m]."""
+    """Returns whether a disc comes too close to one of some others.
+
+    Args:
+        disc: x, y, radius [m] in the world.
+        others: x, y, radius of each [m].
+        gap: The least distance between two rims [m].
+    """
     x, y, radius = disc
     return any(math.hypot(x - u, y - v) < radius + other + gap for u, v, other in others)
 

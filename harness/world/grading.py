@@ -52,10 +52,10 @@ class GradedMap:
         return np.where(is_on, danger[rows * is_on, columns * is_on], np.nan)
 
 
-def graded(world: World, limits: Limits, resolution: float = RESOLUTION) -> GradedMap:
+def graded(world: World, limits: Limits) -> GradedMap:
     """Returns the grades of a world for a rover with these limits."""
     ground = world.ground
-    at = [middles(half, resolution) for half in ground.half_size]
+    at = [middles(half, RESOLUTION) for half in ground.half_size]
     places = tuple(along + middle for along, middle in zip(at, ground.middle, strict=True))
     x, y = np.meshgrid(*places)
     slope = _sampled(_slope(ground, WINDOW), ground, x, y)
@@ -66,7 +66,7 @@ def graded(world: World, limits: Limits, resolution: float = RESOLUTION) -> Grad
     for obstacle in world.obstacles:
         level = ground.height_at(*obstacle.position[:2])
         if bottom(obstacle) - level <= HEADROOM:
-            (window, cells), height = covered(obstacle, places, resolution), top(obstacle)
+            (window, cells), height = covered(obstacle, places, RESOLUTION), top(obstacle)
             _raise(elevation, window, cells, height)
             if obstacle.kind is not ObstacleKind.DECK:
                 _raise(step, window, cells, height - level)
@@ -75,7 +75,7 @@ def graded(world: World, limits: Limits, resolution: float = RESOLUTION) -> Grad
     danger = np.maximum(np.max(shares, axis=0), hazard)
     values = (elevation, slope, step, roughness, limits.tip - tilt, danger)
     corner = (ground.middle[0] - ground.half_size[0], ground.middle[1] - ground.half_size[1])
-    return GradedMap(dict(zip(LAYERS, values, strict=True)), resolution, corner)
+    return GradedMap(dict(zip(LAYERS, values, strict=True)), RESOLUTION, corner)
 
 
 def _raise(layer: Cells, window: Any, cells: NDArray[np.bool_], least: float) -> None:  # noqa: ANN401

@@ -88,17 +88,17 @@ def travel(cost: Lengths, goals: NDArray[np.int64], begin: Lengths, steps: NDArr
         steps: STEPS.
     """
     rows, columns = cost.shape
-    found = np.full((rows, columns), np.inf)
+    to_go = np.full((rows, columns), np.inf)
     queue = [(0.0, 0, 0)]
     queue.clear()
     for number in range(len(goals)):
         row, column = goals[number]
-        if begin[number] < found[row, column]:
-            found[row, column] = begin[number]
+        if begin[number] < to_go[row, column]:
+            to_go[row, column] = begin[number]
             heapq.heappush(queue, (begin[number], row, column))
     while len(queue) > 0:
         so_far, row, column = heapq.heappop(queue)
-        if so_far > found[row, column]:
+        if so_far > to_go[row, column]:
             continue
         for step in range(len(steps)):
             down, right = steps[step]
@@ -109,7 +109,7 @@ def travel(cost: Lengths, goals: NDArray[np.int64], begin: Lengths, steps: NDArr
                 continue
             length = math.sqrt(down * down + right * right)
             total = so_far + 0.5 * length * (cost[row, column] + cost[r, c])
-            if total < found[r, c]:
-                found[r, c] = total
+            if total < to_go[r, c]:
+                to_go[r, c] = total
                 heapq.heappush(queue, (total, r, c))
-    return found
+    return to_go

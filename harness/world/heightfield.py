@@ -74,7 +74,13 @@ class Heightfield:
         return np.asarray(near + (corner - near) * (high - low) + (far - near) * low)
 
     def contains(self, x: float, y: float, margin: float = 0.0) -> bool:
-        """Returns whether a point [m] is on the map, further than `margin` from its edge."""
+        """Returns whether a point is on the map.
+
+        Args:
+            x: In the world [m].
+            y: In the world [m].
+            margin: How far within the edge [m].
+        """
         (half_x, half_y), (middle_x, middle_y) = self.half_size, self.middle
         return abs(x - middle_x) < half_x - margin and abs(y - middle_y) < half_y - margin
 

@@ -106,7 +106,7 @@ def orientation(yaw: float, tilt: float = 0.0) -> tuple[float, float, float, flo
 def scatter(
     rng: np.random.Generator, count: int, *, reach: float, spacing: float, keep_out: float
 ) -> Points:
-    """Scatters points at random, none too close to another (dart throwing).
+    """Returns points at random, none too close to another (dart throwing).
 
     Args:
         rng: Source of randomness.

@@ -23,7 +23,7 @@ class Mark:
     # its two posts, which are to be passed between; None of a plain place
     gate: tuple[Where, ...] | None = None
     is_solid: bool = False  # whether something stands there, so that nobody can be at the very place
-    stop: bool = False  # whether only who stands there has reached it
+    stop: bool = False  # whether it is reached only by standing there
 
     def is_reached(self, before: Where, now: Where) -> bool:
         """Returns whether who went straight from one place to another [m] has reached it."""
@@ -33,7 +33,14 @@ class Mark:
 
 
 def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
-    """Returns whether a step from one place to another leads between two posts, either way."""
+    """Returns whether a step leads between two posts, either way.
+
+    Args:
+        before: x, y of its begin [m].
+        now: x, y of its end [m].
+        left: x, y of a post [m].
+        right: x, y of the other [m].
+    """
 
     def side(a: Where, b: Where, c: Where) -> float:
         return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -43,7 +50,16 @@ def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
 
 
 def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, ...]:
-    """Returns the way points of a route in the world; UsageError if one names no target."""
+    """Returns the way points of a route in the world.
+
+    Args:
+        route: Places, coordinates and names of targets.
+        targets: Those that there are.
+        datum: The world's origin on the Earth.
+
+    Raises:
+        UsageError: A point names no target.
+    """
     known = {target.name: target for target in targets}
     result = []
     for point in route.points:
@@ -68,7 +84,7 @@ def check_target(name: str, names: Iterable[str]) -> None:
 
 @dataclass
 class Standstill:
-    """Tells whether somebody stands; `observe` is told where it is, step by step."""
+    """Finds out whether somebody stands; call `observe` with the place, step by step."""
 
     _trail: deque[tuple[float, Where]] = field(default_factory=deque)
 
@@ -82,13 +98,13 @@ class Standstill:
         return is_long and all(math.dist(place, before) <= STANDING for _, before in trail)
 
     def carried_away(self) -> None:
-        """Takes that somebody was put elsewhere: it begins to stand anew."""
+        """Takes note that somebody was put elsewhere: it begins to stand anew."""
         self._trail.clear()
 
 
 @dataclass
 class RouteProgress:
-    """Which way points somebody has reached or missed; `observe` is told where it is, step by step."""
+    """Which way points somebody has reached or missed; call `observe` with the place, step by step."""
 
     marks: tuple[Mark, ...]  # of the route
     any_order: bool = False  # whether the nearest one left is next, instead of the next in order
@@ -127,7 +143,7 @@ class RouteProgress:
             self.current = nearest if self.any_order else self._left[0]
 
     def carried_away(self) -> None:
-        """Takes that somebody was put elsewhere: the next place is no step from the last one."""
+        """Takes note that somebody was put elsewhere: the next place is no step from the last one."""
         self._before = None
         self._standstill.carried_away()
 

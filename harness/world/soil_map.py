@@ -39,7 +39,7 @@ class Soils:
         return any(soil.leaves_ruts for soil in self.kinds)
 
     def but(self, stiffness: float, friction: float) -> Self:
-        """Returns the same with other moduli and tangents of the friction angle, by these factors."""
+        """Returns these soils with other moduli and tangents of the friction angle, by these factors."""
         return replace(self, kinds=tuple(_scaled(soil, stiffness, friction) for soil in self.kinds))
 
 
@@ -100,7 +100,7 @@ def soils_on(text: str, ground: Heightfield, terrain: str) -> Soils:
 
     Args:
         text: A name, a file, or OWN.
-        ground: Whose vertices they are told for.
+        ground: Each of its vertices gets one.
         terrain: Its name, or a file.
 
     Raises:

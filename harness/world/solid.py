@@ -38,11 +38,11 @@ class MeshFile:
 
 @dataclass(frozen=True)
 class Relief:
-    """A grey picture of heights."""
+    """A grey picture of heights, or a survey's."""
 
     path: Path
-    # along x and y, and from the value 0 to the largest that there can be [m]
-    size: tuple[float, float, float]
+    # along x and y, and of a picture's largest value or a survey's relief [m]; None: as surveyed
+    size: tuple[float, float, float] | None
     position: tuple[float, float, float]  # of its middle at the value 0 [m]
 
 

@@ -103,7 +103,16 @@ def with_actors(world: World, people: Sequence[Pedestrian]) -> World:
 
 
 def with_targets(world: World, specs: Sequence[TargetSpec], datum: Datum) -> World:
-    """Returns the same world with targets in it; UsageError where one cannot stand."""
+    """Returns the same world with targets in it.
+
+    Args:
+        world: Has none yet.
+        specs: What stands where.
+        datum: The world's origin on the Earth.
+
+    Raises:
+        UsageError: One cannot stand there.
+    """
     start = world.start[:2]
     targets = placed_targets(specs, world.ground, world.obstacles, start, world.seed, datum)
     bodies = tuple(body for target in targets for body in target.bodies)

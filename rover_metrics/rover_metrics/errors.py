@@ -31,7 +31,7 @@ COMPLETED = "_ARGCOMPLETE"  # set while a shell completes a word: which of its w
 
 
 def shown(text: str, most: int = 60) -> str:
-    """Returns a stranger's text for a line: what does not print escaped, the rest cut off."""
+    """Returns a text from elsewhere for a message: unprintable characters escaped, the rest cut off."""
     escaped = text[:most].encode("unicode_escape").decode() if not text.isprintable() else text[:most]
     return escaped if len(text) <= most else f"{escaped}..."
 
@@ -143,12 +143,18 @@ def printable(text: str) -> str:
 
 
 def counted(number: int, noun: str, more: str = "") -> str:
-    """Returns a number of things, such as '1 log' and '2 logs', and what else is said of them."""
+    """Returns a number of things, such as '1 log' and '2 logs'.
+
+    Args:
+        number: How many.
+        noun: One of them.
+        more: What else is said of them, with a space in front.
+    """
     return f"{number} {noun}{'' if number == 1 else 's'}{more}"
 
 
 def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
-    """Returns what to tell of a name that does not exist: the nearest that does, or all.
+    """Returns the complaint about a name that does not exist, with the nearest that does, or all.
 
     Args:
         kind: What it is.
@@ -168,7 +174,7 @@ def called(name: str) -> str:
 
 
 def sibling(module: str) -> str:
-    """Returns another program as whoever typed this one calls it: rover tune, rover-tune, or python -m.
+    """Returns another program by the kind of name typed for this one: rover tune, rover-tune, python -m.
 
     Args:
         module: E.g. harness.tune.
@@ -254,7 +260,7 @@ class OneLineParser(argparse.ArgumentParser):
         if wrong is not None:
             return f"{message[: wrong.start()]}{wrong[2]} is not valid; give {_NUMBERS[wrong[1]]}"
         if message.endswith(_COMMAND) and self._subparsers is not None:
-            (commands,) = self._subparsers._group_actions  # noqa: SLF001 - argparse tells nowhere else
+            (commands,) = self._subparsers._group_actions  # noqa: SLF001 - argparse has it nowhere else
             return f"{message} ({', '.join(commands.choices or ())})"
         unknown = _UNKNOWN.match(message)
         near = get_close_matches(unknown[1], self._option_string_actions, 1, NEARLY) if unknown else []

@@ -133,16 +133,16 @@ class MetricsNode(GuardedNode):
         }
 
     def take(self, source: Source, message: Message) -> None:
-        """Take a message of a topic: count it, hand it on, remark what is odd about it."""
+        """Takes a message of a topic: counts it, hands it on, remarks what is odd about it."""
         topic, reception = self.topics[source], self.reception
         stamp = stamp_ns(message) if source.has_stamp else None
         reception.arrived(topic, stamp)
         remark = source.take(self.session, message, stamp or 0)
         if remark is not None and remark.left_out:
-            reception.reject(topic, remark.what)
+            reception.reject(topic, remark.finding)
         elif remark is not None:
-            reception.remark(topic, remark.what)
-        if self.settings.debug_mode and not (remark and remark.what == NO_POSE):
+            reception.remark(topic, remark.finding)
+        if self.settings.debug_mode and not (remark and remark.finding == NO_POSE):
             self._debug(source, topic)
 
     def time_has_come(self) -> None:

@@ -63,7 +63,7 @@ class Table(Mapping[str, T], Generic[T]):
         name: Of the table, e.g. "terrains": its entry points are those of rover_harness.terrains.
         shipped: The values of this project.
         fits: Whether a value of somebody else is one of the kind.
-        form: What it must be, for whoever wrote it.
+        form: What it must be, for the message.
 
     Attributes:
         name, shipped, fits, form: As given.
@@ -83,7 +83,7 @@ class Table(Mapping[str, T], Generic[T]):
         if name in self.shipped:
             return self.shipped[name]
         if name not in self._loaded:
-            self._loaded[name] = self._found(name)
+            self._loaded[name] = self._load(name)
         return self._loaded[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -107,14 +107,14 @@ class Table(Mapping[str, T], Generic[T]):
         file = getattr(sys.modules.get(point.module), "__file__", None)
         return _package(point), _hash(Path(file)) if file else ""
 
-    def _found(self, name: str) -> T:
+    def _load(self, name: str) -> T:
         point = _installed(self.name).get(name)
         if point is None and FILE not in name:
             raise KeyError(name)
         where = f"{self.name}: '{name}'" + ("" if point is None else f" of {_package(point)}")
         try:
             value = _in_file(name) if point is None else point.load()
-        except Exception as error:  # whatever a stranger's module raises
+        except Exception as error:  # whatever a plug-in raises
             reason = printable(f"{type(error).__name__}: {error}")
             raise PluginError(f"{where} cannot be loaded: {reason}") from error
         if not self.fits(value):

@@ -106,7 +106,7 @@ def _print_summary(playback: Playback, log: CsvLog) -> None:
 
 
 def _write_files(options: argparse.Namespace, playback: Playback, log: CsvLog, said: list[str]) -> None:
-    """Writes what came of it for --json, and the page of the log for --page."""
+    """Writes the outcome for --json, and the page of the log for --page."""
     topics = {topic: vars(count) for topic, count in sorted(playback.counts.items())}
     if options.json is not None:
         metrics = playback.metrics

@@ -25,7 +25,7 @@ from rover_metrics.timing import NANOSECONDS
 class Remark(NamedTuple):
     """What is odd about a sample, by its name in counts, and whether it was left out of the metrics."""
 
-    what: str
+    finding: str
     left_out: bool = True
 
 
@@ -136,7 +136,13 @@ class MetricsSession:
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
     def take_battery(self, stamp_ns: int, voltage: float, current: float) -> Remark | None:
-        """Takes a state of the battery: voltage [V], current, negative while it discharges [A]."""
+        """Takes a state of the battery.
+
+        Args:
+            stamp_ns: Stamp of the header [ns].
+            voltage: Of the battery [V].
+            current: Negative while it discharges [A].
+        """
         if not (math.isfinite(voltage) and math.isfinite(current)):
             return self._judged(False)
         if self.extended is not None and self.extended.energy is not None:

@@ -62,7 +62,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _as_json(groups: dict[str, Runs], compared: Sequence[Any]) -> str:
-    """All results."""
+    """All results as JSON."""
     values: dict[str, Any] = {"groups": {}, "differences": [asdict(each) for each in compared]}
     for name, group in groups.items():
         runs = [

@@ -25,9 +25,12 @@ def age(now_ns: int, stamp_ns: int) -> float | None:
 
 
 def rate(count: int, since_ns: int | None, now_ns: int) -> float | None:
-    """Returns how often something came between two times [ns], in Hz.
+    """Returns how often something came [Hz]; None if no time has passed or the begin is not known.
 
-    None if no time has passed, or from when is not known.
+    Args:
+        count: How many came between the two times.
+        since_ns: The begin [ns]; None if it is not known.
+        now_ns: The end [ns].
     """
     if since_ns is None or now_ns <= since_ns:
         return None

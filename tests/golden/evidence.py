@@ -52,9 +52,9 @@ class Evidence:
 
     Attributes:
         options: What was asked for.
-        direct: Without ROS; `again` likewise, a second time.
-        recorded: What was recorded the second time, if there is ROS.
-        extra: The sensor of one run more.
+        direct: Without ROS.
+        recorded: What was recorded then, if there is ROS.
+        extra: The sensor of a second run, which nobody records.
         with_extra: That run, without ROS.
         ros: Through ROS 2; empty where it is not installed, and so are the rest.
         messages: What was recorded there, in the order of the file.
@@ -66,7 +66,6 @@ class Evidence:
     run: GoldenRun
     options: RunOptions
     direct: Sequence[Driven]
-    again: Sequence[Driven]
     extra: str
     with_extra: Sequence[Driven]
     recorded: Sequence[Message] = ()
@@ -97,13 +96,12 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     options = run_options(run, files, live)
     carried = {str(sensor) for rover in options.run.rovers for sensor in rover.sensors or ()}
     extra = next(name for name in ("magnetometer", "height_scan", "gnss") if name not in carried)
-    for name in ("direct", "again", "extra", "ros", "ros_again"):
+    for name in ("direct", "extra", "ros", "ros_again"):
         (folder / name).mkdir()
     evidence = Evidence(
         run=run,
         options=options,
-        direct=drive_direct(run, files, folder / "direct"),
-        again=drive_direct(run, files, folder / "again", recording=without_ros if with_ros else None),
+        direct=drive_direct(run, files, folder / "direct", recording=without_ros if with_ros else None),
         extra=extra,
         with_extra=drive_direct(run, files, folder / "extra", extra),
     )

@@ -24,7 +24,7 @@ from harness.course.tracks.sdf import Circle, world_text
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
 
-START, NEAR = (*PLACE, 1.57), 1.0  # [m]: so near is there
+START, NEAR = (*PLACE, 1.57), 1.0  # [m] from the goal that counts as reached
 CELL = 0.15  # [m] of the grid
 SIDE, ROWS, FIRST_ROW = 30, 64, 34  # cells of the field's side; rows; the field's first
 CORNER = (-4.425, 0.075)  # [m] of the grid's first cell
@@ -56,7 +56,7 @@ class Barn(Track):
         while True:
             field = generated(seed, draw)
             if is_passable(field):
-                return Case(self.name, seed, world_of_field(f"unseen_{seed}", field))
+                return Case(self.name, seed, _world_of_field(f"unseen_{seed}", field))
             draw += 1
 
     def task(self, case: Case, folder: Path) -> Task:
@@ -84,11 +84,11 @@ def shipped() -> list[WorldFile]:
         number, length, code = line.split(",")
         bits = [int(bit) for bit in f"{int(code, 16):0{SIDE * SIDE}b}"]
         field = np.array(bits, np.int64).reshape(SIDE, SIDE)
-        worlds.append(world_of_field(f"barn_{number}", field, float(length)))
+        worlds.append(_world_of_field(f"barn_{number}", field, float(length)))
     return worlds
 
 
-def world_of_field(name: str, field: Field, length: float | None = None) -> WorldFile:
+def _world_of_field(name: str, field: Field, length: float | None = None) -> WorldFile:
     """Returns the world with cylinders where a field is 1, and the corridor that leads there."""
     corridor = {(0, row) for row in range(FIRST_ROW)} | {(SIDE - 1, row) for row in range(FIRST_ROW)}
     corridor |= {(column, 0) for column in range(SIDE)}

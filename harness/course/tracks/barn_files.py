@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.course.task import Point, WorldFile
 from harness.course.tracks.sdf import world_text
+from harness.recordings.delimited import read_csv
 
 LARGEST = 64 * 2**20  # bytes
 MOST = 1000  # worlds
 START, GOAL = (-2.25, 3.0), (-2.25, 13.0)
-RADIUS = 0.075  # [m] of a cylinder that does not say
+RADIUS = 0.075  # [m] of a cylinder whose radius the file leaves out
 TABLE, PATHS = "cylinders.csv", "paths.csv"
 # The cell of a path in the world [m]: BARN's own formula.
 PATH_CORNER, PATH_CELL = (-4.575, 5.075), 0.15
@@ -89,9 +89,10 @@ def _of_table(file: Path) -> list[WorldFile]:
 def _rows(file: Path, *columns: str) -> list[tuple[int, list[Any]]]:
     """The rows of each world of a table, by its number; what has no radius has BARN's."""
     try:
-        rows = pd.read_csv(file, skipinitialspace=True).rename(columns=lambda n: str(n).strip().lower())
+        rows = read_csv(file, LARGEST).rename(columns=str.lower)
+        rows = rows.sort_values("i", kind="stable") if "i" in rows else rows
         values = rows.assign(radius=rows.get("radius", RADIUS))[["world", *columns]].astype(float)
-    except (OSError, ValueError, KeyError, pd.errors.ParserError) as error:
+    except (ValueError, KeyError) as error:
         raise UsageError(f"{file} is no table with the columns world, x, y: {error}") from error
     if not np.isfinite(values.to_numpy()).all():
         raise UsageError(f"{file} holds a cell that is no finite number; mend it")

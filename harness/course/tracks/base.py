@@ -62,7 +62,13 @@ class Track(ABC):
         """
 
     def asked(self, run: Run, length: float, speed: float) -> Task:
-        """Returns the task of a run whose shortest way has a length [m], at best at a speed [m/s]."""
+        """Returns the task of a run.
+
+        Args:
+            run: With the route that is to be driven.
+            length: Of the shortest way through all goals [m].
+            speed: At which it can be driven at best [m/s].
+        """
         return Task(run=run, shortest=length, optimal=length / speed, rule=self.rule)
 
     def run(self, **values: object) -> Run:

@@ -85,7 +85,7 @@ def is_fair(movers: Sequence[KeyFrames], time: float) -> bool:
 
 
 def entering(frames: KeyFrames, time: float) -> list[Circle]:
-    """Returns the same motion, over and over, as from a time [s] on: straight between key frames.
+    """Returns the motion from a time [s] on, over and over: straight lines between key frames.
 
     At the end of its period a mover is back where it began at once; most curves do not close.
     """

@@ -26,7 +26,7 @@ class Ground(Track):
 
     Attributes:
         world: Fields of the run that say where, beside the seed.
-        faults: What fails; of a seed it is one after the other.
+        faults: What fails; the seeds take them in turn.
         distance: From the start, and from one way point to the next, at least and at most [m].
         slope_limit: Steepest slope of the shortest way [rad]; None for the rover's own.
     """
@@ -61,7 +61,7 @@ class Ground(Track):
     def place(
         self, planner: Planner, way: Sequence[Point], room: float, rng: np.random.Generator
     ) -> Point:
-        """Returns a place that can be reached, out of sight of the one before if there is such a one.
+        """Returns a place that can be reached, out of sight of the one before if possible.
 
         Args:
             planner: Of the world.

@@ -57,6 +57,8 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     option.gravity = [0.0, 0.0, -GRAVITY]
     for joint in map(spec.joint, joints.backwards):
         joint.axis, joint.range = -np.array(joint.axis), -np.array(joint.range)[::-1]
+    for joint in map(spec.joint, joints.wheels):
+        joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE  # it rolls on
     workshop = _Workshop(spec, robot, joints, mass)
     workshop.fit_tyres()
     workshop.fit_wheel_motors()

@@ -24,7 +24,7 @@ from harness.robots.urdf.source import read_urdf
 SCHEMA = "rover.schema.json"  # for editors
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 NAMES = "letters, digits, '_', '-' or '.'"
-# Keys whose derived values the file shows, so that whoever knows better can set them.
+# Keys whose derived values the file shows, so that users who know better can set them.
 SHOWN = (
     "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
     "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
@@ -36,7 +36,7 @@ GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step
 
 @dataclass(frozen=True)
 class Written:
-    """What came of a URDF."""
+    """A folder made of a URDF."""
 
     folder: Path  # where the rover is
     rover: RoverSpec
@@ -80,6 +80,11 @@ def write_folder(
     joints = find_joints(model, left, right, str(urdf))
     notes += [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
     notes += [f"joint '{joint}' steers; held straight" for joint in joints.held]
+    notes += [
+        f"joint '{name}': its limits are left out, so that the wheel rolls on"
+        for name in joints.wheels
+        if model.jnt_limited[model.joint(name).id]
+    ]
     show_what_collides(spec)
     equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
     notes += _loose(spec, joints)
@@ -89,7 +94,11 @@ def write_folder(
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{name}-") as made:
             half_made = Path(made) / folder.name
             half_made.mkdir()
-            rover = _write(half_made, name, spec, joints, equipment, urdf)
+            try:
+                rover = _write(half_made, name, spec, joints, equipment, urdf)
+            except UsageError as error:  # of a file that is gone by then
+                reason = str(error).removeprefix(f"{half_made.resolve()}/rover.yaml: ")
+                raise UsageError(f"{urdf} becomes no rover: {reason}") from error
             half_made.rename(folder)
             rover = rover.but(folder=folder.resolve())
     except OSError as error:

@@ -11,6 +11,7 @@ from harness.robots.model import at_origin, body_box, by_side
 
 ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis
 NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
+SMALLEST_WHEEL, LARGEST_WHEEL = 0.005, 3.0  # [m] of radius; others are in another unit
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,18 @@ def find_joints(
             f"{where}: no wheels were found on both sides; name their joints by --left and --right, "
             f"front to rear; hinges: {', '.join(names) or 'none'}"
         )
+    if len(left) != len(right):
+        raise UsageError(
+            f"{where}: wheels were found as {', '.join(left)} on the left and {', '.join(right)} on the "
+            "right; name as many on either side by --left and --right, without casters"
+        )
+    radius = {name: float(np.ptp(boxes[name], axis=0)[[0, 2]].max() / 2) for name in (*left, *right)}
+    for name, length in radius.items():
+        if not SMALLEST_WHEEL <= length <= LARGEST_WHEEL:
+            raise UsageError(
+                f"{where}: the wheel of '{name}' has a radius of {length:.4g} m; URDF is in metres: "
+                "scale its lengths, and meshes by scale="
+            )
     steers = {name: _steering_above(model, data, names[name]) for name in (*left, *right)}
     steering = (steers[left[0]], steers[right[0]])
     others = {
@@ -75,7 +88,7 @@ def find_joints(
         right=right,
         steering=tuple(model.joint(joint).name for joint in pair),
         held=tuple(sorted(model.joint(joint).name for joint in held)),
-        radius={name: float(np.ptp(boxes[name], axis=0)[[0, 2]].max() / 2) for name in (*left, *right)},
+        radius=radius,
         backwards=tuple(turned),
     )
 

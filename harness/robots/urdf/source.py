@@ -1,9 +1,10 @@
 """A URDF file as MuJoCo's own reader takes it: with the paths of its meshes, without what is missing.
 
-A URDF is data. xacro is a program: it evaluates Python expressions of whoever wrote it, so a xacro file
+A URDF is data. xacro is a program: it evaluates Python expressions of its author, so a xacro file
 is only expanded where the user says that it is trusted.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +18,7 @@ from harness.base.errors import UsageError
 from harness.robots.strangers import parsed, read_text
 
 READABLE = (".stl", ".obj", ".msh")
-XACRO = "xmlns:xacro"
+XACRO = re.compile(r"<xacro:|\$[({]")  # its namespace alone is what old versions of it leave behind
 
 
 @dataclass
@@ -69,7 +70,7 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
 
 def _text(path: Path, *, trust_xacro: bool) -> str:
     text = read_text(path)
-    if XACRO not in text and path.suffix != ".xacro":
+    if XACRO.search(text) is None and path.suffix != ".xacro":
         return text
     if not trust_xacro:
         raise UsageError(
@@ -115,7 +116,7 @@ def _file(name_in_file: str, path: Path, folders: Sequence[Path]) -> tuple[Path 
     """
     url, above = urlparse(name_in_file), path.resolve().parents
     name, own = unquote(url.path), (*folders, above[0])
-    if url.scheme == "package":
+    if url.scheme in ("package", "model"):
         packages = [folder / url.netloc for folder in (*folders, *above) if url.netloc]
         packages += [folder for folder in above if folder.name == url.netloc]
         places = [(package, package / name.lstrip("/")) for package in (*packages, above[0])]

@@ -96,7 +96,7 @@ class CameraSensor(OptionalSensor[CameraOptions]):
 
     def read(self) -> CameraState:
         """Returns what an image of now is drawn from."""
-        import mujoco  # noqa: PLC0415 - whoever only publishes does without
+        import mujoco  # noqa: PLC0415 - not to publish
 
         simulation, pose, turned = self._simulation, self.pose(), np.empty(4)
         state = np.empty(mujoco.mj_stateSize(simulation.model, VISIBLE_STATE))

@@ -112,7 +112,7 @@ class RayBundle:
 
 @kernel("void(float64[:,::1], float64[:,::1], float64[:,::1])")
 def turn(local: Doubles, pose: Doubles, directions: Doubles) -> None:
-    """Sets `directions` to vectors of a frame in the world; BLAS would start threads for so many.
+    """Sets `directions` to vectors of a frame in the world; BLAS would start threads.
 
     Args:
         local: In the frame, shape (n, 3), as is the result.

@@ -65,7 +65,11 @@ def sweep(
 ) -> dict[Planned, EpisodeRecord]:
     """Drives every episode that the store does not hold yet, and returns all records.
 
-    The store gets each as soon as it is done; `show` is called with how many are.
+    Args:
+        planned: The episodes.
+        store: Gets each as soon as it is done.
+        workers: Where they are driven.
+        show: Called with how many are done.
 
     Raises:
         RunFailed: Workers died again and again, or an episode cannot be written or read again.

@@ -33,7 +33,16 @@ class Subject:
         y: fig.Layout,
         shapes: Sequence[fig.Layout] = (),
     ) -> fig.Plot:
-        """Returns a figure of this robot; the summary tells in words what it shows."""
+        """Returns a figure of this robot.
+
+        Args:
+            name: On the page, behind the robot's.
+            summary: Says in words what it shows.
+            data: Its traces.
+            x: The axis.
+            y: The axis.
+            shapes: Lines across the plot.
+        """
         layout = fig.common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
         figure = {"data": list(data), "layout": layout}
         return fig.Plot(f"{self.study.name}-{name}", f"{self.study.name}: {summary}", figure)
@@ -42,7 +51,15 @@ class Subject:
 def curve(
     name: str, x: Iterable[float], y: Iterable[float], color: str = fig.METRIC, **style: object
 ) -> fig.Trace:
-    """Returns a curve that tells its values under the pointer; color and style as of `figure.line`."""
+    """Returns a curve that shows its values under the pointer.
+
+    Args:
+        name: In the legend.
+        x: Shape (n,).
+        y: Shape (n,).
+        color: Name of a custom property of the style sheet.
+        style: Of the line, in Plotly's terms: dash, width [px], shape.
+    """
     return fig.line(name, [*x], [*y], color, hover=f"{name}<br>%{{x}}: %{{y:.3f}}", **style)
 
 
@@ -52,7 +69,15 @@ def chance(name: str, share: tuple[float, float] = (0.0, 1.0)) -> fig.Trace:
 
 
 def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> fig.Trace:
-    """Returns a point: of a default, or an open one of a tuned value, in the colour `tuned`."""
+    """Returns a point.
+
+    Args:
+        name: In the legend.
+        x: In the unit of its axis.
+        y: In the unit of its axis.
+        tuned: Colour of an open point, for a tuned value; "" for a default's.
+        hover: Template of the text under the pointer; "" for name, x and y.
+    """
     return {
         "type": "scatter",
         "mode": "markers",
@@ -81,7 +106,14 @@ def levels(verdict: Verdict) -> list[fig.Layout]:
 
 
 def upright(name: str, x: float, dash: str, color: str = fig.INK) -> fig.Layout:
-    """Returns a line from bottom to top of the plot; dash and color as of `figure.level`."""
+    """Returns a line from bottom to top of a plot, as one of its shapes.
+
+    Args:
+        name: In the legend.
+        x: Where it is, in the unit of the axis.
+        dash: One of `figure.DASHES`.
+        color: Name of a custom property of the style sheet.
+    """
     return fig.level(name, {"x0": x, "x1": x, **fig.COLUMN}, dash, color)
 
 

@@ -115,7 +115,7 @@ class Scoring:
 
 
 def _difference(measure: Measure) -> Measure:
-    """Of sums of one value and, behind them, of another."""
+    """The difference of a measure between two values, whose sums stand one behind the other."""
     return lambda sums: np.subtract(*map(measure, np.split(sums, 2, axis=-1)))
 
 

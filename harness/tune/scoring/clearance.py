@@ -41,7 +41,7 @@ class Braking:
 
     @property
     def stopping_distance(self) -> float:
-        """With what is driven before the command comes [m]."""
+        """Braking distance, with what is driven before the command comes [m]."""
         return self.speed * LATENCY + self.distance
 
     def needed_lead(self, speed: float) -> float:
@@ -64,7 +64,13 @@ class ClearanceStudy:
 
 
 def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceStudy:
-    """Computes the clearance and checks it against the contacts that followed."""
+    """Computes the clearance and checks it against the contacts that followed.
+
+    Args:
+        records: Episodes of the rover, by part.
+        rover: Its braking is measured.
+        seed: Of that measurement.
+    """
     braking = measure_braking(rover, seed)
     overhang = rover.footprint[1] - rover.lidar_x
     value = math.ceil((overhang + braking.stopping_distance + MARGIN) / STEP) * STEP

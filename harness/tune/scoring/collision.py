@@ -68,7 +68,7 @@ class CollisionStudy:
     default: DetectorStudy  # RoboTerrain's detector at the default
     detectors: tuple[DetectorStudy, ...]  # each at its best; empty where the data support none
     zones: tuple[ZoneRow, ...]  # contacts by side
-    unseen_contacts: tuple[UnseenContacts, ...]  # that no threshold can tell, and why
+    unseen_contacts: tuple[UnseenContacts, ...]  # that no threshold can detect, and why
     contacts: int  # all of them
 
 

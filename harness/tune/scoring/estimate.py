@@ -94,7 +94,7 @@ def share(part: int, *whole: int) -> Measure:
     return lambda sums: ratio(sums[..., part], sums[..., whole].sum(axis=-1))
 
 
-# Of sums of `confusion`: how much of what is there is said, and of what is not there is not.
+# Of sums of `confusion`: true positives over positives, true negatives over negatives.
 recall, specificity = share(TP, TP, FN), share(TN, TN, FP)
 
 

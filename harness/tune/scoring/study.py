@@ -59,7 +59,13 @@ class RobotStudy:
 
 
 def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> RobotStudy:
-    """Returns the scores of one robot's thresholds on its episodes of a sweep, of which the seed is."""
+    """Returns the scores of one robot's thresholds.
+
+    Args:
+        robot: Its name.
+        records: Episodes of the sweep, those of other robots too.
+        seed: Of the sweep.
+    """
     rover = find_rover(robot)
     parts = scored_records(robot, records)
     return RobotStudy(
@@ -143,8 +149,8 @@ def unreachable(study: CollisionStudy) -> str:
         return "No contact took place in the episodes that check."
     if not total:
         one = study.contacts == 1
-        what = "hazard that was" if one else f"{study.contacts} hazards that were"
-        return f"The lidar saw {'the' if one else 'every one of the'} {what} touched."
+        hazards = "hazard that was" if one else f"{study.contacts} hazards that were"
+        return f"The lidar saw {'the' if one else 'every one of the'} {hazards} touched."
     reasons = ", ".join(f"{spot.contacts} {spot.sight}" for spot in blind)
     share = 100.0 * total / study.contacts
     return (
@@ -154,7 +160,7 @@ def unreachable(study: CollisionStudy) -> str:
 
 
 def alternatives(study: CollisionStudy) -> Iterator[str]:
-    """Yields what the other detectors of the metrics node buy."""
+    """Yields what the other detectors of the metrics node gain."""
     for detector in study.detectors[1:]:
         scores = detector.events.scores[Part.TEST]
         yield (

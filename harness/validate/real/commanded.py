@@ -25,14 +25,14 @@ def response_times(recording: Recording) -> Series:
     """Returns the medians of the times to LEVELS of the steps of each wheel [s]; NaN without any."""
     commands = recording.commands
     times = commands[changes(commands[:, 1:]), 0][1:]
-    found = [
+    times_to = [
         row
         for begin, after in zip(times, np.append(times[1:], recording.wheels[-1, 0]), strict=False)
         if after - begin >= TAIL
         for side in (1, 2)
         if (row := _times(recording.wheels, begin, side)) is not None
     ]
-    medians: Series = np.median(found, axis=0) if found else np.full(len(LEVELS), np.nan)
+    medians: Series = np.median(times_to, axis=0) if times_to else np.full(len(LEVELS), np.nan)
     return medians
 
 

@@ -111,7 +111,7 @@ def _groups(real: Windows) -> dict[str, Windows]:
 
 
 def _driven(rover: RoverSpec, like: Windows, seed: int) -> Windows:
-    """Ours, driven steadily as the median of theirs."""
+    """Windows of our rover, driven steadily as the median of theirs."""
     speed = float(np.median([one.speed for one in like])) if like[0].kind != SPOT else 0.0
     wide = float(np.median([abs(one.difference) for one in like]))
     turn = max(wide, 1.1 * TURNING) / rover.controller_separation if like[0].kind != STRAIGHT else 0.0

@@ -57,9 +57,9 @@ def windows(recording: Recording) -> Iterator[Window]:
         part = recording.within(begin, begin + WINDOW)
         if len(part.wheels) < FEWEST_WHEELS or (len(recording.imu) and len(part.imu) < FEWEST_IMU):
             continue
-        found = _window(part)
-        if found is not None:
-            yield found
+        window = _window(part)
+        if window is not None:
+            yield window
 
 
 def _window(part: Recording) -> Window | None:

@@ -1,4 +1,4 @@
-"""A seeded random walk: straight from one free point to another, for ever, whoever is in the way."""
+"""A seeded random walk: straight from one free point to another, for ever; it gives way to nobody."""
 
 import math
 from collections.abc import Iterator

@@ -77,7 +77,7 @@ class Route:
         return x + share * (to_x - x), y + share * (to_y - y)
 
     def _heading(self, passed: float) -> float:
-        """Of the leg; of the next one that leads anywhere where one stands still."""
+        """The heading of the leg; where one stands still, of the next leg that leads anywhere."""
         legs = len(self.points) - 1
         first, _ = self._leg(passed) if legs else (0, 0.0)
         for leg in (*range(first, legs), *range(first)):

@@ -94,7 +94,7 @@ class SocialForceWalker:
         return bool((place >= self._space.low).all() and (place <= self._space.high).all())
 
     def _to_next(self, time_s: float) -> Vector:
-        """To the next way point [m]; a new one where that is reached, or cannot be."""
+        """The way to the next way point [m]; to a new one where that is reached, or cannot be."""
         ahead = np.subtract(self._way_points.point(self._index), self._place)
         if math.hypot(*ahead) < ARRIVED or time_s > self._until:
             self._index += 1

@@ -31,7 +31,7 @@ def is_cloud(path: Path) -> bool:
     try:
         shape = np.load(path, mmap_mode="r", allow_pickle=False).shape
     except (OSError, ValueError, EOFError):
-        return False  # whoever reads it says what is wrong
+        return False  # reading it says what is wrong
     return len(shape) == 2 and shape[1] == 3
 
 

@@ -28,7 +28,16 @@ START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
 def heightmap_world(spec: WorldSpec, seed: int, rover: RoverNeeds) -> World:
-    """Makes a world without obstacles from a heightmap, with a start where the rover needs one."""
+    """Makes a world without obstacles from a heightmap, with a start where the rover needs one.
+
+    Args:
+        spec: Names the file, its cell, size and relief.
+        seed: Of what is added to it.
+        rover: What a rover needs of a world.
+
+    Raises:
+        UsageError: The file is not readable or no terrain.
+    """
     path = Path(spec.terrain)
     raster = read_raster(path, spec.terrain_cell)
     try:

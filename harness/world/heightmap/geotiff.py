@@ -128,7 +128,7 @@ def _half(keys: Mapping[str, Any], page: tifffile.TiffPage) -> tuple[float, floa
 
 
 def _affine(page: tifffile.TiffPage) -> Affine | None:
-    """From columns and rows, counted from the corner of the first pixel, to coordinates."""
+    """The map from columns and rows, counted from the corner of the first pixel, to coordinates."""
     scale, full = _numbers(page, PIXEL_SCALE, 2), _numbers(page, TRANSFORMATION, 16)
     if scale is not None:
         # A negative depth is a writer's mistake, says GDAL: rows run south all the same.

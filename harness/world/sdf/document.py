@@ -58,7 +58,7 @@ class Document:
             ("plugins are not run", self.plugins),
             ("not static, but nothing moves here", self.movable),
         )
-        lists = (f"{what}: {', '.join(names)}" for what, names in left if names)
+        lists = (f"{title}: {', '.join(names)}" for title, names in left if names)
         return (*(f"left out: {name}" for name in self.missing), *lists)
 
 
@@ -100,6 +100,11 @@ class _Call:
     @property
     def is_static(self) -> bool:
         return is_true(text_of(self.include, "static", text_of(self.model, "static")))
+
+    @property
+    def is_merged(self) -> bool:
+        """Whether what is in it counts as part of the model that includes it."""
+        return self.include is not None and is_true(self.include.get("merge", ""))
 
     def pose(self, frames: Frames) -> tuple[Transform, str]:
         """The pose of its origin, and in which frame; the include's comes before its own."""
@@ -167,6 +172,9 @@ class _Reading:
             _add_frames(call.model, nested)
             frames.add(call.name, *call.pose(nested))
             frames.nest(call.name, nested)
+            if call.is_merged:
+                for name in nested.names:
+                    frames.add(name, IDENTITY, f"{call.name}::{name}")
         _add_frames(scope, frames)
         for link in scope.findall("link"):
             self._link(link, frames, place)
@@ -205,6 +213,8 @@ class _Reading:
             self._document.includes += 1
             if self._document.includes > MOST_INCLUDES:
                 raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
+            if any(item.tag.endswith(":params") for item in include):
+                self._left_out(f"changes by <experimental:params> of {text_of(include, 'uri')}")
             root = self._root(path)
             calls += [_Call(item, include, chain) for item in _entities(root)]
         return calls

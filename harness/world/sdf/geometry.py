@@ -62,8 +62,10 @@ def _plane(kind: Element, owner: str, *_: object) -> Shape:
 
 def _heightmap(kind: Element, owner: str, file: Path, resources: Resources) -> Shape:
     path = resources.find(text_of(kind, "uri"), file)
-    width, depth, height = _lengths(kind, "size", 3, owner, "1 1 1")
     x, y, z = numbers(text_of(kind, "pos", "0 0 0"), 3, f"pos of {owner}")
+    if not text_of(kind, "size"):
+        return Relief(path, None, (x, y, z))
+    width, depth, height = _lengths(kind, "size", 3, owner)
     return Relief(path, (width, depth, height), (x, y, z))
 
 

@@ -58,7 +58,7 @@ def inverse(pose: Transform) -> Transform:
 
 
 def _of_angles(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    """About the fixed axes x, then y, then z."""
+    """The rotation about the fixed axes x, then y, then z."""
     (cr, cp, cy), (sr, sp, sy) = (tuple(map(f, (roll, pitch, yaw))) for f in (math.cos, math.sin))
     return np.array(
         [
@@ -91,9 +91,20 @@ class Frames:
         self._nested: dict[str, Frames] = {}
 
     def add(self, name: str, pose: Transform, reference: str = "") -> None:
-        """Adds a frame that has that pose in a reference; "" is the root."""
+        """Adds a frame; the first one of a name counts.
+
+        Args:
+            name: Of the frame.
+            pose: In the reference, shape (4, 4).
+            reference: Name of a frame that may be added later; "" for the root.
+        """
         if name not in self._known:
             self._given.setdefault(name, (pose, reference))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What was added."""
+        return (*self._given,)
 
     def nest(self, name: str, frames: "Frames") -> None:
         """Adds the frames of a nested model, which itself is added by `add`."""

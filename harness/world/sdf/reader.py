@@ -1,4 +1,4 @@
-"""XML of strangers: opened without entities, of bounded size and depth; plain texts and numbers."""
+"""XML from elsewhere: opened without entities, of bounded size and depth; plain texts and numbers."""
 
 import math
 import re
@@ -64,7 +64,13 @@ def parse_xml(data: bytes) -> Element:
 
 
 def text_of(element: Element | None, tag: str, default: str = "") -> str:
-    """Returns the text of a child, stripped; the default without such a child or without text."""
+    """Returns the text of a child, stripped.
+
+    Args:
+        element: The parent; None has no children.
+        tag: The child's.
+        default: Where there is no child, or none with a text.
+    """
     child = None if element is None else element.find(tag)
     return default if child is None else _plain(child.text or "").strip() or default
 

@@ -34,7 +34,16 @@ BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the ro
 
 
 def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
-    """Makes a world from an SDF file or a mesh; UsageError if it is not readable or cannot be driven."""
+    """Makes a world from an SDF file or a mesh.
+
+    Args:
+        spec: Names the file.
+        rover: What a rover needs of a world.
+        seed: Of the world, which has no randomness of its own.
+
+    Raises:
+        UsageError: It is not readable or cannot be driven.
+    """
     path, resources = Path(spec.terrain), Resources([*map(Path, spec.resource_path)])
     try:
         if path.suffix.lower() in SUFFIXES:

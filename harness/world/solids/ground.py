@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.spec.world import SMALLEST_MAP
 from harness.world.heightfield import resampled
-from harness.world.heightmap.raster import read_raster
+from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
 from harness.world.solids.mesh_file import Mesh, areas_and_normals, read_mesh
 from harness.world.solids.pieces import bodies
@@ -195,18 +195,34 @@ def _of_relief(parts: Partition, solid: Solid, relief: Relief) -> Mesh:
     values = raster.values
     if np.isnan(values).any():
         raise UsageError(f"heightmap {relief.path}: values are missing; fill them")
-    largest = 1.0 if raster.in_metres else 2.0 ** (16 if values.max() > 255 else 8) - 1.0
+    width_depth, scale = _scaled(raster, relief)
     shape = tuple(min(count, MOST_SAMPLES) for count in values.shape)
     step = tuple((n - 1) / (m - 1) for n, m in zip(values.shape, shape, strict=True))
     values = resampled(values, step, shape) if shape != values.shape else values
     rows, columns = values.shape
-    half_x, half_y = 0.5 * relief.size[0], 0.5 * relief.size[1]
+    half_x, half_y = (0.5 * length for length in width_depth)
     x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(half_y, -half_y, rows))
-    z = values * (1.0 if raster.in_metres else relief.size[2] / largest)
-    vertices = np.column_stack([x.ravel(), y.ravel(), z.ravel()]) + relief.position
+    vertices = np.column_stack([x.ravel(), y.ravel(), scale * values.ravel()]) + relief.position
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     below = corner + columns
     faces = np.concatenate(
         [np.column_stack([corner, below, below + 1]), np.column_stack([corner, below + 1, corner + 1])]
     )
     return Mesh(vertices, faces).moved(solid.pose)
+
+
+def _scaled(raster: Raster, relief: Relief) -> tuple[tuple[float, float], float]:
+    """Width and depth of a heightmap [m] and height of one of its values, as Gazebo has them.
+
+    Its height is that of a picture's largest value, or the relief of a survey; without a size this is as
+    it was measured.
+    """
+    extent = np.ptp(raster.values) if raster.in_metres else raster.values.max()
+    if relief.size is not None:
+        return relief.size[:2], relief.size[2] / float(extent) if extent > 0.0 else 1.0
+    if not raster.in_metres:
+        return (1.0, 1.0), 1.0 / float(extent or 1.0)
+    if isinstance(raster.pixel, str):
+        raise UsageError(f"heightmap {relief.path}: {raster.pixel}; give it a <size>")
+    rows, columns = raster.values.shape
+    return (raster.pixel[0] * (columns - 1), raster.pixel[1] * (rows - 1)), 1.0

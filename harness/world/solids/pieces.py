@@ -79,7 +79,7 @@ class Kinds:
                     raise UsageError(f"{flag}: {unknown('solid', pattern, [*models][:12])}")
 
     def by_height(self, height: float) -> ObstacleKind:
-        """Returns what an obstacle is that reaches so high above the ground [m]."""
+        """Returns the kind of an obstacle by its height above the ground [m]."""
         return ObstacleKind.ROCK if height <= self.limit else ObstacleKind.HAZARD
 
     def of(self, name: str) -> Kind:

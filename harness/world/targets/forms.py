@@ -46,7 +46,7 @@ class Skin:
 Made = tuple[Bodies, tuple[Skin, ...]]
 
 
-def upright(
+def _upright(
     shape: Literal["box", "cylinder"], half: Sequence[float], place: Place, base: float, color: Color
 ) -> Obstacle:
     """Returns a box or a cylinder that stands upright, its foot `base` metres above the ground."""
@@ -55,22 +55,22 @@ def upright(
     return Obstacle(ObstacleKind.HAZARD, shape, tuple(half), at, orientation(yaw), color=color)
 
 
-def lying(half: tuple[float, float], at: Vector3, across: float, color: Color) -> Obstacle:
+def _lying(half: tuple[float, float], at: Vector3, across: float, color: Color) -> Obstacle:
     """Returns a cylinder that lies; its axis is at right angles to the heading `across` [rad]."""
     turned = orientation(across, 0.5 * math.pi)
     return Obstacle(ObstacleKind.HAZARD, "cylinder", half, at, turned, color=color)
 
 
-def pole(place: Place, radius: float, height: float, color: Color) -> Obstacle:
-    """Returns a pole that reaches so high above the ground [m]."""
-    return upright("cylinder", (radius, 0.5 * (height + SUNK)), place, -SUNK, color)
+def _pole(place: Place, radius: float, height: float, color: Color) -> Obstacle:
+    """A pole that reaches up to a height above the ground [m]."""
+    return _upright("cylinder", (radius, 0.5 * (height + SUNK)), place, -SUNK, color)
 
 
-def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
+def _marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
     """Returns a pole with a prism at its top whose sides carry a marker: three in URC 2023."""
     edge, count = face_edge(options.dictionary, options.size), options.faces
     if not count:
-        return (pole(place, POLE, options.height + 0.5 * edge, WHITE),), ()
+        return (_pole(place, POLE, options.height + 0.5 * edge, WHITE),), ()
     x, y, z, yaw = place
     middle = np.array([x, y, z + options.height])
     inner = BOARD if count < 3 else 0.5 * edge / math.tan(math.pi / count)
@@ -78,7 +78,7 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
     for side in range(count):
         turn = yaw + (math.pi * side if count < 3 else math.tau * side / count)
         normal = np.array([math.cos(turn), math.sin(turn), 0.0])
-        right = np.array([-normal[1], normal[0], 0.0])  # of who looks at it
+        right = np.array([-normal[1], normal[0], 0.0])  # of a viewer in front of it
         across = CORNERS[:, :1] * right + CORNERS[:, 1:] * np.array([0.0, 0.0, 1.0])
         corners = middle + (inner + LIFT) * normal + 0.5 * edge * across
         skins.append(Skin(corners, QUAD, IMAGE, face_image(options.dictionary, marker)))
@@ -90,19 +90,25 @@ def marker_post(options: TargetOptions, place: Place, marker: int) -> Made:
         head = replace(hull, color=WHITE)
     else:
         thickness = BOARD if count < 3 else 0.5 * edge
-        head = upright("box", (thickness, 0.5 * edge, 0.5 * edge), place, foot, WHITE)
-    return (pole(place, POLE, foot, WOOD), head), tuple(skins)
+        head = _upright("box", (thickness, 0.5 * edge, 0.5 * edge), place, foot, WHITE)
+    return (_pole(place, POLE, foot, WOOD), head), tuple(skins)
 
 
 def post(options: TargetOptions, place: Place) -> Made:
     """Returns a plain post."""
-    return (pole(place, options.radius, options.height, ORANGE),), ()
+    return (_pole(place, options.radius, options.height, ORANGE),), ()
 
 
 def gate(options: TargetOptions, left: Place, right: Place) -> Made:
-    """Returns two posts with the markers of `id` and the next one."""
+    """Returns two posts with the markers of `id` and the next one.
+
+    Args:
+        options: Their height, size and markers.
+        left: x, y, z of the ground [m], yaw [rad].
+        right: x, y, z of the ground [m], yaw [rad].
+    """
     (one, seen), (other, also) = (
-        marker_post(options, at, options.id + n) for n, at in enumerate((left, right))
+        _marker_post(options, at, options.id + n) for n, at in enumerate((left, right))
     )
     return (*one, *other), (*seen, *also)
 
@@ -114,20 +120,20 @@ def mallet(_: TargetOptions, place: Place) -> Made:
     along = 0.5 * handle + radius
     where = (x + along * math.cos(yaw), y + along * math.sin(yaw), z + radius)
     return (
-        lying((radius, 0.5 * length), (x, y, z + radius), yaw, ORANGE),
-        lying((thin, 0.5 * handle), where, yaw + 0.5 * math.pi, WOOD),
+        _lying((radius, 0.5 * length), (x, y, z + radius), yaw, ORANGE),
+        _lying((thin, 0.5 * handle), where, yaw + 0.5 * math.pi, WOOD),
     ), ()
 
 
 def bottle(_: TargetOptions, place: Place) -> Made:
     """Returns a bottle of one litre that stands on the ground, 21.5 cm high and 9 cm wide."""
     (radius, height), (thin, neck) = BOTTLE, NECK
-    body = upright("cylinder", (radius, 0.5 * height), place, 0.0, BLUE)
-    return (body, upright("cylinder", (thin, 0.5 * neck), place, height, WHITE)), ()
+    body = _upright("cylinder", (radius, 0.5 * height), place, 0.0, BLUE)
+    return (body, _upright("cylinder", (thin, 0.5 * neck), place, height, WHITE)), ()
 
 
 FORMS: dict[str, Callable[[TargetOptions, Place], Made]] = {
-    "aruco": lambda options, place: marker_post(options, place, options.id),
+    "aruco": lambda options, place: _marker_post(options, place, options.id),
     "post": post,
     "mallet": mallet,
     "bottle": bottle,

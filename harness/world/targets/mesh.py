@@ -29,6 +29,11 @@ def mesh_target(
 ) -> tuple[tuple[Obstacle, ...], tuple[Skin, ...], Files]:
     """Returns bodies, skins and files of a mesh whose lowest point stands on the ground.
 
+    Args:
+        spec: Names the file; scale, up and texture.
+        place: x, y, z of the ground [m], yaw [rad].
+        ground: Around it.
+
     Raises:
         UsageError: A file is not readable, or nothing of it rises above the ground.
     """

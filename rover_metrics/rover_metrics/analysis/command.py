@@ -1,4 +1,4 @@
-"""What rover_metrics.analyze does: reads logs, computes, writes and prints what came of it."""
+"""What rover_metrics.analyze does: reads logs, computes, writes and prints results."""
 
 import argparse
 import contextlib

@@ -66,7 +66,7 @@ class Result:
 
 
 def analyse(study: Study) -> Result:
-    """Works out everything there is to say in numbers."""
+    """Returns everything there is to say in numbers."""
     options = study.options
     comparisons = _comparisons(study)
     logs = tuple(_log_result(study, member) for member in study.members)

@@ -79,7 +79,13 @@ def save_all(
 
 
 def page_of(study: Study, result: Result, more: Iterable[Sheet] = ()) -> str:
-    """Returns a page of the plots, the tables and `more` tables."""
+    """Returns a page of the plots and the tables.
+
+    Args:
+        study: What was asked.
+        result: What came out.
+        more: Further tables, behind the others.
+    """
     drawn = ((name.replace("_", " "), figure, "") for name, figure in _figures(study, result) if figure)
     logs = counted(len(result.logs), "log")
     return page("Logs of rovers", f"{logs}: {', '.join(result.groups)}", drawn, [*sheets(result), *more])
@@ -113,7 +119,7 @@ def _file_names(codes: Sequence[str]) -> list[str]:
 
 
 def write_csv(result: Result, folder: Path) -> list[Path]:
-    """Writes logs.csv, and of what there is across.csv, comparison.csv and correlation.csv."""
+    """Writes logs.csv and, if they have rows, those of the other tables; returns the files."""
     across = (
         {"group": group, **_record(result, {"code": code, **asdict(summary)})}
         for group, summaries in result.across.items()

@@ -24,6 +24,14 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
     By seed, whatever else varies within a group must be equal too; what only differs between the
     groups is what they are compared for.
 
+    Args:
+        first: Logs of one group.
+        second: Logs of the other.
+        by: What makes two logs a pair; "none" makes none.
+
+    Returns:
+        Places in `first` and in `second`.
+
     Raises:
         PairingError: The groups are to be paired by order and differ in length.
     """

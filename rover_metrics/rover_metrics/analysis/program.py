@@ -53,9 +53,13 @@ def _json_file(text: str) -> Path:
 def hand_over(
     target: Path | None, as_json: Callable[[], str], sheets: Iterable[Sheet], last: str = ""
 ) -> None:
-    """Prints tables and a last line, if there is one, and writes `as_json` to the target of --json.
+    """Prints tables and writes JSON.
 
-    Where that is PRINTED, nothing but the JSON is printed.
+    Args:
+        target: Of --json: a file, or PRINTED, with which nothing but the JSON is printed; None without.
+        as_json: Gives the JSON.
+        sheets: The tables.
+        last: Line below them; "" for none.
     """
     if target == PRINTED:
         print(as_json())
@@ -75,7 +79,13 @@ def read_each(
 ) -> tuple[list[AnyLog], list[Skipped], int]:
     """Reads the logs that can be read, and says on stderr which cannot.
 
-    Returns the logs, what was skipped, and the exit code: 2 if a file is missing, 1 for any other fault.
+    Args:
+        program: Who says so.
+        paths: Of the logs.
+        read: Reads one, or raises UnreadableLog.
+
+    Returns:
+        The logs, what was skipped, and the exit code: 2 if a file is missing, 1 for any other fault.
     """
     logs: list[AnyLog] = []
     skipped: list[Skipped] = []
@@ -91,10 +101,13 @@ def read_each(
 
 
 def inside(paths: Iterable[Path], pattern: str, *, without: str = "") -> Iterator[Path]:
-    """Yields the files named, and those of a pattern in the folders named and in folders below.
+    """Yields the files of folders and of those below, and files themselves.
 
-    Names that begin with `without` are left out. A folder without any is named itself, so that whoever
-    reads it says that it is no log.
+    Args:
+        paths: Files, which need not fit the pattern, and folders; a folder without any file that fits is
+            yielded itself, so that its reader says that it is no log.
+        pattern: Of the names in folders, e.g. "*.csv".
+        without: How names begin that are left out of folders; "" leaves none out.
     """
     for path in paths:
         there = sorted(path.rglob(pattern)) if path.is_dir() else []

@@ -145,7 +145,13 @@ class Playback:
 
 
 def deserialised(store: Typestore, data: bytes, message_type: str) -> Any | None:  # noqa: ANN401
-    """Returns a message as rosbags has it; None if the bytes are of none of this type."""
+    """Returns a message as rosbags has it; None if the bytes are of none of this type.
+
+    Args:
+        store: Knows the type.
+        data: The message in CDR.
+        message_type: As "nav_msgs/msg/Odometry".
+    """
     try:
         return store.deserialize_cdr(data, message_type)
     except (SerdeError, IndexError, AssertionError, MemoryError):

@@ -25,7 +25,13 @@ class GoalAccount:
         self.goal, self._since_s = goal, time_s
 
     def observe(self, time_s: float, place: tuple[float, float], orientation: Quaternion) -> None:
-        """Takes a pose: its time [s], x and y in the goal's frame [m], attitude (x, y, z, w)."""
+        """Takes a pose of the rover.
+
+        Args:
+            time_s: Of the pose [s].
+            place: x, y in the goal's frame [m].
+            orientation: Attitude as (x, y, z, w).
+        """
         if self.goal is None:
             return
         is_flipped = max(map(abs, roll_pitch(orientation))) > FLIPPED

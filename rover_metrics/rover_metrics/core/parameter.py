@@ -24,7 +24,7 @@ class ParameterInfo:
     minimum: float = 0.0  # the smallest valid number
     maximum: float = math.inf  # the largest; infinite for what is no number
     example: str = "1.0, not 1"  # how a number is to be written, and how not
-    valid: str = ""  # what is valid, if type and range do not tell
+    valid: str = ""  # what is valid, if type and range do not say it
     read_only: bool = False  # fixed once the node runs
 
     @property

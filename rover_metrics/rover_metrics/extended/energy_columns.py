@@ -1,4 +1,4 @@
-"""Columns of energy, where a battery is told of; after all others, by the parameter `energy`."""
+"""Columns of energy, where there are messages of a battery; after all others, by parameter `energy`."""
 
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.timing import NANOSECONDS
@@ -37,7 +37,13 @@ class EnergyColumns:
         self._energy: float | None = None
 
     def add(self, stamp_ns: int, voltage: float, current: float) -> None:
-        """Takes a battery's voltage [V] and current, negative while it discharges [A]."""
+        """Takes a state of the battery.
+
+        Args:
+            stamp_ns: Stamp of the header [ns].
+            voltage: Of the battery [V].
+            current: Negative while it discharges [A].
+        """
         power = -voltage * current
         if self._last is not None:
             elapsed = (stamp_ns - self._last[0]) / NANOSECONDS

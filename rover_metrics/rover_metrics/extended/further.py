@@ -29,10 +29,22 @@ class Columns:
         self.settings = settings
 
     def add_scan(self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float]) -> None:
-        """Takes a scan: ranges [m], the angle of the first and the step to the next [rad]."""
+        """Takes a scan.
+
+        Args:
+            stamp_ns: Stamp of the header [ns].
+            ranges: Distances [m], coded as REP-117 says.
+            angles: Azimuth of the first beam and step to the next, in the lidar's frame [rad].
+        """
 
     def add_imu(self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None) -> None:
-        """Takes a specific force [m/s^2] and an attitude as (x, y, z, w); None if the IMU has none."""
+        """Takes a sample of the IMU.
+
+        Args:
+            stamp_ns: Stamp of the header [ns].
+            acceleration: In the IMU's frame, gravity included [m/s^2].
+            orientation: Attitude of the IMU as (x, y, z, w); None if it gives none.
+        """
 
     def add_pose(self, stamp_ns: int, position: Vector3) -> None:
         """Takes a true position in the world [m]."""

@@ -71,7 +71,7 @@ class ImuColumns:
         return step if 0.0 < step <= LONGEST_STEP else None
 
     def _settle(self, step: float | None, acceleration: Vector3) -> None:
-        """Let the estimate of gravity follow; after a gap it starts from the sample."""
+        """Lets the estimate of gravity follow; after a gap it starts from the sample."""
         share = 1.0 if step is None else -math.expm1(-step / SETTLING)
         x, y, z = (g + share * (a - g) for g, a in zip(self._lasting, acceleration, strict=True))
         self._lasting = (x, y, z)

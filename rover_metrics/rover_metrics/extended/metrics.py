@@ -24,7 +24,13 @@ from rover_metrics.timing import NANOSECONDS
 def extended_columns(
     wheels: Sequence[str], *, soil: bool = False, energy: bool = False
 ) -> tuple[Column, ...]:
-    """Returns the columns after the twelve of a rover with these wheels, on soil, with a battery."""
+    """Returns the columns after the twelve.
+
+    Args:
+        wheels: Names of the rover's wheels.
+        soil: Whether there are those of soil.
+        energy: Whether there are those of a battery.
+    """
     return (
         *TravelColumns.COLUMNS,
         *ScanColumns.COLUMNS,
@@ -74,14 +80,14 @@ class ExtendedMetrics:
         self._traffic = TrafficColumns()
 
     def use(self, settings: ExtendedSettings) -> None:
-        """Measure by other settings from now on."""
+        """Measures by other settings from now on."""
         self._scans.use(settings)
         self._imu.gravity = settings.gravity
 
     def add_scan(
         self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float], *, used: bool
     ) -> None:
-        """Takes a scan; arguments as of `MetricsSession.take_scan`."""
+        """Takes a scan, as `MetricsSession.take_scan`, and whether the metrics have used it."""
         self._traffic.add(SCAN, stamp_ns, used=True)
         collides = used and self._metrics.clearance < self._metrics.thresholds.collision_threshold
         self._scans.add(stamp_ns, ranges, angles, collides=collides)
@@ -91,7 +97,7 @@ class ExtendedMetrics:
     def add_imu(
         self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None, *, used: bool
     ) -> None:
-        """Takes an IMU sample; arguments as of `MetricsSession.take_imu`."""
+        """Takes a sample, as `MetricsSession.take_imu`, and whether the metrics have used it."""
         self._traffic.add(IMU, stamp_ns, used=used)
         if used:
             self._imu.add(stamp_ns, acceleration, orientation)
@@ -101,7 +107,7 @@ class ExtendedMetrics:
                 each.add_imu(stamp_ns, acceleration, orientation)
 
     def add_pose(self, stamp_ns: int, position: Vector3 | None, *, used: bool) -> None:
-        """Takes a true position in the world [m]; None for an array without one."""
+        """Takes a position, as `MetricsSession.take_pose`, and whether the metrics have used it."""
         self._traffic.add(POSE, stamp_ns, used=used)
         if used and position is not None:
             self._travel.add_pose(stamp_ns, position, self._metrics.thresholds.distance_threshold)
@@ -109,7 +115,7 @@ class ExtendedMetrics:
                 each.add_pose(stamp_ns, position)
 
     def add_odometry(self, stamp_ns: int, velocity: Vector3, *, used: bool) -> None:
-        """Takes the linear velocity by the wheels, in the base frame [m/s]."""
+        """Takes a velocity, as `MetricsSession.take_odometry`, and whether the metrics have used it."""
         self._traffic.add(ODOMETRY, stamp_ns, used=used)
         if used:
             self._travel.add_odometry(stamp_ns, math.hypot(*velocity))

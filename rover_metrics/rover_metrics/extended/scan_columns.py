@@ -64,14 +64,14 @@ class ScanColumns:
         self.use(settings)
 
     def use(self, settings: ExtendedSettings) -> None:
-        """Measure by other settings from now on."""
+        """Measures by other settings from now on."""
         self._settings = settings
         self._lidar: tuple[Beams, FootprintClearance] | None = None
 
     def add(
         self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float], *, collides: bool
     ) -> None:
-        """Takes a scan, as `ExtendedMetrics.add_scan`, and whether it counts as a collision."""
+        """Takes a scan, as `MetricsSession.take_scan`, and whether it counts as a collision."""
         values = np.asarray(ranges, dtype=np.float32)
         self._events = self._events or 0
         if collides:

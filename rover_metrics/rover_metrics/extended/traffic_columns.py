@@ -63,7 +63,7 @@ def _columns(topic: Topic) -> tuple[Column, ...]:
 
 
 class TrafficColumns:
-    """The columns that tell of the four sensor topics themselves."""
+    """The columns about the four sensor topics themselves."""
 
     COLUMNS = tuple(column for topic in TOPICS for column in _columns(topic))
 
@@ -74,7 +74,13 @@ class TrafficColumns:
         self._previous_ns: int | None = None
 
     def add(self, topic: Topic, stamp_ns: int, *, used: bool) -> None:
-        """Takes the stamp of a message [ns], and whether the metrics have used it."""
+        """Takes a message.
+
+        Args:
+            topic: Where it came.
+            stamp_ns: Stamp of the header [ns].
+            used: Whether the metrics have used it.
+        """
         self._received[topic] += 1
         self._rejected[topic] += not used
         finding = self._stamps[topic].take(stamp_ns)

@@ -61,15 +61,21 @@ class TravelColumns:
         self._stretch, self._stretch_s = 0.0, 0.0  # of the path since the row before
 
     def add_imu(self, stamp_ns: int, *, is_rough: bool) -> None:
-        """Take the verdict on an IMU sample that the metrics have used."""
+        """Takes the verdict on an IMU sample that the metrics have used."""
         self._rough.append((stamp_ns, is_rough))
 
     def add_odometry(self, stamp_ns: int, speed: float) -> None:
-        """Take a wheel speed that the metrics have used [m/s]."""
+        """Takes a wheel speed that the metrics have used [m/s]."""
         self._speeds.append((stamp_ns, speed))
 
     def add_pose(self, stamp_ns: int, position: Vector3, jump: float) -> None:
-        """Takes a position that the metrics have used [m]; a step of `jump` [m] or more is no travel."""
+        """Takes a position that the metrics have used.
+
+        Args:
+            stamp_ns: Stamp of the header [ns].
+            position: In the world [m].
+            jump: From this length on a step is no travel [m].
+        """
         last, self._pose = self._pose, (stamp_ns, position)
         if last is None:
             return

@@ -136,7 +136,7 @@ class TruthColumns:
         self._traversal = {name: _Mean() for name in self._names[FIRST_SLIP:]}
 
     def add_contact(self, *, touches: bool) -> None:
-        """Take whether the rover has touched a hazard since the last message."""
+        """Takes whether the rover has touched a hazard since the last message."""
         self._contact.add(float(touches))
         self._events = self._events or 0
         if not touches:

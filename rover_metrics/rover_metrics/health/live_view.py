@@ -1,4 +1,4 @@
-"""What a row says to whoever watches: statuses with levels, as diagnostic_msgs has them. No ROS."""
+"""What a row says to a person who watches: statuses with levels, as diagnostic_msgs has them. No ROS."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -43,7 +43,14 @@ class LiveView:
     def statuses(
         self, row: Row, topics: Iterable[TopicState], thresholds: Thresholds, now_ns: int
     ) -> list[Status]:
-        """Returns the status of the traversal, then one for each topic."""
+        """Returns the status of the traversal, then one for each topic.
+
+        Args:
+            row: The latest.
+            topics: What has arrived on each so far.
+            thresholds: What is too much in a row.
+            now_ns: Time on the ROS clock [ns].
+        """
         traversal = self._traversal(row, thresholds)
         statuses = [traversal, *(self._topic(state, now_ns) for state in topics)]
         self._previous_ns = now_ns
@@ -105,7 +112,7 @@ def _judged(state: TopicState, before: TopicState) -> _Complaint:
     if state.is_silent:
         return (Level.STALE, f"silent, publishers: {state.publishers}")
     new = {"lost": state.lost - before.lost, "rejected": state.rejected - before.rejected}
-    losses = [f"{count} {what}" for what, count in new.items() if count]
+    losses = [f"{count} {finding}" for finding, count in new.items() if count]
     if losses:
         return (Level.WARN, f"{' and '.join(losses)} since the row before")
     if state.publishers > 1:

@@ -75,13 +75,20 @@ class Reception:
         self.remarks.setdefault(topic, Counter())
         self.remark(topic, reason, detail=f"{detail}, left out")
 
-    def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
-        """Counts something odd."""
+    def remark(self, topic: str, finding: str, times: int = 1, *, detail: str = "") -> None:
+        """Counts something odd, and reports it ever more rarely.
+
+        Args:
+            topic: Where it was met.
+            finding: Its name, by which it is counted.
+            times: How often.
+            detail: Text for the report; the count does not depend on it.
+        """
         remarks = self.remarks[topic]
-        before = remarks[what]
-        remarks[what] = before + times
+        before = remarks[finding]
+        remarks[finding] = before + times
         if is_worth_a_line(before, before + times):
-            self._tell(f"{topic}: {what}{detail} ({before + times} so far)")
+            self._tell(f"{topic}: {finding}{detail} ({before + times} so far)")
 
     def look(self, now_ns: int, stale_after_ns: int) -> None:
         """Looks once a second for topics that are silent for too long; 0 is never too long."""

@@ -52,8 +52,11 @@ def unusable_scan(ranges: ArrayLike) -> str | None:
 def scan_oddity(nearest: float, farthest: float, range_min: float, range_max: float) -> str | None:
     """Returns what is odd about a scan that counts all the same; None if nothing is.
 
-    Nearest and farthest are of its finite ranges; beyond range_min and range_max the sensor says that it
-    cannot measure. All in metres; limits that are no interval are ignored.
+    Args:
+        nearest: Smallest finite range [m].
+        farthest: Largest finite range [m].
+        range_min: Nearest range that the sensor says it can measure [m].
+        range_max: Farthest one [m]; both are ignored if they are no interval.
     """
     if nearest <= 0.0:
         return ZERO_OR_LESS

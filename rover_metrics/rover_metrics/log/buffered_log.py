@@ -14,10 +14,18 @@ CAPACITY = 3600  # rows: an hour, about 2 MB
 
 
 class BufferedLog(CsvLog):
-    """A CsvLog in which rows that the file refuses wait, at most `capacity` of them.
+    """A CsvLog in which rows that the file refuses wait.
 
     Every row is tried again with the next one. Above the capacity the oldest row is dropped and
-    counted. A refusal is told when it begins, when its reason changes and when it is over.
+    counted. A refusal is reported when it begins, when its reason changes and when it is over.
+
+    Args:
+        directory: Folder for the file; created if it does not exist.
+        started: When the session started.
+        tell: Takes lines for the user.
+        capacity: Most rows that wait.
+        fsync: Whether a row is on the disk itself before `write` returns.
+        columns: The header.
     """
 
     def __init__(

@@ -146,7 +146,7 @@ def _write_all(file: BinaryIO, data: bytes) -> None:
 
 
 def _sync(file: BinaryIO, folder: Path | None) -> None:
-    """Wait until the disk has a file's content, and the folder's entry of a new file."""
+    """Waits until the disk has a file's content, and the folder's entry of a new file."""
     os.fsync(file.fileno())
     if folder is not None and hasattr(os, "O_DIRECTORY"):  # Windows opens no folder
         descriptor = os.open(folder, os.O_RDONLY)
@@ -156,10 +156,10 @@ def _sync(file: BinaryIO, folder: Path | None) -> None:
             os.close(descriptor)
 
 
-def _log_error(what: str, directory: Path, error: Exception) -> LogError:
+def _log_error(problem: str, directory: Path, error: Exception) -> LogError:
     number, reason = (error.errno, error.strerror) if isinstance(error, OSError) else (0, str(error))
     mend = _MENDS.get(number or 0, "choose another folder")
-    return LogError(f"{what} in {directory}: {reason}; {mend}")
+    return LogError(f"{problem} in {directory}: {reason}; {mend}")
 
 
 def harmless(cell: Field) -> Field:

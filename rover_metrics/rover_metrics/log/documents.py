@@ -30,7 +30,7 @@ class DocumentError(RoverMetricsError):
 
 
 def read_json(path: Path, largest: int = LARGEST_JSON) -> Any:  # noqa: ANN401 - whatever a file holds
-    """Returns what a JSON file of at most so many bytes holds, or raises a DocumentError."""
+    """Returns what a JSON file holds; DocumentError if it is none, or has more than `largest` bytes."""
     return parse_json(_text_of(path, largest))
 
 
@@ -76,7 +76,7 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
 
 
 def read_bytes(path: Path, largest: int) -> bytes:
-    """Returns the at most so many bytes of a file or a shell's pipe, or raises a DocumentError."""
+    """Returns the bytes of a file or a shell's pipe; DocumentError if there are more than `largest`."""
     try:
         # Into a pipe of a shell, as <(...) and /dev/stdin are, somebody writes already.
         is_of_a_shell = path.is_fifo() and path.is_relative_to("/dev")

@@ -24,6 +24,11 @@ class SessionRecord:
     """The record of one running session; what cannot be written is reported and costs nothing else.
 
     It has failed if `failure` says why.
+
+    Args:
+        node: Full name of the node.
+        now: Returns the wall time.
+        tell: Takes lines for the user.
     """
 
     def __init__(self, node: str, now: Callable[[], datetime], tell: Callable[[str], None]) -> None:
@@ -36,7 +41,13 @@ class SessionRecord:
         self._write(log, None, {"ended": None})
 
     def end(self, log: Path, lost_rows: int, details: Mapping[str, Any]) -> None:
-        """Writes that the session is over, once."""
+        """Writes that the session is over; does nothing from the second call on.
+
+        Args:
+            log: The CSV file that the record stands beside.
+            lost_rows: How many could not be written.
+            details: What else the record tells, by its keys.
+        """
         if self._is_over:
             return
         self._is_over = True

@@ -40,9 +40,13 @@ class SocialRows:
         self._step, self._before, self._before_s = 0, (math.nan, math.nan), 0.0
 
     def next(self, time_s: float, rover: Point, people: Mapping[str, Point], goals: int) -> SocialRow:
-        """Returns the next row, from the time since the start [s] and the goals reached so far.
+        """Returns the next row.
 
-        Rover and people, by name, are at x and y in the world [m].
+        Args:
+            time_s: Since the start [s].
+            rover: x, y in the world [m].
+            people: x, y of each in the world [m], by name.
+            goals: How many were reached so far.
         """
         passed = time_s - self._before_s
         speed = math.dist(rover, self._before) / passed if passed > 0.0 else math.nan

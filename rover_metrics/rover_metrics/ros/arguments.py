@@ -14,8 +14,8 @@ _WITH_VALUE = (
     *("--log-level", "--log-config-file", "--log-file-name"),
 )
 _SWITCHES = tuple(
-    f"--{verb}-{what}-logs"
-    for what in ("rosout", "stdout", "external-lib")
+    f"--{verb}-{sink}-logs"
+    for sink in ("rosout", "stdout", "external-lib")
     for verb in ("enable", "disable")
 )
 _SOURCE = re.compile(r", at /[^ ,]+:\d+")  # where rcl's authors would look

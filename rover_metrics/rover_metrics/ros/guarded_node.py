@@ -1,4 +1,4 @@
-"""A node that nobody else in its domain can end: what a handler fails of is left out and counted."""
+"""A node that nobody else in its domain can end: messages that a handler fails on are counted."""
 
 from collections.abc import Callable
 from functools import partial
@@ -29,7 +29,7 @@ FAILURES = (
     ParameterException,
 )
 
-# As rclpy's but for the depth: of 1, a stranger's message takes the place of the simulator's.
+# As rclpy's but for the depth: with 1, a foreign message takes the place of the simulator's.
 CLOCK_QOS = keep_last(10, BEST_EFFORT)
 
 Handler = Callable[..., Any]
@@ -38,7 +38,7 @@ Handler = Callable[..., Any]
 class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     """A Node whose subscriptions and services outlive every message and request.
 
-    rclpy hands the exception of a handler to whoever spins, its own handlers' included: of /clock with
+    rclpy hands a handler's exception to the caller of spin, its own handlers' included: of /clock with
     negative seconds, of a parameter whose type does not exist. Timers are not guarded: they handle
     nothing of others.
 
@@ -67,7 +67,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
                 callback, qos_profile = partial(self._take_time, topic, callback), CLOCK_QOS
             else:
                 callback = partial(_decode, msg_type, callback)
-        # Bytes of no such message are bytes too: rclpy's C code tells of each that it decodes in vain.
+        # Bytes of no such message are bytes too: rclpy's C code prints a line for each of them.
         guarded = partial(self._hear, topic, callback)
         return super().create_subscription(msg_type, topic, guarded, qos_profile, raw=True, **options)
 
@@ -82,14 +82,14 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         *args: Any,  # noqa: ANN401
         **kwargs: Any,  # noqa: ANN401
     ) -> Service:
-        """Creates a service as a Node does, and guards it: who asks in vain gets the reason."""
+        """Creates a service as a Node does, and guards it: a refused request gets the reason."""
         guarded = partial(self._answer, srv_name, callback)
         return super().create_service(srv_type, srv_name, guarded, *args, **kwargs)
 
     def destroy_node(self) -> None:
         """Leaves the graph, with a line for each topic and service of which something was left out."""
         for name, count in self.reception.rejected.items():
-            if count > 1:  # one was told of
+            if count > 1:  # one was reported
                 self._tell(f"{name}: {count} left out in all")
         super().destroy_node()
 
@@ -119,7 +119,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _leave_out(self, name: str, error: Exception) -> None:
         if not self.context.ok():  # ROS was shut down under the handler
             raise error
-        # What the error says stands in no counter: a stranger could make it grow without end.
+        # The error's text is no counter's name: foreign messages could make them grow without end.
         self.reception.reject(name, f"fails with {type(error).__name__}", f": {_in_one_line(error)}")
 
     def _tell(self, line: str) -> None:
@@ -136,7 +136,7 @@ def _decode(kind: type, callback: Handler, data: bytes) -> None:
 
 
 def _refused(request: Message, response: Message, reason: str) -> Message:
-    """What those who ask for parameters, or for a trigger, are answered; an empty answer for others."""
+    """The answer to a refused request for parameters or for a trigger; an empty one to others."""
     refused = SetParametersResult(successful=False, reason=reason)
     if isinstance(request, SetParameters.Request):
         missing = len(request.parameters) - len(response.results)

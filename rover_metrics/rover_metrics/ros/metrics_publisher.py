@@ -22,6 +22,11 @@ class MetricsPublisher:
 
     Statuses are named as diagnostic_updater names them, "node: what", and the hardware is the rover:
     the node's namespace, or "rover". A function `record` takes each message, also those for nobody.
+
+    Args:
+        node: Publishes.
+        tell: Takes lines for the user.
+        enabled: At first; may be changed.
     """
 
     def __init__(self, node: Node, tell: Callable[[str], None], *, enabled: bool) -> None:

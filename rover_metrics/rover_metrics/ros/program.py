@@ -28,7 +28,7 @@ SPIN_TIMEOUT = 0.2  # [s]: EventsExecutor notices a signal only between two spin
 
 
 def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
-    """Runs a node until SIGINT or SIGTERM; returns 0, or 2 after a known mistake, told in one line.
+    """Runs a node until SIGINT or SIGTERM; returns 0, or 2 after a known mistake, which prints one line.
 
     Args:
         name: What the program is called.

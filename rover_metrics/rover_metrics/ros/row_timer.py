@@ -1,4 +1,4 @@
-"""Fires once per period of ROS time, whatever happens to the clock, and tells what does."""
+"""Fires once per period of ROS time, whatever happens to the clock, and reports what happens to it."""
 
 import time
 from collections.abc import Callable
@@ -51,9 +51,9 @@ class RowTimer:
         self._jumps = self._clock.create_jump_callback(threshold, post_callback=self._jumped)
 
     def detach(self) -> None:
-        """Leaves it to `serve` to fire; before the clock shows anything, for the period begins anew.
+        """Lets only `serve` fire the timer, whose period begins anew; call it before the clock starts.
 
-        An executor would be told of the timer with each time of the clock, by a thread that it wakes.
+        An executor would be woken for the timer with each time of the clock, by a thread of its own.
         """
         self._node.destroy_timer(self._timer)
         group, context = self._node.default_callback_group, self._node.context

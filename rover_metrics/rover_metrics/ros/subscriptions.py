@@ -40,7 +40,7 @@ def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False)
     Args:
         depth: How many messages may wait.
         reliability: RELIABLE or BEST_EFFORT.
-        latched: Whether who comes later gets the last ones too (transient local); else volatile.
+        latched: Whether late subscribers get the last ones too (transient local); else volatile.
     """
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
@@ -89,7 +89,7 @@ def subscribe(
     )
     try:
         node.create_subscription(message_type, name, handler, qos, raw=is_raw, event_callbacks=events)
-    except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
+    except UnsupportedEventTypeError:  # a middleware that does not report losses
         node.create_subscription(message_type, name, handler, qos, raw=is_raw)
     return topic
 

@@ -37,7 +37,10 @@ def harmless_text(text: str) -> str:
 def terminal(sheets: Iterable[Sheet], width: int, wide: int = WIDE) -> Iterator["RenderableType"]:
     """Yields tables with headings and findings, for a PlainConsole.
 
-    Spare columns are shown only if the width is at least `wide`.
+    Args:
+        sheets: The tables.
+        width: Of the terminal, in characters.
+        wide: From this width on spare columns are shown.
     """
     from rich.text import Text  # noqa: PLC0415 - what makes documents and pages does without rich
 

@@ -123,3 +123,20 @@ def test_a_kernel_in_the_cache_is_renewed_when_a_helper_or_a_number_of_another_f
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
         found.append(float(done.stdout))
     assert found == [6.0, 15.0, 20.0]
+
+
+START = """
+import sys
+import numba.core.event as event
+from harness import Run, run_episode
+with event.install_recorder("numba:compile") as compiled:
+    run = dict(terrain="rocky", soil="dry_sand", driver="mppi", sensors=["lidar3d", "height_scan"])
+    run_episode(Run.of(**run, actors=["anna=random"], duration=0.1), sys.argv[1])
+print([at.data["dispatcher"] for _, at in compiled.buffer])
+"""
+
+
+def test_the_second_start_compiles_nothing(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", START, str(tmp_path)]
+    starts = [subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(2)]
+    assert starts[1].stdout.splitlines()[-1] == "[]"

@@ -10,7 +10,7 @@ import pytest
 from harness.base.errors import UsageError
 from harness.course.task import Case
 from harness.course.tracks.barn import Barn, generated, is_passable
-from harness.course.tracks.barn_files import read_worlds
+from harness.course.tracks.barn_files import path_length, read_worlds
 from harness.episode.assembly import world_of
 from harness.world.world import World, terrain_hash
 from tests.harness.course.conftest import driven
@@ -88,10 +88,19 @@ def test_a_table_may_have_other_cases_and_spaces_and_is_refused_in_millimetres(t
         Barn().task(case, tmp_path)
 
 
+def test_a_path_is_as_long_in_whatever_order_its_points_stand(tmp_path: Path) -> None:
+    (tmp_path / "cylinders.csv").write_text("x;y;world\n-1,5;6,0;7\n")  # and with decimal commas
+    for rows in ("7,0,-2.5,5\n7,1,-2.0,8\n", "7,1,-2.0,8\n7,0,-2.5,5\n"):
+        (tmp_path / "paths.csv").write_text(f"world,i,x,y\n{rows}")
+        (world,) = read_worlds(tmp_path)
+        assert world.length == pytest.approx(path_length([(-2.5, 5.0), (-2.0, 8.0)]))
+
+
 @pytest.mark.parametrize(
     ("files", "named"),
     [
         ({}, "0 worlds"),
+        ({"cylinders.csv": "world,x,y\n1,0,5,3,0\n"}, "more values"),
         ({"cylinders.csv": "world,x\n1,2\n"}, "world, x, y"),
         ({"cylinders.csv": "world,x,y\n1,2,nan\n"}, "finite"),
         ({"world_1.world": "", "path_1.npy": "no"}, "path_1.npy"),

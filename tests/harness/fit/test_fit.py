@@ -203,7 +203,9 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     names = [*HUSKY.wheel_joints]
     with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.MCAP) as writer:
         kinds = {"/cmd_vel": "geometry_msgs/msg/Twist", "/other/cmd_vel": "geometry_msgs/msg/Twist",
-                 "/joint_states": "sensor_msgs/msg/JointState"}  # fmt: skip
+                 "/joint_states": "sensor_msgs/msg/JointState",
+                 "/goal_pose": "geometry_msgs/msg/PoseStamped",
+                 "/localisation": "geometry_msgs/msg/PoseStamped"}  # fmt: skip
         to = {
             topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()
         }
@@ -213,11 +215,24 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
                 header(time(*divmod(stamp, 10**9)), ""), names, np.zeros(4),
                 np.full(4, 2.0 - 4 * (n > 200)), np.full(4, 3.0),
             )  # fmt: skip
+            level, point = types["geometry_msgs/msg/Quaternion"], types["geometry_msgs/msg/Point"]
+            goal, pose = (
+                types["geometry_msgs/msg/PoseStamped"](
+                    header(time(*divmod(stamp, 10**9)), ""),
+                    types["geometry_msgs/msg/Pose"](point(x, 0.0, 0.0), level(0.0, 0.0, 0.0, 1.0)),
+                )
+                for x in (9.0, 0.01 * n)
+            )
             said = {"/cmd_vel": twist(vector(0.5, 0.0, 0.0), turn), "/joint_states": joints,
+                    "/goal_pose": goal, "/localisation": pose,
                     "/other/cmd_vel": twist(vector(0.7, 0.0, 0.0), turn)}  # fmt: skip
             for topic, message in said.items():
                 writer.write(to[topic], stamp, store.serialize_cdr(message, kinds[topic]))
     found = recording_of_bag(tmp_path / "bag", HUSKY)
+    assert found.poses[:, 1] == pytest.approx(0.01 * np.arange(1, 400)), (
+        "where it is to be is not where it is"
+    )
+    assert (found.sources["poses"], found.sources["commands"]) == ("/localisation", "/cmd_vel")
     assert found.commands[0] == pytest.approx([0.05, 0.5, 0.2])
     assert found.wheels[0] == pytest.approx([0.05, *[2.0 * HUSKY.controller_radius] * 2])
     assert found.torques[0, 1:] == pytest.approx([6.0, 6.0])

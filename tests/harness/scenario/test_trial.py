@@ -112,7 +112,7 @@ def lines(path: Path) -> list[str]:
     return path.read_text().splitlines()
 
 
-def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_asked_what_it_missed(
+def test_a_started_metrics_node_writes_the_log_that_is_judged_and_tells_what_it_missed(
     tmp_path: Path,
 ) -> None:
     path = ROOT / "scenarios/logging_node.scenario.yaml"

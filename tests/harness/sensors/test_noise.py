@@ -21,9 +21,7 @@ def imu(stamp_ns: int = 0, force: Vector3 = ORIGIN, rate: Vector3 = ORIGIN) -> I
     return Imu(stamp_ns, (0.5, -0.5, 0.5, 0.5), rate, force)
 
 
-def test_hardware_turns_the_attitude_by_the_share_of_gravity_that_the_accelerometer_is_biased_by() -> (
-    None
-):
+def test_hardware_tilts_the_attitude_by_the_bias_of_the_accelerometer_over_gravity() -> None:
     """About the sensor's own axes, the same for all readings of a run; other draws do not change."""
     exact = imu(force=(0.0, 0.0, 9.8))
     level = Rotation.from_quat(exact.orientation)

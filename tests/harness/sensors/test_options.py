@@ -113,7 +113,8 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         ({"kind": "depth", "preset": "x"}, ["preset 'x' does not exist", "small, roboterrain"]),
         ({"kind": "gnss", "rate": 33}, ["'gnss'", "33 Hz", "20 or 25"]),
         ({"kind": "gnss", "rate": "fast"}, ["rate 'fast'", "a whole number"]),
-        ({"kind": "gnss", "rpy": [1, 2, math.nan]}, ["rpy", "finite"]),
+        ({"kind": "gnss", "rpy": [1, 2, math.nan]}, ["rpy", "6.28"]),
+        ({"kind": "gnss", "rpy": [0, 20, 0]}, ["rpy", "6.28"]),
         *(({"kind": "gnss", "name": n}, [f"name '{n}'"]) for n in ("2", "é", "e\u0661")),
         ({"kind": "gnss", "rate": "2_0"}, ["rate '2_0'", "give a number"]),
         ({"kind": "gnss", "name": "clock"}, ["two sensors are named 'clock'"]),
@@ -183,9 +184,7 @@ def test_values_at_the_edge_of_what_is_valid_are_taken(entry: Mapping[str, Any])
         assert (given.model_dump() if isinstance(value, dict) else given) == expected
 
 
-def test_a_mount_is_in_its_parent_or_else_from_where_the_lidar_is_unless_the_rover_has_its_frame() -> (
-    None
-):
+def test_a_mount_without_parent_is_in_its_own_frame_if_the_rover_has_it_else_at_the_lidar() -> None:
     rover = BARE.but(frames=(FrameRow(parent="base_footprint", child="mast"),))
     for frame in ("lidar_link", LEO.imu_frame, "mast"):
         assert options(frame=frame).frames(rover) == ()

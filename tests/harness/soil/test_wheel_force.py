@@ -25,10 +25,10 @@ def drawn(
     grousers: float = 0.0,
 ) -> np.ndarray:
     """Sinkage, forces ahead and left, and moment of a wheel."""
-    angle, results = np.radians(angle_deg), np.empty((1, 4))
+    angle, results = np.radians(angle_deg), np.empty((1, 5))
     trial = np.array([[RADIUS, grousers, rim, speed * np.cos(angle), speed * np.sin(angle), load]])
     steady_wheels(soil.numbers(WIDTH, 9.81), trial, WIDTH, results)
-    return np.asarray(results[0])
+    return np.asarray(results[0, :4])
 
 
 @given(soils, loads, angles, st.floats(0.0, 0.1))

@@ -13,6 +13,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
@@ -70,6 +71,16 @@ def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> N
     assert (len(metrics), metrics["VORT"]["n"]) == (11, 10)
     assert log["per_metre"] == {"TC": pytest.approx(4.0), "SM": pytest.approx(400.0)}
     assert (log["rows"], log["duration"], log["episodes"]) == (71, 70.0, 1)
+
+
+def test_a_column_without_a_name_changes_nothing(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
+    """As pandas writes, which numbers the rows."""
+    log = write_log(lines=71)
+    pd.read_csv(log).to_csv(numbered := tmp_path / "numbered.csv")
+    metrics = [
+        as_json(run(path, "-m", "all", "--json"))["logs"][0]["metrics"] for path in (log, numbered)
+    ]
+    assert metrics[0] == metrics[1]
 
 
 def test_a_page_has_the_pictures_and_the_tables(run: Run, write_log: WriteLog, tmp_path: Path) -> None:

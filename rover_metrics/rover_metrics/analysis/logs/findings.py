@@ -24,7 +24,13 @@ _LARGEST_ERROR = 0.1  # of a quotient, beyond which being whole says nothing
 
 
 def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric]) -> list[str]:
-    """Returns what was not usable of a file."""
+    """Returns what was not usable of a file, a line each.
+
+    Args:
+        table: What was read of it.
+        header: Names of its columns.
+        metrics: Only columns that these or counters need are looked at.
+    """
     asked = {*of.COUNTERS, *(name for each in metrics for name in (*each.columns, each.extended_column))}
     findings = [*_absent(header, metrics), *(["spaces before numbers"] if table.spaces else [])]
     too_long = " with more fields than the header, so which is which is unclear"
@@ -121,9 +127,9 @@ def _contradiction(rows: pd.DataFrame, flag: _Flag, threshold: float) -> list[st
     tally = Tally()
     tally.add(wrong.index, f"{wrong[flag.column].iloc[0]:g} at {wrong[flag.level].iloc[0]:g}")
     unit = THRESHOLD_INFO[flag.threshold].unit
-    what = f" whose {flag.column} contradicts {flag.level} and {flag.threshold} {threshold:g} {unit}"
+    oddity = f" whose {flag.column} contradicts {flag.level} and {flag.threshold} {threshold:g} {unit}"
     fit = _fitting(flag.sign * level[is_on], flag.sign * level[~is_on], flag.sign)
-    return tally.describe("row", what, f"another rule or threshold was at work{fit}")
+    return tally.describe("row", oddity, f"another rule or threshold was at work{fit}")
 
 
 def _fitting(on: "pd.Series[float]", off: "pd.Series[float]", sign: int) -> str:

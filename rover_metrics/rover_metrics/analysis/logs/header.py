@@ -39,8 +39,8 @@ def read_header(path: Path) -> list[str]:
     """
     text, has_rows = first_line(path)
     if not text.strip():
-        what = "first line is not a header but blank" if has_rows else "file is empty"
-        raise UnreadableLog(f"the {what}")
+        problem = "first line is not a header but blank" if has_rows else "file is empty"
+        raise UnreadableLog(f"the {problem}")
     names = [name.strip() for name in next(csv.reader([text], strict=False))]
     _check_names(names, text)
     if not has_rows:

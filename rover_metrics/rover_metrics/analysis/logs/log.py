@@ -100,7 +100,13 @@ def _bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats,
 def on_grid(positions: Floats, values: Floats, grid: Floats) -> Floats:
     """Returns an episode on a common grid: means where rows are dense, lines between where sparse.
 
-    NaN beyond the episode's ends. Positions ascend, the grid does so evenly; values may be NaN.
+    Args:
+        positions: Where the rows are on the axis, ascending.
+        values: One a row; may be NaN.
+        grid: Evenly spaced and ascending, in the unit of the positions.
+
+    Returns:
+        A value for each place of the grid, NaN beyond the episode's ends.
     """
     width = float(grid[1] - grid[0])
     at, means = _bin_means(positions - grid[0] + width / 2, values, width)

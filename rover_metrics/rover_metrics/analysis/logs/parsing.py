@@ -41,13 +41,19 @@ class Tally:
             self.first, self.example = int(lines[0]), example
         self.count += lines.size
 
-    def describe(self, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
-        """Returns a line, if there are any: how many of a noun, what is odd, where, and what follows."""
+    def describe(self, noun: str, oddity: str = "", outcome: str = "left out") -> list[str]:
+        """Returns a line that says how many there are and where the first is; none if there are none.
+
+        Args:
+            noun: What was counted, in the singular.
+            oddity: What is odd about it, with a space in front.
+            outcome: What follows from it.
+        """
         if not self.count:
             return []
         where = f"line {self.first}" if self.count == 1 else f"first on line {self.first}"
         example = f", {self.example}" if self.example else ""
-        return [f"{counted(self.count, noun)}{what} ({where}{example}): {outcome}"]
+        return [f"{counted(self.count, noun)}{oddity} ({where}{example}): {outcome}"]
 
 
 @dataclass
@@ -107,13 +113,13 @@ def _last_line_is_cut(file: BinaryIO, fields: int) -> bool:
 
 
 class _Narrow(io.TextIOBase):
-    """A text whose lines end after so many fields; pandas refuses lines with more than it has names."""
+    """A text whose lines are cut after some fields; pandas refuses lines with more than it has names."""
 
     def __init__(self, file: TextIO, fields: int) -> None:
         self._file, self._fields = file, fields
 
     def read(self, size: int | None = -1) -> str:
-        """Returns whole lines of about so many characters; all there are for none."""
+        """Returns whole lines of about `size` characters; all there are without a size."""
         lines = self._file.readlines(-1 if size is None else size)
         for place, line in enumerate(lines):
             if line.count(",") >= self._fields:

@@ -32,7 +32,7 @@ def read_log(
     """
     header = read_header(path)
     columns = (column for m in metrics for column in (*m.columns, m.extended_column))
-    needed = dict.fromkeys([*COUNTERS, *columns])
+    needed = dict.fromkeys([*COUNTERS, *filter(None, columns)])  # a column without a name is none
     checked = dict.fromkeys([*needed, *odd.CHECKED_COLUMNS])
     table = read_table(path, header, [name for name in checked if header.count(name) == 1])
     if not any(metric.column in header for metric in metrics):
@@ -55,11 +55,11 @@ def read_log(
 
 
 def _check_usable(table: Table, header: Sequence[str]) -> None:
-    for tally, what in ((table.long, "more"), (table.short, "fewer")):
+    for tally, how_many in ((table.long, "more"), (table.short, "fewer")):
         if tally.count > table.total / 2 and table.total > 1:
             raise UnreadableLog(
                 f"mixed schemas: the header names {len(header)} columns, but {tally.count} of "
-                f"{table.total} rows have {what} fields (first on line {tally.first})"
+                f"{table.total} rows have {how_many} fields (first on line {tally.first})"
             )
     if table.rows.empty:
         raise UnreadableLog(f"no usable row among {counted(table.total, 'row')} (line 2 is the first)")

@@ -25,7 +25,10 @@ def draw_correlation(
 ) -> Figure | None:
     """Draws the lower triangle of the correlation matrix; None if there is no pair.
 
-    Metrics are rows and columns, in order; a cell whose adjusted p-value is alpha or more stays white.
+    Args:
+        correlations: A cell each.
+        metrics: Rows and columns, in this order.
+        alpha: From this adjusted p-value on a cell stays white.
     """
     if not correlations:
         return None

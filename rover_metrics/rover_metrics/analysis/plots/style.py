@@ -89,9 +89,12 @@ def ends_of(bounds: Mapping[str, Sequence[float]]) -> tuple[float, float]:
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Writes a figure as PNG and PDF into a folder that exists, and returns both files.
+    """Writes a figure as PNG and PDF, and returns both files.
 
-    The name, without an extension, is never made from the name of a log.
+    Args:
+        figure: Is changed: a $ in its texts is a $.
+        folder: Exists.
+        name: Without an extension; never made from the name of a log.
     """
     for text in figure.findobj(Text):
         text.set_parse_math(False)  # a $ in a file name is a $; rcParams can say so only from 3.6 on
@@ -155,5 +158,5 @@ def metric_grid(
 
 
 def shortened(text: str, longest: int) -> str:
-    """Returns a text of so many letters at most; a column of a log may be called anything."""
+    """Returns a text of at most `longest` letters; a column of a log may be called anything."""
     return text if len(text) <= longest else f"{text[: longest - 1]}…"

@@ -148,7 +148,7 @@ def _condensed(values: Floats) -> Floats:
 
 
 def thinned(positions: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Keeps lowest and highest value of equal runs, so that no peak is lost and files stay small."""
+    """Returns lowest and highest value of equal runs, so that no peak is lost and files stay small."""
     known = np.isfinite(values)
     positions, values = positions[known], values[known]
     if values.size <= MOST_POINTS:

@@ -55,7 +55,14 @@ class Difference:
 def make_group(
     name: str, logs: Sequence[SocialLog], goals: int = WINDOW_GOALS, risk_distance: float = RISK_DISTANCE
 ) -> Group:
-    """Returns a group of logs; a window is of so many goals, the risk distance is in m."""
+    """Returns a group of logs.
+
+    Args:
+        name: As the tables show it.
+        logs: One a run.
+        goals: Length of a window.
+        risk_distance: How near a person is at risk [m].
+    """
     figures = tuple(run_figures(log, risk_distance) for log in logs)
     return Group(name, tuple(logs), figures, windows_of(logs, goals, risk_distance))
 

@@ -23,6 +23,7 @@ GOALS = ("goals_count", "goals")
 PLACES = (("robot_x", "rx"), ("robot_y", "ry"))
 DISTANCE = re.compile(r"(?:d\d+_(?P<old>.+)|(?P<new>.+?)(?:_actor)?_dist)")
 MOST_LISTED = 3  # lines left out that are listed one by one
+PERIOD, MOST_OFF = 1.0, 0.25  # [s] from row to row, and how much it may be off
 LARGEST = 1e12  # of a number in a log: no time, place or count is beyond
 
 
@@ -62,6 +63,9 @@ def read_social_log(path: Path) -> SocialLog:
         raise UnreadableLog("there is a header but no whole row")
     table = np.array(rows)
     column = {name: table[:, index] for index, name in enumerate(names)}
+    period = float(np.nanmedian(np.diff(column[TIME]))) if len(rows) > 1 else PERIOD
+    if not abs(period - PERIOD) < MOST_OFF:
+        findings.append(f"its rows are {period:.3g} s apart, not {PERIOD:g} s; each counts as a second")
     people = {name: match for name in names if (match := DISTANCE.fullmatch(name))}
     distance = np.column_stack([column[name] for name in people])
     nearest, unknown = column.get(NEAREST), np.full(len(rows), np.nan)

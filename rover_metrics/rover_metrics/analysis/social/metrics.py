@@ -20,7 +20,7 @@ WINDOW_GOALS = 10
 ZONES = {"intimate": 0.45, "personal": 1.2, "social": 3.6}
 PERSONAL_SPACE = ZONES["personal"]
 SOON = 3.0  # [s] within which people act on a collision to come (Karamouzas, Skinner & Guy 2014)
-FASTEST = 5.0  # [m/s]: who comes nearer faster than that was put there by a respawn
+FASTEST = 5.0  # [m/s]: a faster approach is a respawn
 
 
 @dataclass(frozen=True)

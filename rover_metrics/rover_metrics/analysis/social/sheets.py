@@ -18,7 +18,14 @@ PAIRS_CAPTION = (
 def social_sheets(
     groups: Mapping[str, Group], differences: Sequence[Difference], goals: int, risk_distance: float
 ) -> Iterator[Sheet]:
-    """Yields the tables: runs of each group, groups, their differences; the risk distance is in m."""
+    """Yields the tables: runs of each group, groups, their differences.
+
+    Args:
+        groups: By name.
+        differences: Of pairs of groups; no table if there are none.
+        goals: Length of a window.
+        risk_distance: How near a person is at risk [m].
+    """
     for group in groups.values():
         yield _runs(group, risk_distance)
     yield _groups(groups, goals)

@@ -96,7 +96,13 @@ def compare(
 
 
 def smallest_p(first: int, second: int, *, paired: bool) -> float:
-    """Returns the lowest two-sided p that groups of these sizes can reach at all."""
+    """Returns the lowest two-sided p-value that groups can reach at all.
+
+    Args:
+        first: Size of one group.
+        second: Size of the other; without meaning if paired.
+        paired: Whether the test is of pairs (Wilcoxon) instead of groups (Mann-Whitney).
+    """
     return min(1.0, 2 / (2**first if paired else comb(first + second, first)))
 
 
@@ -118,7 +124,7 @@ def _test(first: Floats, second: Floats) -> tuple[str, float]:
 
 
 def _test_pairs(differences: Floats) -> tuple[str, float]:
-    """Returns the same for the differences within pairs, of which 0 is the mean if nothing differs."""
+    """Returns test and p-value for the differences within pairs, whose mean is 0 if nothing differs."""
     if not differences.any():
         return "exact sign flips", 1.0
     if 2**differences.size > MOST_SPLITS:
@@ -152,7 +158,10 @@ def cohens_d(first: Floats, second: Floats) -> float | None:
 def describe_power(comparisons: Sequence[Comparison], unit: str, alpha: float) -> Iterator[str]:
     """Yields why no metric, or which ones, cannot differ by these tests, however they come out.
 
-    A difference counts if its adjusted p-value is below alpha; `unit` is what one observation is.
+    Args:
+        comparisons: One a metric.
+        unit: What one observation is, in the singular.
+        alpha: Below it an adjusted p-value counts as a difference.
     """
     reachable = [each.smallest_p for each in comparisons if each.smallest_p is not None]
     if comparisons and not reachable:

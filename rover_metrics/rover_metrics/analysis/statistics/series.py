@@ -74,7 +74,10 @@ def metric_series(log: Log, metric: Metric) -> Series:
 
 
 def rate_per_metre(log: Log, metric: Metric) -> float | None:
-    """Returns what a counter gained per metre driven; None without sense, or for less than 1 m."""
+    """Returns what a counter gained per metre driven.
+
+    None for other columns, for the distance itself, and for less than SHORTEST_DISTANCE.
+    """
     if metric.kind is not Kind.COUNTER or metric.column == DISTANCE or DISTANCE not in log.columns:
         return None
     gained, driven = (_gains(log, log.columns[name]) for name in (metric.column, DISTANCE))

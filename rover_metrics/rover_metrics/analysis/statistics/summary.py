@@ -61,7 +61,13 @@ def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) ->
 
 
 def wilson(ones: int, count: int, confidence: float) -> Interval:
-    """Returns the interval of a share by Wilson's method: never a point, never beyond 0 to 1."""
+    """Returns the interval of a share by Wilson's method: never a point, never beyond 0 to 1.
+
+    Args:
+        ones: How many there are of what is counted.
+        count: Of how many, at least 1.
+        confidence: Level of the interval, between 0 and 1.
+    """
     interval = scipy.stats.binomtest(ones, count).proportion_ci(confidence, method="wilson")
     return float(interval.low), float(interval.high)
 

@@ -264,6 +264,20 @@ def test_an_inertia_that_no_body_can_have_is_balanced_and_told(tmp_path: Path) -
     assert made.notes == ("link 'odd': no body has the inertia [0.1, 0.2, 0.31]; balanced",)
 
 
+def test_a_wheel_that_is_named_rolls_on_beyond_the_limits_of_its_joint(tmp_path: Path) -> None:
+    urdf = HUSKY.urdf.replace("continuous", "revolute").replace(LIMIT, f'lower="-9" upper="9" {LIMIT}')
+    made = written(tmp_path, urdf, left=HUSKY.left, right=HUSKY.right)
+    model = read_model(made.rover).compile()
+    assert not any(model.jnt_limited[model.joint(name).id] for name in HUSKY.left + HUSKY.right)
+    assert sum("rolls on" in note for note in made.notes) == 4
+
+
+def test_the_namespace_of_xacro_alone_is_none(tmp_path: Path) -> None:
+    """Old versions of xacro leave it in what they make."""
+    urdf = HUSKY.urdf.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"', 1)
+    assert written(tmp_path, urdf).rover.wheel_joints == HUSKY.left + HUSKY.right
+
+
 def test_wheels_may_be_named(tmp_path: Path) -> None:
     sides = {"left": ("rear_left_wheel_joint",), "right": ("rear_right_wheel_joint",)}
     assert written(tmp_path, HUSKY.urdf, **sides).rover.wheel_joints == (*sides["left"], *sides["right"])
@@ -298,6 +312,11 @@ MISTAKES = {
     "a mesh elsewhere": (
         with_mesh("../../b.stl"),
         "is outside of the URDF's folder; name its folder by --resource-path",
+    ),
+    "millimetres": (HUSKY.urdf.replace('radius="0.1651"', 'radius="165.1"'), "URDF is in metres"),
+    "one more on a side": (
+        HUSKY.urdf.replace("front_left_wheel_joint", "a").replace('"continuous"', '"fixed"', 1),
+        "name as many on either side",
     ),
     "DAE": (with_mesh("a.dae"), "is no .stl or .obj or .msh; convert it"),
 }

@@ -71,7 +71,7 @@ def link(inner: str = "", collision: str = BOX, name: str = "l") -> str:
         ("plane", "", Plane((0.0, 0.0, 1.0), (1.0, 1.0))),
         ("mesh", "<uri>m.obj</uri>", MeshFile(Path("m.obj"), (1.0, 1.0, 1.0), "", False)),
         ("mesh", MESH, MeshFile(Path("m.obj"), (1.0, 2.0, -3.0), "s", True)),
-        ("heightmap", "<uri>m.obj</uri>", Relief(Path("m.obj"), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))),
+        ("heightmap", "<uri>m.obj</uri>", Relief(Path("m.obj"), None, (0.0, 0.0, 0.0))),
         ("heightmap", HILL, Relief(Path("m.obj"), (9.0, 8.0, 7.0), (1.0, 2.0, 3.0))),
     ],
 )
@@ -151,6 +151,17 @@ def test_includes_take_another_name_and_pose_and_find_their_own_files(tmp_path: 
     assert meshes == [True, False, False, True, True, True]
     assert document.files == [tmp_path / "a.world", *[folder / "model.sdf"] * 4]
     assert document.notes == ()
+
+
+def test_what_is_merged_is_part_of_its_model_and_what_is_changed_is_told(tmp_path: Path) -> None:
+    thing = model(pose(A) + link(pose(B), name="k"), "thing")
+    (tmp_path / "thing.sdf").write_text(f"<sdf>{thing}</sdf>")
+    params = "<experimental:params><link element_id='k' action='remove'/></experimental:params>"
+    include = "<include merge='true'><uri>thing.sdf</uri>{}{}</include>".format
+    read_ = read(tmp_path, model(include(pose(D), params) + link(pose(C, "k"), name="l")))
+    b, c, d = (at(*numbers) for numbers in (B, C, D))
+    assert_placed(read_, [("m::l::c", d @ b @ c), ("m::thing::k::c", d @ b)])
+    assert any("experimental:params" in note for note in read_.notes)
 
 
 def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 import trimesh
 from scipy.spatial.transform import Rotation
 
@@ -143,10 +144,10 @@ def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(tmp_path: 
 
 def test_a_relief_is_as_high_as_its_values_say(tmp_path: Path) -> None:
     for value, kind, height, top in (
-        *((255, np.float32, 2.0, 255.0), (255, np.uint8, 2.0, 2.0), (51, np.uint8, 2.0, 0.4)),
-        *((256, np.uint16, 65_535.0, 256.0), (65_535, np.uint16, 2.0, 2.0)),
+        (255, np.float32, 2.0, 255.0),  # floats are metres
+        *((255, np.uint8, 2.0, 2.0), (51, np.uint8, 2.0, 2.0), (65_535, np.uint16, 2.0, 2.0)),
     ):
-        np.save(path := tmp_path / "h.npy", np.full((9, 11), value, kind))  # floats are metres
+        np.save(path := tmp_path / "h.npy", np.full((9, 11), value, kind))
         relief = Relief(path, (30.0, 24.0, height), (1.0, 2.0, 3.0))
         found, _ = sort(Solid("h", relief, at(100.0, 0.0, 10.0)))
         (made,) = map(body_of, found.ground)
@@ -157,11 +158,35 @@ def test_a_relief_is_as_high_as_its_values_say(tmp_path: Path) -> None:
         assert (made.area, edge) == pytest.approx((30.0 * 24.0, np.hypot(3, 3)))
 
 
+@pytest.mark.parametrize(
+    ("kind", "size", "width", "low", "high"),
+    [
+        (np.uint8, (30.0, 30.0, 4.0), 30.0, 2.0, 4.0),  # as Gazebo: the largest value is as high as told
+        (np.uint16, (30.0, 30.0, 4.0), 30.0, 2.0, 4.0),
+        (np.float32, (30.0, 30.0, 4.0), 30.0, 4.0, 8.0),  # a survey's relief is
+        (np.float32, None, 20.0, 60.0, 120.0),  # and without a size it is as it was measured
+    ],
+)
+def test_a_heightmap_is_as_large_as_in_gazebo(
+    tmp_path: Path, kind: type, size: tuple[float, ...] | None, width: float, low: float, high: float
+) -> None:
+    values: np.ndarray = np.full((11, 11), 60, kind)
+    values[5, 5] = 120
+    scale = [(33550, "d", 3, (2.0, 2.0, 0.0), True)] if kind is np.float32 else []
+    tifffile.imwrite(path := tmp_path / "h.tif", values, extratags=scale)
+    solid = Solid("h", Relief(path, size, (0.0, 0.0, 0.0)), np.eye(4))  # type: ignore[arg-type]
+    (mesh,) = sort(solid)[0].ground
+    heights = mesh.vertices[:, 2]
+    assert (np.ptp(mesh.vertices[:, 0]), heights.min(), heights.max()) == pytest.approx(
+        (width, low, high)
+    )
+
+
 def test_a_relief_without_all_of_its_values_is_refused_and_a_fine_one_is_sampled(tmp_path: Path) -> None:
     path = tmp_path / "h.npy"
     row, column = np.mgrid[0:9, 0:1025].astype(float)
     np.save(path, 0.01 * column - 0.1 * row)
-    solid = Solid("h", Relief(path, (1024.0, 80.0, 1.0), (0.0, 0.0, 0.0)), at(0.0, 0.0, 0.0))
+    solid = Solid("h", Relief(path, (1024.0, 80.0, 11.04), (0.0, 0.0, 0.0)), at(0.0, 0.0, 0.0))
     (mesh,) = sort(solid)[0].ground
     assert len(mesh.vertices) == 9 * 513
     x, y, z = mesh.vertices.T

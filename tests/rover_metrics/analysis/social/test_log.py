@@ -57,3 +57,11 @@ def test_a_file_that_is_no_social_log_is_told(text: str, told: str, tmp_path: Pa
         read_social_log(path)
     with pytest.raises(UnreadableLog, match="no such file"):
         read_social_log(tmp_path / "other.csv")
+
+
+@pytest.mark.parametrize(("period", "is_told"), [(1.0, False), (0.1, True), (10.0, True), (0.0, True)])
+def test_rows_that_are_no_seconds_are_told(period: float, is_told: bool, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    rows = "".join(f"{1.7e9 + row * period},2,{row}\n" for row in range(9))
+    path.write_text(f"time_s,a_dist,goals\n{rows}")
+    assert any("counts as a second" in finding for finding in read_social_log(path).findings) is is_told
