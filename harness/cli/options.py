@@ -53,7 +53,7 @@ class RunOptions:
         return self.ros.log_dir / rover.name
 
     def outputs(self, *observers: Sequence[Observer]) -> list[Outputs]:
-        """Returns where the data of each rover go; each group of observers has one a rover, or none."""
+        """Returns where each rover's data go; each group of observers has one per rover, or none."""
         return [
             Outputs(
                 log_dir=self.log_dir(rover),

@@ -55,7 +55,7 @@ def page_of(receipts: Sequence[Receipt]) -> str:
 
 
 def board_of(receipts: Sequence[Receipt]) -> Sheet:
-    """Returns a row an entry: its score, and that of each track."""
+    """Returns a row per entry: its score, and that of each track."""
     rows = (
         {
             "entry": receipt.entry,
@@ -116,7 +116,7 @@ def _plot(number: int, track: str, receipts: Sequence[Receipt]) -> Plot:
 
 
 def _episodes(known: Sequence[TrackSummary]) -> Trace:
-    """A dot an episode, those of an entry over its row's height."""
+    """A dot per episode, those of an entry over its row's height."""
     dots = [
         (one, row + SPREAD * (2 * (place + 0.5) / len(summary.episodes) - 1))
         for row, summary in enumerate(known)

@@ -22,7 +22,7 @@ from harness.spec.value import Value, made
 FILE = "entry.yaml"
 MOST_BYTES = 64 * 2**20
 POLICIES = "policies"
-# The driver of each baseline; "learned" has a policy a track, in policies/, and is `goal` on the others.
+# The driver of each baseline; "learned" has policies by track in policies/, and is `goal` on the others.
 BASELINES = {"straight": "beeline", "goal": "goal", "gap": "gap", "dwa": "dwa", "mppi": "mppi"}
 LEARNED = "learned"
 

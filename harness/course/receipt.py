@@ -108,7 +108,7 @@ def read_receipt(path: Path) -> Receipt:
 
 
 def sheet_of(receipt: Receipt) -> Sheet:
-    """Returns a row a track: its score with its interval, and what stands beside it."""
+    """Returns a row per track: its score with its interval, and what stands beside it."""
     rows = (
         {
             "track": name,

@@ -44,7 +44,7 @@ class TrackSummary(Value):
 
 
 def mean_of(values: Sequence[float], least: float = 0.0) -> Mean:
-    """Returns the mean of a value a seed, `least` to 1, with its interval."""
+    """Returns the mean of values, one per seed, `least` to 1, with its interval."""
     mean = math.fsum(values) / len(values)
     interval = t_interval(np.array(values), mean, CONFIDENCE)
     ends = (None, None) if interval is None else interval

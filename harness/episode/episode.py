@@ -36,7 +36,7 @@ from harness.world.world import World, terrain_hash
 class Episode:
     """Builds the world on construction; `batches` then drives it once from start to end.
 
-    Of several rovers in a world `episodes_of` makes the episodes and `together` drives them.
+    For several rovers in a world, `episodes_of` makes the episodes and `together` drives them.
 
     Args:
         run: What determines it.

@@ -46,7 +46,7 @@ def drive(
     """Hands each rover's tick to its sink, as its faults leave it, then its batches to its observers.
 
     Args:
-        batches: Of each control period, one a rover.
+        batches: Of each control period, one per rover.
         routes: Of the rovers, in their order.
         stop: Ends the drive after the batch in which it is requested.
 

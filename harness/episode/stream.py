@@ -1,7 +1,7 @@
 """Episodes of one world in a child process: simulation on one core, its consumer (ROS) on the other.
 
 The child simulates AHEAD batches ahead, so the consumer hardly waits for physics nor physics for the
-consumer; the stream itself is the episodes', bit for bit. Each batch has an order a rover: the consumer
+consumer; the stream is the episodes', bit for bit. Each batch has an order per rover: the consumer
 sends them for each batch that it has taken, so what it orders comes into effect after those that are
 ordered already, at a time that it knows. With the cmd_vel driver the child waits for each command
 instead.

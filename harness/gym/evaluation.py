@@ -68,7 +68,7 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
     Args:
         name: What drove.
         terrain: On which.
-        outcomes: One an episode.
+        outcomes: One per episode.
     """
     endings = Counter(outcome.ending for outcome in outcomes)
     good, count = endings.pop("reached", 0), len(outcomes)

@@ -13,7 +13,7 @@ from harness.truth.traversal import Truth
 
 
 class LiveView:
-    """Shows the episodes of one environment; a page a world, at the same address where that is free.
+    """Shows the episodes of one environment; a page per world, at the same address where that is free.
 
     Raises:
         UsageError: viser is missing.

@@ -82,7 +82,7 @@ def vector(
 
     Args:
         make: Makes one environment.
-        processes: Number of processes; 0 for one a processor, 1 for this one.
+        processes: Number of processes; 0 for one per processor, 1 for this one.
         threads: As of RoverVectorEnv; 1 in each of several processes if left out.
         options: Of the vector and of each environment.
 

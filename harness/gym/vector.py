@@ -96,7 +96,7 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]], ABC):
 
         Args:
             mask: In which, shape (num_envs,).
-            seeds: One an environment; None goes on with its random numbers.
+            seeds: One per environment; None goes on with its random numbers.
             options: Of Gymnasium's reset, the same for all.
         """
 

@@ -74,7 +74,7 @@ def run_of(recording: Path, given: Sequence[Path], near: Sequence[Path]) -> Run:
 
     Args:
         recording: The file.
-        given: Manifests of the run, one a rover; empty to look for them.
+        given: Manifests of the run, one per rover; empty to look for them.
         near: Where to look: files among which they are, the latest last.
 
     Raises:

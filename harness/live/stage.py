@@ -45,7 +45,7 @@ def rgb(color: Sequence[float]) -> tuple[int, int, int]:
 class Stage:
     """The scene of a page: everything stands below one frame, which moves so that the rover stays put.
 
-    So a browser's camera follows without being told to, and whoever turns it is not disturbed.
+    A browser's camera thus follows by itself, and may be turned freely.
 
     Args:
         scene: Of the page's server.

@@ -11,7 +11,14 @@ from harness.base.sim_time import NANOSECONDS
 from harness.physics.rover import Rover
 from harness.world.heightfield import EDGE_MARGIN
 
-HEALTH_WARNINGS = {
+LACKING = {
+    mujoco.mjtWarning.mjWARN_INERTIA: "the inertia of a body is too small to solve for; make it larger",
+    **dict.fromkeys(
+        (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL),
+        'its memory holds no more contacts; let a model ask for more: <size memory="200M"/>',
+    ),
+}
+DIVERGED = {
     mujoco.mjtWarning.mjWARN_BADQPOS: "position",
     mujoco.mjtWarning.mjWARN_BADQVEL: "velocity",
     mujoco.mjtWarning.mjWARN_BADQACC: "acceleration",
@@ -39,7 +46,7 @@ def check_place(rovers: Sequence[Rover], time_ns: int) -> None:
 
 
 def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> None:
-    """Checks MuJoCo's warnings.
+    """Checks MuJoCo's warnings, each of which says that the state is not to be trusted any more.
 
     Args:
         data: The state that they are of.
@@ -49,7 +56,10 @@ def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> 
     Raises:
         Diverged: There are some.
     """
-    for warning, quantity in HEALTH_WARNINGS.items():
+    for warning, lack in LACKING.items():
+        if data.warning[warning].number:
+            raise Diverged(f"the simulation went wrong at t = {_seconds(time_ns)}: {lack}")
+    for warning, quantity in DIVERGED.items():
         if data.warning[warning].number:
             fastest = max(map(_violence, rovers))
             wild = [rover for rover in rovers if _violence(rover) == fastest]

@@ -43,7 +43,7 @@ STUCK = "stuck: wheels turn and do not get on (truth)"
 
 
 def soil_plots(track: Sequence[Stretch], wheels: Sequence[str]) -> list[fig.Plot]:
-    """Returns a plot of each quantity, a curve a wheel; none of a run on rigid ground."""
+    """Returns a plot of each quantity, a curve per wheel; none of a run on rigid ground."""
     known = [(stretch.time_s, stretch.soil) for stretch in track if stretch.soil is not None]
     if not known:
         return []

@@ -14,7 +14,7 @@ EXACTLY_BACKWARD = 1e-6  # [rad]
 def stated_by_mjcf(root: ET.Element) -> dict[str, object]:
     """Returns what a model's file, as models/README.md has it, states of a rover, by the field's name.
 
-    Else it raises AttributeError, KeyError, ValueError or IndexError.
+    For any other file it raises AttributeError, KeyError, ValueError or IndexError.
     """
     defaults: dict[str, dict[str, dict[str, str]]] = {}
     for top in root.findall("default"):

@@ -104,7 +104,7 @@ class TopicMonitor:
         self._is_settling = len(self.types) > known
 
     def table(self) -> Table:
-        """Returns what is known now, one row a topic."""
+        """Returns what is known now, one row per topic."""
         now, speed = self._now(), self.clock.rate(self._now())
         table = Table(*COLUMNS, title=f"{len(self.types)} topics", title_justify="left")
         for topic in sorted(self.types):

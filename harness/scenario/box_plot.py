@@ -1,4 +1,4 @@
-"""A box plot of each quantity: a box a cell, a dot a run."""
+"""A box plot of each quantity: a box per cell, a dot per run."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -11,7 +11,7 @@ from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reas
 
 
 def junit_of(verdicts: Sequence[Verdict]) -> str:
-    """Returns verdicts as JUnit XML, a suite a scenario."""
+    """Returns verdicts as JUnit XML, a suite per scenario."""
     xml = JUnitXml()
     for verdict in verdicts:
         suite = TestSuite(scenario_name(verdict.path))  # type: ignore[no-untyped-call]  # of junitparser

@@ -1,4 +1,4 @@
-"""Scenarios as tests: `pytest --rover scenarios/` collects *.scenario.yaml, a test a run.
+"""Scenarios as tests: `pytest --rover scenarios/` collects *.scenario.yaml, a test per run.
 
 Part of every pytest where this package is installed, so it loads nothing before it is asked for. A
 scenario with a pass_rate is one test. Artefacts go where --rover-artifacts of harness.testing.plugin
@@ -37,7 +37,7 @@ class ScenarioFile(pytest.File):
     """A scenario's runs."""
 
     def collect(self) -> "Iterator[ScenarioRun]":
-        """Yields a test a run; one for all where a share of them may fail."""
+        """Yields a test per run; one for all where a share of them may fail."""
         from harness.base.errors import UsageError  # noqa: PLC0415 - only if asked for
         from harness.scenario.case import plan  # noqa: PLC0415
 

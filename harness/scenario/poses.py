@@ -128,7 +128,7 @@ OF: dict[str, Callable[[trajectory.Poses, trajectory.Poses], float]] = {
 def chained(fixed: Sequence[Row], moving: Sequence[Row], parent: str, child: str) -> Iterator[Row]:
     """Yields a frame's pose in another at each transform of the nearest moving frame above it.
 
-    Of frames further up the latest transform before it counts.
+    Frames further up are where their latest transform before it puts them.
 
     Args:
         fixed: Transforms of /tf_static.

@@ -120,7 +120,7 @@ def _design(compared: Comparisons) -> str:
 
 
 def runs_of(several: Sequence[Comparisons]) -> str:
-    """Returns a CSV with a row a run: its cell, seed and outcome, and a column a quantity."""
+    """Returns a CSV with a row per run: its cell, seed and outcome, and a column per quantity."""
     records = [
         {
             "scenario": scenario_name(compared.verdict.path),
@@ -141,7 +141,7 @@ def runs_of(several: Sequence[Comparisons]) -> str:
 
 
 def csv_of(several: Sequence[Comparisons]) -> str:
-    """Returns every number as CSV, a row a cell and quantity; an empty cell is no number."""
+    """Returns every number as CSV, a row per cell and quantity; an empty cell is no number."""
     return csv_text([record for compared in several for record in _records(compared)])
 
 

@@ -49,7 +49,7 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
 def kept_limits(attempts: Sequence[Attempt]) -> list[str]:
     """Returns what each quantity came to beside its limits, e.g. "truth.tilt_deg: 12.3 deg (<= 25)".
 
-    Of several runs the least and the largest: "truth.tilt_deg: 9.1 to 12.3 deg (<= 25)".
+    Several runs are shown by the least and the largest value: "truth.tilt_deg: 9.1 to 12.3 deg (<= 25)".
     """
     bounds, runs = attempts[0].case.scenario.bounds, zip(*(a.measured for a in attempts), strict=False)
     return [

@@ -1,6 +1,6 @@
 """Estimated poses beside true ones, in the plane: what `evo_ape` and `evo_rpe` compute, and consistency.
 
-Arrays have a row a pose: x, y [m], yaw [rad] in the world. Formulas: Sturm et al., A Benchmark for the
+Arrays have a row per pose: x, y [m], yaw [rad] in the world. Formulas: Sturm et al., A Benchmark for the
 Evaluation of RGB-D SLAM Systems, 2012; Umeyama, 1991; Bar-Shalom et al., Estimation, 2001, section 5.4.
 """
 

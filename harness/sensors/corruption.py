@@ -109,8 +109,8 @@ class ContactChatter:
     between free fall and several g, the mean being its weight. A tyre that slides pushes it sideways
     as well, by no more than the load times a coefficient along each axis: the engine's friction pyramid.
     How many readings are disturbed or slide grows with the wheels' speed v, as 1 - exp(-v / v0).
-    Of the disturbed ones some find no wheel on the ground, and what falls is caught: in few steps, with
-    many times the weight, so that momentum balances.
+    Some of the disturbed ones find no wheel on the ground, and the falling rover is caught: in few
+    steps, with many times the weight, so that momentum balances.
     """
 
     speed: float  # v0 of the disturbed ones [m/s]

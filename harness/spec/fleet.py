@@ -22,7 +22,7 @@ def parse_rovers(texts: Sequence[str], shared: RoverSetup) -> tuple[RoverSetup, 
     """Returns the setups of rovers.
 
     Args:
-        texts: One a rover, of the form FORM; sensors are separated by +, `fault` may be repeated.
+        texts: One per rover, of the form FORM; sensors are separated by +, `fault` may be repeated.
         shared: What holds for all of them; its start is the first one's, and the time-out of its
             commands that of those which obey commands.
 

@@ -74,7 +74,7 @@ def write_results(
 
     Args:
         folder: Gets them.
-        studies: One a robot.
+        studies: One per robot.
         records: All episodes of the sweep.
         command: Words that make these files again, for the files themselves.
     """

@@ -112,7 +112,7 @@ class Agent:
 
 
 def drive(run: Run) -> Log:
-    """Drives a run by a RecordedAgent and returns its rows, one a second."""
+    """Drives a run by a RecordedAgent and returns its rows, one per second."""
     episode, session, lidar = Episode(run), MetricsSession(), LidarSpec()
     feed, rng = SampleFeed(session, lidar), np.random.default_rng([run.seed, VALIDATION_AGENT])
     width, depth = episode.info.map_size

@@ -192,7 +192,7 @@ def plot(path: Path, soil: Soil, trials: pd.DataFrame) -> None:
     Args:
         path: Of the PNG.
         soil: Under the wheel.
-        trials: A row a trial, as `read_trials` gives them.
+        trials: A row per trial, as `read_trials` gives them.
     """
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second that only plots pay
 

@@ -33,7 +33,7 @@ def validate(
 ) -> list[Check]:
     """Drives every manoeuvre; the same seed gives the same figures.
 
-    Of a rover whose rover.yaml expects nothing everything is measured, and nothing judged.
+    A rover whose rover.yaml expects nothing is measured in everything, and not judged.
 
     Args:
         rover: What drives.
@@ -54,7 +54,7 @@ def print_table(console: Console, title: str, checks: Sequence[Check], missed: s
     Args:
         console: Where to.
         title: Of the table.
-        checks: One a row.
+        checks: One per row.
         missed: What a check is called whose quantity lies outside its span.
     """
     headings = (Column(heading, overflow="fold") for heading in HEADINGS)

@@ -52,13 +52,13 @@ class Studio(AbstractContextManager["Studio"]):
     """Draws the states of one run with its marks; a context manager that gives OpenGL back.
 
     Args:
-        paths: States of the run, a file a rover.
+        paths: States of the run, a file per rover.
         quality: Of the images.
         lidar: Whether the beams are drawn.
         reach: From a rover to where ruts are drawn [m]; math.inf for everywhere.
 
     Attributes:
-        recording: The states of the first rover, which are as many as those of each other one.
+        recording: The states of the first rover, as many as of each further rover.
         data: The state that was posed last.
         half_width: Half the width of an image at unit distance.
         scale: Size of the first rover as a share of the usual one.

@@ -1,7 +1,7 @@
 """Workers of a Ray or Dask cluster that the user already has; it gives a dead worker's calls to others.
 
-Not joblib's backends for them: Ray's gives nothing before all is done and loses a killed worker's
-calls; Dask's calls in this process, unasked, while the cluster has a single worker.
+joblib's own backends for them are not used: Ray's gives nothing before all is done and loses a killed
+worker's calls; Dask's calls in this process, unasked, while the cluster has a single worker.
 """
 
 import logging

@@ -46,7 +46,7 @@ class Barn(Track):
     takes_worlds: ClassVar[bool] = True
 
     def cases(self, seeds: int, folder: Path | None = None) -> list[Case]:
-        """Returns BARN's own test worlds, or those of a folder, one a seed."""
+        """Returns BARN's own test worlds, or those of a folder, one per seed."""
         worlds = shipped() if folder is None else read_worlds(folder)
         return [Case(self.name, seed, world) for seed, world in enumerate(worlds[:seeds])]
 

@@ -31,7 +31,7 @@ AS_EXPECTED, NOT_AS_EXPECTED = "run as expected", "run not as expected"
 
 
 def plots_of(name: str, compared: Comparisons) -> Iterator[Plot]:
-    """Yields the pass rates of a scenario's cells, then a plot a quantity, all named `name`-..."""
+    """Yields the pass rates of a scenario's cells, then a plot per quantity, all named `name`-..."""
     yield Plot(
         f"{name}-passed", "Pass rate of each cell, in percent", _passed(compared), "Runs that pass"
     )

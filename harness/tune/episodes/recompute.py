@@ -1,6 +1,6 @@
 """An episode as rows: what a MetricsSession and the truth say of it, by scan, second and contact.
 
-Of a contact with a hazard: where on the rover it is, and whether the lidar could have known.
+A contact with a hazard has its place on the rover, and whether the lidar could have known.
 """
 
 import math

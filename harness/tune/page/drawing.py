@@ -59,7 +59,7 @@ HAZARDS = (
 def drawings(rovers: Sequence[tuple[str, RoverSpec, CollisionStudy]]) -> list[tuple[Plot, Plot]]:
     """Returns each rover from above and from the side, all to one scale, front to the right.
 
-    With each comes its name on the page, and what its contacts say of the thresholds.
+    `rovers` has, for each, its name on the page and its study of contacts.
     """
     above = [[*_above(rover, study)] for _, rover, study in rovers]
     points = np.concatenate([np.array([t["x"], t["y"]], float).T for traces in above for t in traces])

@@ -79,7 +79,7 @@ def confusion(
 ) -> Counts:
     """Returns true and false positives, false and true negatives, shape (thresholds, episodes, 4).
 
-    Of each episode there are values, positive below a threshold, and the truth, both of shape (n,).
+    Each episode has values, positive below a threshold, and the truth, both of shape (n,).
     """
     counts = np.zeros((len(thresholds), len(episodes), 4))
     for place, (values, truth) in enumerate(episodes):

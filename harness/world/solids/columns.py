@@ -38,7 +38,7 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """One crossing an entry, by vertex, from below; at equal height what faces down comes first."""
+    """Crossings, one per entry, by vertex, from below; at equal height what faces down comes first."""
 
     vertex: NDArray[np.int64]  # index into the flat grid
     triangle: NDArray[np.int64]  # which is crossed there

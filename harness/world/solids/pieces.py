@@ -8,7 +8,7 @@ faces down, HEADROOM above the ground) is touched by nobody: it stays as it is, 
 
 A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge:
 its gentle triangles are deck, which is ground; others are rocks where they are no higher than the rover
-clears, else hazards. Of other bodies the height of their top above the ground decides.
+clears, else hazards. Other bodies are rocks or hazards by the height of their top above the ground.
 """
 
 import math

@@ -52,7 +52,7 @@ class Result:
     logs: tuple[LogResult, ...]
     across: Mapping[str, Mapping[str, Summary]]  # by group and code: each log's mean an observation
     correlations: tuple[Correlation, ...]  # combined over the logs
-    comparisons: tuple[Comparison, ...] = ()  # second group against the first, one a metric
+    comparisons: tuple[Comparison, ...] = ()  # second group against the first, one per metric
     titles: Mapping[str, str] = field(  # what each metric reports, with its unit, by code
         default_factory=lambda: {metric.code: metric.label for metric in METRICS.values()}
     )

@@ -59,7 +59,7 @@ def save_all(
         result: Its numbers.
         folder: Where to.
         as_csv: Whether to write all numbers, see `write_csv`.
-        as_latex: Whether to write the tables, one a file.
+        as_latex: Whether to write the tables, one per file.
         outliers: Whether to write every outlier of every log.
     """
     try:

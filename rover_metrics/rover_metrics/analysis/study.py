@@ -31,7 +31,7 @@ def labels(logs: Sequence[Log]) -> list[str]:
 
     Names that are alike take what distinguishes them: the time, then as many folders as it takes.
 
-    Returns one name a log, without control characters, at most 40 characters and a number.
+    Returns one name per log, without control characters, at most 40 characters and a number.
     """
     counts, parts = Counter(map(_name, logs)), []
     for log in logs:

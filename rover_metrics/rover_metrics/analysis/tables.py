@@ -30,7 +30,7 @@ def _of_metrics(
     caption: str = "",
     **about: Any,  # noqa: ANN401 - attributes of a Sheet
 ) -> Sheet:
-    """Returns a table with a row a metric, from its cells by code."""
+    """Returns a table with a row per metric, from its cells by code."""
     rows = [{"Metric": result.titles[code], **row} for code, row in cells.items()]
     # The code of a column is its name, which its title says already.
     codes = ("" if c.startswith(result.titles[c].partition(" [")[0]) else c for c in cells)

@@ -53,7 +53,7 @@ class Columns:
         """Takes the linear velocity by the wheels, in the base frame [m/s]."""
 
     def cells(self) -> tuple[Cell, ...]:
-        """Returns the cells of a row, one a column; None is an empty one."""
+        """Returns the cells of a row, one per column; None is an empty one."""
         raise NotImplementedError
 
 

@@ -205,7 +205,7 @@ QOS_OVERRIDES = "qos_overrides."  # what their names begin with
 def check_name(name: str, *, may_be_others: bool) -> bool:
     """Returns whether a parameter is one of PARAMETERS; False for those that every node has.
 
-    Of any other name a ParameterError names the nearest. A name that may be another node's is only a
+    For any other name a ParameterError names the nearest. A name that may be another node's is only a
     mistake where it nearly is one of PARAMETERS.
     """
     if name in PARAMETERS:

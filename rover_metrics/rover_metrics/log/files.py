@@ -50,7 +50,7 @@ def write_whole(target: Path, text: str) -> None:
 def _unwinding() -> Iterator[None]:
     """Within, signals that nobody handles raise SystemExit instead of ending the process at once.
 
-    Not beside rclpy: its handlers are C's, which Python takes for none and could not put back.
+    It does nothing beside rclpy, whose handlers are C's: Python takes them for none.
     """
 
     def leave(number: int, _: object) -> None:

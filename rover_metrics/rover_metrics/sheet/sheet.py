@@ -14,7 +14,7 @@ class Sheet:
 
     Attributes:
         titles: Titles of the columns; the cells of the first column name the rows.
-        rows: Cells of each row, one a title; a page also takes rows that end early, and cells that
+        rows: Cells of each row, one per title; a page also takes rows that end early, and cells that
             are HTML (with a method `__html__`).
         caption: How the numbers were computed.
         findings: What is odd about the data behind the numbers.

@@ -146,7 +146,7 @@ def _fitting(on: "pd.Series[float]", off: "pd.Series[float]", sign: int) -> str:
 def _is_mean_since_start(rows: pd.DataFrame) -> bool:
     """Whether the sum over the mean is a whole number in each row: that of all samples so far.
 
-    Of a rover at rest a window has the same mean; so the shaking must have varied.
+    While a rover is at rest a window has the same mean; so the shaking must have varied.
     """
     mean, total = (rows[name].to_numpy(np.float64) for name in (SMOOTHNESS, SMOOTHNESS_SUM))
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -20,7 +20,7 @@ DEFAULT_GAP = 10.0  # [s]: ten times the logging period; hand-edited logs lack a
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """One metrics log; its columns are those that were asked for and exist, one value a row.
+    """One metrics log; its columns are those that were asked for and exist, one value per row.
 
     They are NaN where the file has no number or infinity.
     """
@@ -102,7 +102,7 @@ def on_grid(positions: Floats, values: Floats, grid: Floats) -> Floats:
 
     Args:
         positions: Where the rows are on the axis, ascending.
-        values: One a row; may be NaN.
+        values: One per row; may be NaN.
         grid: Evenly spaced and ascending, in the unit of the positions.
 
     Returns:

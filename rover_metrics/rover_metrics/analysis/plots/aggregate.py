@@ -21,7 +21,7 @@ _FEWEST_FOR_INTERVAL = 3  # episodes; of fewer the band is what they range over
 
 
 def draw_aggregate(study: Study) -> Figure | None:
-    """Draws the mean over the episodes of each group, one panel a metric; None if no log has a value."""
+    """Draws the mean over the episodes of each group, a panel per metric; None if no log has a value."""
     figure, panels, remark = styling.metric_grid(study)
     if not panels:
         return None
@@ -71,7 +71,7 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
 
 
 def _curves(study: Study, metric: Metric, group: str, grid: Floats) -> Floats:
-    """Returns the episodes of a group on the grid, one a row."""
+    """Returns the episodes of a group on the grid, one per row."""
     curves = [
         on_grid(x, y, grid)
         for member in study.with_metric(metric)

@@ -124,7 +124,7 @@ def _title(metric: Metric, axis: TimeAxis, *, show_rows: bool) -> str:
 def smoothed(positions: Floats, values: Floats, share: float, how: Smoothing) -> tuple[Floats, Floats]:
     """Returns the mean or median over the nearest rows; NaN where none of them has a value.
 
-    Of a long episode, positions and values are those of the means of short runs of rows.
+    For a long episode, positions and values are the means of short runs of rows.
 
     Args:
         positions: Those of the rows of an episode.

@@ -59,7 +59,7 @@ def make_group(
 
     Args:
         name: As the tables show it.
-        logs: One a run.
+        logs: One per run.
         goals: Length of a window.
         risk_distance: How near a person is at risk [m].
     """

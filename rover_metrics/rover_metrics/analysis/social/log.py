@@ -29,7 +29,7 @@ LARGEST = 1e12  # of a number in a log: no time, place or count is beyond
 
 @dataclass(frozen=True, eq=False)
 class SocialLog:
-    """One run, a row a second; what is not known is NaN."""
+    """One run, a row per second; what is not known is NaN."""
 
     path: Path
     actors: tuple[str, ...]  # names of the people, in the order of the columns

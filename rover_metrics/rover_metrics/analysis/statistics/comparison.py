@@ -1,4 +1,4 @@
-"""Whether two groups of drives differ, judged by one value a drive.
+"""Whether two groups of drives differ, judged by one value per drive.
 
 Rows of one log repeat each other, so rows are no sample; the mean of a log (or of an episode) is one
 observation. Up to about eight a group, an exact permutation test of the difference of the means looks at
@@ -159,7 +159,7 @@ def describe_power(comparisons: Sequence[Comparison], unit: str, alpha: float) -
     """Yields why no metric, or which ones, cannot differ by these tests, however they come out.
 
     Args:
-        comparisons: One a metric.
+        comparisons: One per metric.
         unit: What one observation is, in the singular.
         alpha: Below it an adjusted p-value counts as a difference.
     """

@@ -40,7 +40,7 @@ def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | No
     Args:
         first: Code of x.
         second: Code of y.
-        x: One value a row, NaN for none.
+        x: One value per row, NaN for none.
         y: As many.
     """
     both = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
