@@ -11,7 +11,16 @@ from harness.base.sim_time import NANOSECONDS
 from harness.physics.rover import Rover
 from harness.world.heightfield import EDGE_MARGIN
 
-HEALTH_WARNINGS = {
+LACKING = {
+    mujoco.mjtWarning.mjWARN_INERTIA: (
+        "the inertia of a body is too small to solve for; enlarge it, or try a smaller --timestep"
+    ),
+    **dict.fromkeys(
+        (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL),
+        'its memory holds no more contacts; let a model ask for more: <size memory="200M"/>',
+    ),
+}
+DIVERGED = {
     mujoco.mjtWarning.mjWARN_BADQPOS: "position",
     mujoco.mjtWarning.mjWARN_BADQVEL: "velocity",
     mujoco.mjtWarning.mjWARN_BADQACC: "acceleration",
@@ -39,7 +48,7 @@ def check_place(rovers: Sequence[Rover], time_ns: int) -> None:
 
 
 def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> None:
-    """Checks MuJoCo's warnings.
+    """Checks MuJoCo's warnings, each of which says that the state is not to be trusted any more.
 
     Args:
         data: The state that they are of.
@@ -49,7 +58,7 @@ def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> 
     Raises:
         Diverged: There are some.
     """
-    for warning, quantity in HEALTH_WARNINGS.items():
+    for warning, quantity in DIVERGED.items():
         if data.warning[warning].number:
             fastest = max(map(_violence, rovers))
             wild = [rover for rover in rovers if _violence(rover) == fastest]
@@ -60,6 +69,9 @@ def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> 
                 f"(NaN, infinite or huge {quantity}); position {pose.round(3).tolist()} m, "
                 f"velocity {twist.round(3).tolist()} m/s; try a smaller --timestep"
             )
+    for warning, lack in LACKING.items():
+        if data.warning[warning].number:
+            raise Diverged(f"the simulation went wrong at t = {_seconds(time_ns)}: {lack}")
 
 
 def _seconds(time_ns: int) -> str:

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from harness.course.referee import Drive
 from harness.course.score import penalty, score, spl
-from harness.course.summary import difference, mean_of
+from harness.course.summary import difference, mean_of, summarise
 from harness.course.task import Rule, Task
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
@@ -69,6 +69,13 @@ def test_entries_are_paired_by_their_episodes() -> None:
     assert paired is not None
     assert paired.mean == pytest.approx(0.2)
     assert difference(many, [replace(one, world_hash="other") for one in better]) is None
+
+
+def test_a_track_is_as_quick_as_its_successes_and_as_risky_as_all_its_episodes() -> None:
+    (one,) = driven("straight", "rocky", (1,))
+    best = replace(one, ending="reached", time=10.0, goals=2, risk_s=1.0)
+    track = summarise([best, replace(best, ending="time", time=60.0, goals=0, risk_s=2.0)])
+    assert (track.success.mean, track.seconds, track.risk_s_per_goal) == (0.5, 10.0, 1.5)
 
 
 def test_distances_are_scipys() -> None:

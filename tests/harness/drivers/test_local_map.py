@@ -70,8 +70,10 @@ def way(name: str, goal: tuple[float, float], *discs: tuple[float, float]) -> tu
 
 @pytest.mark.parametrize("name", ["beeline", "goal", "gap", "dwa", "mppi"])
 def test_a_driver_reaches_its_goal_and_stands_there(name: str) -> None:
-    places, last = way(name, (3.0, 1.0))
+    wall = [(4.0, y) for y in np.arange(-1.0, 3.1, 0.3)]  # behind the goal it is in nobody's way
+    places, last = way(name, (3.0, 1.0), *wall)
     assert math.dist(places[-1], (3.0, 1.0)) < 0.3
+    assert np.hypot(*np.diff(places, axis=0).T).sum() < 3.3
     assert abs(last.linear) < 1e-6
 
 

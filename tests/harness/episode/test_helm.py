@@ -147,3 +147,14 @@ def test_thresholds_hold_from_the_next_sample_on_and_the_result_says_so(tmp_path
     assert int(log.splitlines()[-1].split(b",")[1]) > 20
     assert result.thresholds == eager
     assert "do not repeat" in helm.note(RUN)
+
+
+def test_a_new_pace_holds_from_now_on_and_makes_up_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    stop, slept = StopRequest(), list[float]()
+    monkeypatch.setattr(stop, "sleep", slept.append)
+    helm = Helm(1.0, stop)
+    helm.begin()
+    helm.rate = 10.0
+    for seconds in (100, 200):
+        helm.wait_until(seconds * 10**9)
+    assert 9.0 < sum(slept) <= 10.0

@@ -17,6 +17,7 @@ from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
+from harness.fit.steady import window
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
@@ -141,6 +142,16 @@ def test_clocks_that_are_apart_are_told(tmp_path: Path, capsys: Capsys) -> None:
         pd.DataFrame({"t": made.imu[:, 0] + shift} | felt).to_csv(two)
         words = [str(one), str(two), "--robot", "husky", "--out", str(tmp_path / "out")]
         assert said in complaint(main, words, capsys)
+
+
+def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
+    t, rate, speed = np.arange(0.0, 4.0, 0.05), 1.2, 0.5
+    x, y = speed / rate * np.sin(rate * t), -speed / rate * np.cos(rate * t)
+    wheels = np.column_stack([t, np.full_like(t, 0.3), np.full_like(t, 0.7)])
+    circle = Recording("circle", wheels=wheels, poses=np.column_stack([t, x, y, rate * t]))
+    row = window(circle, 1.0, 3.0)
+    assert row is not None
+    assert row[3:5] == pytest.approx((rate, speed), rel=1e-3)
 
 
 def test_what_straight_driving_does_not_tell_is_said() -> None:

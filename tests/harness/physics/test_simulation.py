@@ -88,6 +88,13 @@ def test_a_diverged_state_ends_the_run_and_is_described(
         simulation.tick()
 
 
+@pytest.mark.parametrize("number", range(int(mujoco.mjtWarning.mjNWARNING)))
+def test_whatever_mujoco_warns_of_ends_the_run(number: int, simulation: Simulation) -> None:
+    simulation.data.warning[number].number = 1
+    with pytest.raises(Diverged, match=r"; (try|enlarge|let) "):
+        simulation.tick()
+
+
 def test_a_divergence_leaves_no_file_of_mujocos_behind(
     make_simulation: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

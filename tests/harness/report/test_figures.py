@@ -137,6 +137,13 @@ def test_a_value_between_gaps_is_seen(values: list[float], mode: str) -> None:
     assert drawn["mode"] == mode
 
 
+def test_the_true_speed_is_the_way_between_two_moments_over_their_time() -> None:
+    track = [Stretch(time, (0.0,) * 3, way) for time, way in ((1.0, 0.0), (2.0, 1.0), (4.0, 1.5))]
+    log, name = Log([1.0, 2.0], {"Current Velocity": [0.0, 1.0]}), "Current Velocity"
+    _, truth = series_figure(name, log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)["data"]
+    assert (truth["x"], truth["y"]) == ([2.0, 4.0], [1.0, 0.25])
+
+
 def test_a_long_series_is_thinned_without_losing_peaks_or_gaps() -> None:
     values = [0.0] * 100_000
     values[123], values[45_678], values[77_777] = 7.0, -9.0, math.inf

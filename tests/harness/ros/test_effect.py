@@ -8,6 +8,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from geometry_msgs.msg import Twist
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 from std_msgs.msg import Float64
@@ -64,3 +65,19 @@ def test_time_waits_for_an_answer_to_each_scan_of_a_rover_that_was_sent(ros: Ros
     advance(5, 0, waiting)
     with pytest.raises(RunFailed, match=rf"no /answer .* for the /{name}/scan of 0\.06 s"):
         advance(6, 1, waiting)
+
+
+def test_commands_that_were_too_many_are_no_answer_to_the_next_scan(ros: Ros) -> None:
+    bridge, node = ros.bridge(), rclpy.create_node("away", context=ros.context, enable_rosout=False)
+    ros.at_end.callback(node.destroy_node)
+    publisher = node.create_publisher(Twist, "/cmd_vel", 10)
+    node.create_subscription(LaserScanMessage, "/scan", lambda _: None, 10)
+    effect = Effect(topic="/cmd_vel", newer_than="/scan", timeout=0.1)
+    listeners = awaited_effects([effect], [bridge])
+    ros.until(publisher.get_subscription_count)
+    for _ in range(3):
+        publisher.publish(Twist())
+    ros.until(lambda: bridge.commands.count.taken == 3)
+    tick = Tick(TICK_NS, (LaserScan(TICK_NS, np.ones(4, np.float32)),))
+    with pytest.raises(RunFailed, match="no /cmd_vel"):
+        bridge.advance(tick, tick, listeners=listeners)

@@ -7,7 +7,8 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.errors import RunFailed, UsageError
-from harness.ros.remote import wait_for_answers
+from harness.episode.result import TopicCount
+from harness.ros.remote import counted_by, wait_for_answers
 from tests.support.remote_nodes import Rig
 
 
@@ -77,6 +78,14 @@ def test_received_are_those_of_this_runs_topics_since_the_start_and_the_node_is_
     assert node.release(1.5) == {"/scan": 7, "/imu/data": 4}
     assert rig.patience[-2:] == [1.5, 1.5]
     assert rig.asked == ["/rover1/metrics_node/received", "/rover1/metrics_node/lock_step False"]
+
+
+def test_of_a_topic_as_many_are_lost_as_the_one_who_heard_least_lacks(rig: Rig) -> None:
+    nodes = [rig.node(), rig.node()]
+    rig.received = {"/scan": 12}
+    told = {"/scan": TopicCount(published=9, received=4, lost=5)}  # by the run's own node
+    assert counted_by(nodes, told)["/scan"].lost == 5
+    assert counted_by(nodes, {"/scan": TopicCount(11)})["/scan"].lost == 2
 
 
 def test_a_node_whose_clock_will_be_set_back_keeps_its_own_executor(rig: Rig) -> None:

@@ -43,6 +43,9 @@ def test_who_passes_by_has_not_stopped_and_who_stops_near_has_reached() -> None:
 def test_a_gate_counts_between_its_posts_and_not_beside_them() -> None:
     assert walked((0, 3, 1), (2, 3, 5)).gates == 1
     assert walked((0, 1, 1), (2, 1, 5)).gates == 0
+    before = walked((0, 3, 0), (2, 3, 2.5), (4, 3, 2.5), (5, 5, 2))
+    assert before.stops["gate"] == pytest.approx(0.5)
+    assert before.reached == 0  # who stops there is not through
 
 
 def test_a_route_is_done_in_its_order() -> None:

@@ -123,6 +123,9 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         assert not out.exists()
     stop()
     assert run(Backwards()) == (whole, [0, 1, 2])
+    stop()
+    cases = [replace(case, params={"collision_threshold": 9.0}) for case in cases]
+    assert run(Backwards(), resume=True)[1] == [0, 1, 2]
     out.touch()
     with pytest.raises(Interrupted, match=r"after 1 of 3 runs$"):  # nothing can be kept there
         run(Ending(Interrupted(signal.SIGINT)))

@@ -47,6 +47,8 @@ def test_ground_is_occupied_where_it_is_steep_or_steps_higher_than_the_rover_cli
         grid = on(np.where(np.arange(81) < 40, 0.0, rise))
         taken = np.argwhere((grid.cells == OCCUPIED) & inner(grid))[:, 1 - axis]
         assert (len(taken) > 0) == (abs(rise) > 0.154)
+        both = {int((HALF + x) / resolution + 1e-9) for x in (-CELL, 0.0)}  # the step's two vertices
+        assert both <= {*taken.tolist()} or not len(taken)
         assert (np.abs((taken + 0.5) * resolution - HALF + 0.05) <= 0.1 + resolution).all()
 
 
