@@ -26,7 +26,7 @@ FILES = {
     "page": "write a page: what failed, and cells side by side",
     "csv": "write every cell's numbers",
     "json": "write the same, and every run",
-    "runs": "write a CSV with a row a run",
+    "runs": "write a CSV with a row per run",
     "latex": "write the tables for LaTeX (booktabs)",
     "plot": "draw a box plot of each quantity: .png, .pdf or .svg",
 }
