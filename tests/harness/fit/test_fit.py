@@ -13,11 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from harness.fit.__main__ import main
 from harness.fit.estimate import of, with_values
+from harness.fit.ground import differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
-from harness.fit.steady import window
+from harness.fit.steady import Steady, window
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
@@ -152,6 +153,13 @@ def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
     row = window(circle, 1.0, 3.0)
     assert row is not None
     assert row[3:5] == pytest.approx((rate, speed), rel=1e-3)
+
+
+def test_poses_beside_the_rovers_middle_say_nothing_of_its_tyres() -> None:
+    rates, ones = np.array([-0.5, 0.0, 0.8]), np.ones(3)
+    ours = Steady(ones, ones, ones, rates, ones, ones, ones, ones)
+    beside = replace(ours, ahead=ours.ahead - 0.3 * rates)
+    assert differences(ours, beside)["ahead"] == pytest.approx(np.zeros(3))
 
 
 def test_what_straight_driving_does_not_tell_is_said() -> None:
