@@ -12,7 +12,9 @@ from harness.physics.rover import Rover
 from harness.world.heightfield import EDGE_MARGIN
 
 LACKING = {
-    mujoco.mjtWarning.mjWARN_INERTIA: "the inertia of a body is too small to solve for; make it larger",
+    mujoco.mjtWarning.mjWARN_INERTIA: (
+        "the inertia of a body is too small to solve for; enlarge it, or try a smaller --timestep"
+    ),
     **dict.fromkeys(
         (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL),
         'its memory holds no more contacts; let a model ask for more: <size memory="200M"/>',
@@ -56,9 +58,6 @@ def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> 
     Raises:
         Diverged: There are some.
     """
-    for warning, lack in LACKING.items():
-        if data.warning[warning].number:
-            raise Diverged(f"the simulation went wrong at t = {_seconds(time_ns)}: {lack}")
     for warning, quantity in DIVERGED.items():
         if data.warning[warning].number:
             fastest = max(map(_violence, rovers))
@@ -70,6 +69,9 @@ def check_health(data: mujoco.MjData, rovers: Sequence[Rover], time_ns: int) -> 
                 f"(NaN, infinite or huge {quantity}); position {pose.round(3).tolist()} m, "
                 f"velocity {twist.round(3).tolist()} m/s; try a smaller --timestep"
             )
+    for warning, lack in LACKING.items():
+        if data.warning[warning].number:
+            raise Diverged(f"the simulation went wrong at t = {_seconds(time_ns)}: {lack}")
 
 
 def _seconds(time_ns: int) -> str:

@@ -58,7 +58,8 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     for joint in map(spec.joint, joints.backwards):
         joint.axis, joint.range = -np.array(joint.axis), -np.array(joint.range)[::-1]
     for joint in map(spec.joint, joints.wheels):
-        joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE  # it rolls on
+        if np.ptp(joint.range) > 0.0:  # it rolls on
+            joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
     workshop = _Workshop(spec, robot, joints, mass)
     workshop.fit_tyres()
     workshop.fit_wheel_motors()
