@@ -105,6 +105,8 @@ def read_trials(path: Path) -> tuple[pd.DataFrame, tuple[str, ...]]:
             raise UsageError(
                 f"{path}: {name} is above {most:g} in most trials; give m, m/s, N and degrees"
             )
+    if 0.0 < (steepest := usable["slip_angle_deg"].abs().max()) <= math.pi / 2:
+        raise UsageError(f"{path}: slip_angle_deg is at most {steepest:.3g}: radians; give degrees")
     others = sorted(set(wheels[~known]))
     notes = []
     if others:

@@ -46,6 +46,11 @@ def test_a_figure_that_was_changed_is_found(
 def test_a_score_that_is_not_of_its_episodes_is_refused(kept: Path, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="figures of track barn"):
         read_receipt(changed(kept, tmp_path, {"score": 1.0}))
+    (path := tmp_path / "other.json").write_text(
+        json.dumps(json.loads(kept.read_text()) | {"score": 1.0})
+    )
+    with pytest.raises(UsageError, match="not the mean of its tracks"):
+        read_receipt(path)
 
 
 def test_a_receipt_is_of_one_version_and_one_entry(

@@ -13,11 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from harness.fit.__main__ import main
 from harness.fit.estimate import of, with_values
+from harness.fit.ground import differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
-from harness.fit.steady import window
+from harness.fit.steady import Steady, window
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
@@ -154,6 +155,13 @@ def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
     assert row[3:5] == pytest.approx((rate, speed), rel=1e-3)
 
 
+def test_poses_beside_the_rovers_middle_say_nothing_of_its_tyres() -> None:
+    rates, ones = np.array([-0.5, 0.0, 0.8]), np.ones(3)
+    ours = Steady(ones, ones, ones, rates, ones, ones, ones, ones)
+    beside = replace(ours, ahead=ours.ahead - 0.3 * rates)
+    assert differences(ours, beside)["ahead"] == pytest.approx(np.zeros(3))
+
+
 def test_what_straight_driving_does_not_tell_is_said() -> None:
     t = np.arange(0.0, 30.0, 0.05)
     v = 0.5 * np.sign(np.sin(t))
@@ -180,19 +188,21 @@ def test_the_mount_of_an_imu_is_that_of_its_forces() -> None:
     assert list(told.values()) == pytest.approx([roll, pitch, yaw, x, y], abs=0.01)
 
 
-def test_torques_currents_and_power_tell_the_constants() -> None:
+@pytest.mark.parametrize(("robot", "motors_a_side"), [("husky", 1), ("leo", 2)])
+def test_torques_currents_and_power_tell_the_constants(robot: str, motors_a_side: int) -> None:
+    rover = equipped(ROVERS[robot], REAL, "")
     t = np.arange(0.0, 40.0, 0.1)
     left, right, speed = 5.0 + (t // 5), 9.0 - (t // 8), 0.2 + 0.05 * (t // 4)
     constant, resistance, standby = 2.5, 0.3, 20.0
-    turning = speed / HUSKY.controller_radius
-    power = constant * turning * (left + right) + resistance * (left**2 + right**2) + standby
+    turning, lost = speed / rover.controller_radius, resistance * (left**2 + right**2) / motors_a_side
+    power = constant * turning * (left + right) + lost + standby
     made = Recording(
         "made", wheels=np.column_stack([t, speed, speed]), currents=np.column_stack([t, left, right]),
         power=np.column_stack([t, power]),
     )  # fmt: skip
     forces = constant * made.currents[:, 1:]
     for one in (made, replace(made, torques=np.column_stack([t, forces]))):
-        assert [e.after for e in motors(HUSKY, one)] == pytest.approx([constant, resistance], rel=0.01)
+        assert [e.after for e in motors(rover, one)] == pytest.approx([constant, resistance], rel=0.01)
 
 
 def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:

@@ -83,16 +83,29 @@ def test_alignment_undoes_any_move_and_truth_is_interpolated_at_stamps(seed: int
 
 
 def test_a_frame_is_chained_through_what_was_told_last() -> None:
-    def row(stamp: int, parent: str, child: str, x: float) -> Row:
+    def row(stamp: int, parent: str, child: str, x: float, turn: float = 0.0) -> Row:
         pose = np.eye(4)
-        pose[0, 3] = x
+        pose[:3, :3], pose[0, 3] = Rotation.from_euler("z", turn).as_matrix(), x
         return Row(stamp, parent, child, pose)
 
     fixed = [row(0, "base_footprint", "base_link", 0.5)]
-    moving = [row(1, "odom", "base_footprint", 1.0), row(2, "map", "odom", 10.0)]
+    moving = [row(1, "odom", "base_footprint", 1.0), row(2, "map", "odom", 10.0, np.pi / 2)]
     moving += [row(3, "odom", "base_footprint", 2.0), row(4, "map", "odom", 20.0)]
     found = list(chained(fixed, moving, "map", "base_link"))
-    assert [(each.stamp_ns, each.pose[0, 3]) for each in found] == [(3, 12.5)]
+    (one,) = found
+    assert (one.stamp_ns, *one.pose[:2, 3]) == pytest.approx(
+        (3, 10.0, 2.5)
+    )  # the map is turned to the left
+
+
+def test_a_nees_is_of_the_variances_in_the_plane() -> None:
+    variances = np.diag([0.04, 0.01, 9.0, 9.0, 9.0, 0.0025])  # x, y, z, roll, pitch, yaw
+    pose = np.eye(4)
+    pose[:3, :3], pose[0, 3] = Rotation.from_euler("z", 0.1).as_matrix(), 0.4
+    rows, asked = [Row(10**9, "", "", pose, variances)], heard_quantity("pose./slam/pose.nees", POSE)
+    assert asked is not None
+    found = pose_series(asked, {"/slam/pose": rows}, TruePath([0.5, 1.5], [(0.0, 0.0, 0.0)] * 2))
+    assert found.values == pytest.approx([0.4**2 / 0.04 + 0.1**2 / 0.0025])
 
 
 def test_what_cannot_be_measured_says_why() -> None:

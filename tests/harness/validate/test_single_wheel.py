@@ -80,6 +80,7 @@ def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> No
         "grousered with": table.assign(load=True),
         "speeds are 0 or more": table.assign(load="5_0"),
         "give m, m/s, N": table.assign(load=20.0, sinkage=12.0),
+        "give degrees": table.assign(load=20.0, slip_angle_deg=0.52),
     }
     for told, bad in wrong.items():
         bad.to_csv(file, index=False)

@@ -56,6 +56,16 @@ def test_a_scan_stands_at_the_pose_nearest_in_time() -> None:
     assert (len(Collected(LEO).scan_rows()), len(Collected(LEO).window_rows())) == (0, 0)
 
 
+def test_a_scan_without_a_return_is_near_nothing_whatever_the_one_before_saw() -> None:
+    inf, collected = np.inf, Collected(LEO, LidarSpec(beams=2))
+    seen = enumerate(((1.0, 2.0), (inf, inf), (-inf, inf)), 1)
+    scans = [LaserScan(50 * MS * n, np.array(ranges, np.float32)) for n, ranges in seen]
+    collected.take(batch(state(1), *scans))
+    rows = collected.scan_rows()
+    assert rows["nearest"].tolist() == [1.0, inf, inf]
+    assert rows["near_returns"].tolist() == [0, 0, 1]
+
+
 def test_rows_tell_of_any_threshold_what_a_metrics_session_with_it_counts() -> None:
     """What the scoring compares with thresholds is what the node compares."""
     run = Run.of(robot="rover_zero4wd", terrain="rocky", driver="ram", seed=3, duration=12.0)
