@@ -16,14 +16,14 @@ def test_rows_have_two_decimals_and_come_back_from_the_file(tmp_path: Path) -> N
     names = ("b_actor", "a_actor")
     rows = SocialRows()
     with CsvLog(tmp_path, None, stem="people", columns=social_columns(names)) as log:
-        for time_s, rover in ((1.0, (0.0, -1.0)), (2.0, (3.0, -5.0)), (4.0, (3.0, -5.006))):
+        for time_s, rover in ((1.0, (0.0, -1.0)), (2.0, (3.0, -5.0)), (3.0, (3.0, -5.006))):
             log.write(rows.next(time_s, rover, {"b_actor": (0.0, 0.0), "a_actor": (3.0, -4.0)}, 7))
     assert log.path == tmp_path / "people.csv"
     assert log.path.read_bytes().split(b"\r\n") == [
         b"step,time_s,robot_x,robot_y,speed_mps,a_actor_dist,b_actor_dist,dmin,goals_count",
         b"1,1.00,0.00,-1.00,nan,4.24,1.00,1.00,7",
         b"2,2.00,3.00,-5.00,5.00,1.00,5.83,1.00,7",
-        b"3,4.00,3.00,-5.01,0.00,1.01,5.84,1.01,7",
+        b"3,3.00,3.00,-5.01,0.01,1.01,5.84,1.01,7",
         b"",
     ]
     back = read_social_log(log.path)
