@@ -44,15 +44,16 @@ def kernel(signature: str) -> Callable[[F], F]:
     Where neither __pycache__ nor the user's cache can be written, as in a container that is run by
     another user than built it, the code is kept in a temporary folder, or not at all.
     """
-    return partial(_kept, partial(numba.njit, signature, nogil=True, error_model="numpy"))
+    return partial(_cached, partial(numba.njit, signature, nogil=True, error_model="numpy"))
 
 
 def callback(signature: str) -> Callable[[F], F]:
-    """Compiles, as `kernel` does, what C code calls: by the attribute `ctypes` of what comes back."""
-    return partial(_kept, partial(numba.cfunc, signature, error_model="numpy"))
+    """Compiles as `kernel` does, for C code, which calls the attribute `ctypes` of the result."""
+    return partial(_cached, partial(numba.cfunc, signature, error_model="numpy"))
 
 
-def _kept(compiler: Callable[..., Callable[[F], F]], function: F) -> F:
+def _cached(compiler: Callable[..., Callable[[F], F]], function: F) -> F:
+    """Compiles a function, or loads what was compiled of the same sources before."""
     if borrowed := _borrowed(function):
         function.__qualname__ += f"_{zlib.crc32(borrowed):08x}"
     try:
@@ -115,15 +116,20 @@ def inlined(function: F) -> F:
     return helper
 
 
-def placed(name: str, address: int) -> Callable[[], int]:
-    """Makes what kernels get an address of this process by, which their code in the cache only names."""
+def symbol(name: str, address: int) -> Callable[[], int]:
+    """Makes a function by which kernels get an address that is another one in each process.
+
+    Args:
+        name: Stands for it in compiled code, which can so be kept; one of its own among all symbols.
+        address: In this process.
+    """
     llvm.add_symbol(name, address)
 
     def typed(_: object) -> tuple[object, object]:
         def generate(_: object, builder: Any, *__: object) -> object:  # noqa: ANN401 - numba's
             anything = cgutils.ir.FunctionType(cgutils.ir.VoidType(), [])
-            symbol = cgutils.get_or_insert_function(builder.module, anything, name)
-            return builder.ptrtoint(symbol, cgutils.intp_t)
+            place = cgutils.get_or_insert_function(builder.module, anything, name)
+            return builder.ptrtoint(place, cgutils.intp_t)
 
         return numba.types.intp(), generate
 

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.compiled import callback, placed
+from harness.base.compiled import callback, symbol
 from harness.base.errors import UsageError
 from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
 from harness.soil.soils import SOIL_CONTACT, Soil
@@ -177,7 +177,7 @@ def _spin(model: mujoco.MjModel, wheel: SoilWheel) -> tuple[float, ...]:
 
 
 _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of the bed's arrays
-_table_address = placed("rover_harness_beds", _table.ctypes.data)
+_table_address = symbol("rover_harness_beds", _table.ctypes.data)
 
 
 def _register(data: mujoco.MjData, passed: np.ndarray, bed: Bed) -> None:

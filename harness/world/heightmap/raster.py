@@ -105,10 +105,10 @@ def _kind(path: Path) -> str:
 
 
 def _of_cloud(path: Path, cell: float | None) -> Raster:
-    points, told = read_points(path)
+    points, units = read_points(path)
     heights, cell, notes = gridded(points, cell)
     _check_size(heights.shape[1], heights.shape[0])
-    return Raster(heights, (cell, cell), True, (*told, *notes))
+    return Raster(heights, (cell, cell), True, (*units, *notes))
 
 
 def _check_size(columns: int, rows: int, fewest: int = FEWEST_PIXELS) -> None:

@@ -8,22 +8,23 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from harness.spec.world import MESH_UNITS
+
 METRE, FOOT, US_FOOT = 9001, 9002, 9003
+FOOT_LENGTH, US_FOOT_LENGTH = MESH_UNITS["ft"], 1200.0 / 3937.0  # [m]
 UNITS = {  # EPSG's numbers: name, length [m]
     METRE: ("metre", 1.0),
-    FOOT: ("foot", 0.3048),
-    US_FOOT: ("US survey foot", 1200.0 / 3937.0),
+    FOOT: ("foot", FOOT_LENGTH),
+    US_FOOT: ("US survey foot", US_FOOT_LENGTH),
     9036: ("kilometre", 1000.0),
 }
 NAMED = {  # as GDAL's unit types of bands are written
-    **dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0),
-    **dict.fromkeys(("ft", "foot", "feet", "international foot"), 0.3048),
-    **dict.fromkeys(("us-ft", "ftus", "us survey foot", "us survey feet", "sfoot"), 1200.0 / 3937.0),
-    "mm": 1e-3,
-    "cm": 1e-2,
+    **MESH_UNITS,
+    **dict.fromkeys(("metre", "metres", "meter", "meters"), 1.0),
+    **dict.fromkeys(("foot", "feet", "international foot"), FOOT_LENGTH),
+    **dict.fromkeys(("us-ft", "ftus", "us survey foot", "us survey feet", "sfoot"), US_FOOT_LENGTH),
     "dm": 0.1,
     "km": 1e3,
-    "in": 0.0254,
     "yd": 0.9144,
 }
 HEIGHTS = {  # EPSG's numbers of vertical CRSs whose unit is known: all in feet, and NAVD88 in metres
@@ -37,7 +38,7 @@ WKT_VERTICAL = re.compile(r"VERT_?CR?S|VERTICALCRS")
 
 
 def horizontal_unit(keys: Mapping[str, Any]) -> int:
-    """Returns EPSG's number of the unit that GeoKeys tell; the metre's if they tell none."""
+    """Returns EPSG's number of the unit that GeoKeys name; the metre's if they name none."""
     name = str(keys.get("PCSCitationGeoKey") or keys.get("GTCitationGeoKey") or "").partition(" + ")[0]
     mark = MARK.search(name)
     named = METRE if mark is None else US_FOOT if mark[1] else FOOT
@@ -45,15 +46,15 @@ def horizontal_unit(keys: Mapping[str, Any]) -> int:
 
 
 def height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:
-    """Returns the length of a unit of height [m]; None if the ground is in another and it is not told.
+    """Returns the length of a unit of height [m]; None if unnamed, and the ground not in metres.
 
     Args:
         keys: GeoKeys.
         horizontal: Length of the ground's unit [m].
     """
-    told = keys.get("VerticalUnitsGeoKey", HEIGHTS.get(keys.get("VerticalCSTypeGeoKey", 0)))
-    if told is not None:
-        return UNITS.get(told, ("", None))[1]
+    number = keys.get("VerticalUnitsGeoKey", HEIGHTS.get(keys.get("VerticalCSTypeGeoKey", 0)))
+    if number is not None:
+        return UNITS.get(number, ("", None))[1]
     return 1.0 if horizontal == 1.0 else None
 
 

@@ -103,7 +103,7 @@ class Frames:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What was added."""
+        """Names of the frames that were added, in that order."""
         return (*self._given,)
 
     def nest(self, name: str, frames: "Frames") -> None:
