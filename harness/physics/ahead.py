@@ -138,7 +138,7 @@ class Aside:
     @property
     def has_begun(self) -> bool:
         """Whether the step after those that have landed is begun."""
-        return bool(self._steps[3])
+        return int(self._steps[3]) == 1
 
     def close(self) -> None:
         """Ends the thread, which must have landed; nothing is launched any more."""
