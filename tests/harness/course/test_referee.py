@@ -22,7 +22,8 @@ def test_energy_is_all_work_of_the_motors_and_risk_and_time_are_counted_by_the_r
     )
     episode = Episode(run, samples=MEASURED)
     referee = Referee(
-        Task(run=run, shortest=9.0, optimal=9.0, rule=Rule(begins_at=0.3)), episode.simulation.scene.world
+        Task(run=run, shortest=9.0, optimal=9.0, rule=Rule(begins_at=0.3)),
+        episode.simulation.scene.world,
     )
     powers, away, risk_s = list[float](), list[float](), 0.0
     start = episode.simulation.scene.world.start[:2]
