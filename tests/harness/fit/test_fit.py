@@ -52,13 +52,12 @@ def write(recording: Recording, path: Path, change: Callable[[pd.DataFrame], pd.
     table = pd.DataFrame({"t": t})
     for series, names, sd in (
         ("commands", "cmd_v cmd_w", 0.0), ("wheels", "left_speed right_speed", 0.003),
-        ("currents", "left_torque right_torque", 0.2), ("poses", "x y yaw", 0.005),
+        ("currents", "left_torque right_torque", 0.2 * CONSTANT), ("poses", "x y yaw", 0.005),
     ):  # fmt: skip
         held = at(getattr(recording, series), t + 1e-9)
+        held *= CONSTANT if series == "currents" else 1.0
         for name, values in zip(names.split(), held.T, strict=True):
-            table[name] = (values + sd * rng.normal(size=t.size)) * (
-                CONSTANT if "torque" in name else 1.0
-            )
+            table[name] = values + sd * rng.normal(size=t.size)
             if sd:
                 table.loc[rng.random(t.size) < 0.03, name] = np.nan
     table.loc[rng.random(t.size) < 0.01, "left_speed"] += 2.0

@@ -1,6 +1,7 @@
 """Ours beside recordings: measures against closed forms, files of strangers, and the shared halves."""
 
 import gzip
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -177,6 +178,12 @@ def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path
     assert set(one.imu[:, 6]) == {1.0, 2.0}  # a unit that is told is not guessed
     (tmp_path / "runs.csv").write_text("run,ground\n07,ice\n")
     assert recordings_of(tmp_path, 0.1)[0].ground == "ice"
+
+
+def test_a_ground_is_of_the_surface_that_says_most_of_it() -> None:
+    rover = HUSKY.but(surfaces={"grass": HUSKY.surfaces["ice"]} | dict(HUSKY.surfaces))
+    checks, _ = compare(rover, [replace(steady(0.5, 0.5), ground="Wet-Grass 3")])
+    assert {one.quantity.partition(",")[0] for one in checks} == {"wet_grass"}
 
 
 def test_arguments_and_folders_that_will_not_do(
