@@ -76,6 +76,17 @@ def test_a_replay_recovers_its_own_delay_and_ends_its_own_steps_where_they_ended
     assert slower - response_times(own) == pytest.approx([0.25] * 3, abs=0.16)  # a sample of wheels
 
 
+def test_each_side_answers_from_its_own_speed_before() -> None:
+    t, lag = np.arange(0.0, 12.0, 0.01), 0.15
+    moved = 0.4 * -np.expm1(-np.maximum(t - 6.0, 0.0) / lag)
+    made = Recording(
+        "made",
+        commands=np.array([[0.0, 0.5, 0.5], [6.0, 0.5, -0.2]]),
+        wheels=np.column_stack([t, 0.2 + moved, 0.8 - moved]),
+    )
+    assert response_times(made) == pytest.approx(-lag * np.log1p([-0.1, -0.63, -0.9]), abs=0.011)
+
+
 def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:
     recorded = steady(0.3, 0.5)
     (tmp_path / "plain").mkdir()
