@@ -93,8 +93,7 @@ def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(
     assert "repeat it" in helm.note(run)
 
 
-def test_of_orders_in_a_period_a_reset_leaves_none_and_the_last_command_says_if_it_is_held() -> None:
-    assert BY_HAND.then(Order(reset=True)) == Order(reset=True)
+def test_whether_a_command_is_held_is_said_by_the_last_one_alone() -> None:
     assert BY_HAND.then(Order(goal=Place(1.0, 0.0, 0.0))).held
     assert not BY_HAND.then(Order(command=Twist(0.1, 0.0))).held
 
