@@ -238,7 +238,7 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
             stamp, turn = n * 5 * 10**7, vector(0.0, 0.0, 0.2)
             joints = types["sensor_msgs/msg/JointState"](
                 header(time(*divmod(stamp, 10**9)), ""), names, np.zeros(4),
-                np.full(4, 2.0 - 4 * (n > 200)), np.full(4, 3.0),
+                np.full(4, 2.0 - 4 * (n > 200)), np.array([7.0, -1.0, 3.0, 3.0]),
             )  # fmt: skip
             level, point = types["geometry_msgs/msg/Quaternion"], types["geometry_msgs/msg/Point"]
             goal, pose = (

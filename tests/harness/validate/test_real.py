@@ -191,6 +191,14 @@ def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path
     assert recordings_of(tmp_path, 0.1)[0].ground == "ice"
 
 
+def test_of_a_step_that_was_paused_the_longest_part_counts(tmp_path: Path) -> None:
+    table = pd.DataFrame({"t": np.arange(0.0, 12.0, 0.1), "left": 0.1, "right": 0.1, "step": 7})
+    running = (table.t < 5.0) | table.t.between(6.95, 9.0)
+    table.assign(state=np.where(running, "drive", "wait")).to_csv(tmp_path / "ice_1.csv", index=False)
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.steps == pytest.approx(np.array([[0.0, 4.9]]))
+
+
 def test_a_ground_is_of_the_surface_that_says_most_of_it() -> None:
     rover = HUSKY.but(surfaces={"grass": HUSKY.surfaces["ice"]} | dict(HUSKY.surfaces))
     checks, _ = compare(rover, [replace(steady(0.5, 0.5), ground="Wet-Grass 3")])
