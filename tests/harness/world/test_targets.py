@@ -1,7 +1,6 @@
 """Targets: markers against OpenCV, places against geodesy, bodies and skins against the request."""
 
 import math
-from itertools import combinations
 from pathlib import Path
 
 import mujoco
@@ -66,12 +65,6 @@ def test_every_kind_stands_on_the_ground_at_a_free_place_that_its_seed_draws(tex
     heights = [world.ground.height_at(*post) for post in target.posts]
     assert lowest <= min(heights) + 1e-9
     assert max(heights) < highest
-
-
-def test_free_places_keep_clear_of_each_other_and_of_those_that_are_given() -> None:
-    many = targets("post:x=4,y=0", *["post:within=5"] * 7)
-    pairs = combinations((target.position[:2] for target in many), 2)
-    assert min(math.dist(*pair) for pair in pairs) >= 2.0
 
 
 def test_a_place_in_degrees_is_that_in_metres() -> None:
