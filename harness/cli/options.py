@@ -90,7 +90,7 @@ def run_options(given: argparse.Namespace, ros_args: Sequence[str]) -> RunOption
         frames=from_flags(FrameOptions, given),
     )
     _check_combination(given, run, ros, files)
-    values = read_parameters(given.params) if given.params else {}
+    values = _read_parameters(given.params) if given.params else {}
     values |= {"columns": given.columns} if given.columns else {}
     for name in filter(None, values.get("columns", "").split(",")):
         find_named("columns", name, FURTHER)
@@ -126,12 +126,11 @@ def _run(given: argparse.Namespace) -> Run:
     return fleet(run, parse_rovers(given.rover, run.rover))
 
 
-def read_parameters(path: Path, key: str = "--params") -> dict[str, Any]:
-    """Returns the parameters of metrics_node that a file sets, by name; UsageError if one is wrong."""
+def _read_parameters(path: Path) -> dict[str, Any]:
     try:
         return read_values(path)
     except ParameterError as error:
-        raise UsageError(f"{key}: {error}") from error
+        raise UsageError(f"--params: {error}") from error
 
 
 def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, files: Files) -> None:
