@@ -196,11 +196,12 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         driven, failure = self.driven, self._failure
         if not failure:
             self._seen = self._observe(driven)
+        goal = self.goal
         reward, ending, info = self._judge(driven, failure)
         if not ending and self.steps * CONTROL_PERIOD >= self.options.time_limit - 1e-9:
             ending = "time"
         if self._extra.needs_truth and failure != "diverged":
-            reward, ending = self._own_judgement(reward, ending, info)
+            reward, ending = self._own_judgement(reward, ending, info, goal)
         if ending:
             self._is_over = True
             self._schedule.record(success=info["is_success"])
@@ -211,8 +212,13 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         seen = self._limits.keep({**self._seen, **self._own_seen})
         return seen, reward, terminated, bool(ending) and not terminated, info
 
-    def _own_judgement(self, reward: float, ending: str, info: Info) -> tuple[float, str]:
-        """Reward and ending of a step by the user's own functions, where there are any."""
+    def _own_judgement(
+        self, reward: float, ending: str, info: Info, goal: tuple[float, float]
+    ) -> tuple[float, str]:
+        """Reward and ending of a step to a goal by the user's own functions, where there are any."""
+        if self.goal != goal:  # the next one: what the rover came nearer, it came nearer to the last
+            here = self.driven.simulation.position[:2]
+            self._apart += math.dist(self.goal, here) - math.dist(goal, here)
         own, truth = self._extra, self._truth(ending)
         self._apart, self._own_seen = truth.distance, own.seen(truth)
         if own.reward is not None:
