@@ -141,6 +141,8 @@ def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, fil
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if any(word.partition(":=")[0].rpartition(":")[2] == "log_dir" for word in ros.ros_args):
+        raise UsageError("log_dir does not count behind --ros-args; give --log-dir FOLDER before it")
     if "soil" in given and not run.world.soil:
         raise UsageError("--soil '' names no soil; leave it out for rigid ground, or see --list")
     if run.world.keep_ruts and not run.world.soil:

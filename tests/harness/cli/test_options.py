@@ -130,6 +130,8 @@ TWO = "--terrain flat --rover leo:a"
         ("--extended --no-metrics", "start yours with -p extended_columns:=true"),
         ("--odom-tf wheels --odom-tf-3d", "leave out --odom-tf wheels, or --odom-tf-3d"),
         ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
+        ("--ros-args -p log_dir:=3", "give --log-dir FOLDER before it"),
+        ("--ros-args -p /metrics_node:log_dir:=other", "give --log-dir FOLDER before it"),
         *(
             (f"--direct {words}", f"{words.split()[0]} needs ROS; leave out --direct")
             for words in ("--ros-args --", "--no-metrics", "--wait-for /x", "--namespace x", "--map-tf")

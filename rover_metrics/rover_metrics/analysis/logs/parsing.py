@@ -114,7 +114,7 @@ def _last_line_is_cut(file: BinaryIO, fields: int, separator: bytes) -> bool:
 
 
 class _Narrow(io.TextIOBase):
-    """A text with commas between cells and lines cut after some; pandas refuses more than it has names."""
+    """A text with commas between cells, a line cut after some; pandas refuses more than it has names."""
 
     def __init__(self, file: TextIO, fields: int, separator: str) -> None:
         self._file, self._fields, self._separator = file, fields, separator
