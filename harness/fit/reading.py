@@ -9,7 +9,7 @@ from scipy.ndimage import median_filter
 
 from harness.base.errors import UsageError
 from harness.recordings.bags import recording_of_bag
-from harness.recordings.recording import APART, Recording, lag, moved
+from harness.recordings.recording import APART, Recording, in_order, lag, moved
 from harness.recordings.tables import recording_of
 from harness.robots import RoverSpec
 
@@ -17,6 +17,10 @@ NEEDED = "commands", "wheels"
 LONG, MOST_LOST = 1.0, 0.2  # [s] without a sample is a gap; share of the time that gaps may take
 SHORTEST = 10.0  # [s] that the series have in common
 FEWEST = 50  # samples of the wheels
+STANDS = 0.02  # [m/s] of wheels that stand
+PERIOD = 0.05  # [s] for which a command counts at least
+SINCE = 0.3  # [s] before the next command by which they do, if the rover stops without commands
+TIMEOUT = 0.5  # [s] of a rover whose folder names none
 FASTEST = 50.0  # [m/s] of wheels that are in the units that they are said to be
 
 
@@ -46,7 +50,7 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
     else:
         recording = recording_of_bag(paths[0], rover, topics)
     _check(recording)
-    return _begun(_aligned(recording, rover))
+    return _begun(_stopped(_aligned(recording, rover), rover))
 
 
 def _check(recording: Recording) -> None:
@@ -91,6 +95,26 @@ def _aligned(recording: Recording, rover: RoverSpec) -> Recording:
         late = f"the IMU turns {shift:+.2f} s after the wheels"
         raise UsageError(f"{recording.name}: clocks are apart, {late}")
     return replace(recording, imu=moved(recording.imu, -shift))
+
+
+def _stopped(recording: Recording, rover: RoverSpec) -> Recording:
+    """The recording with a command to stop where none came and the rover stood, as after a joystick.
+
+    When its driver gave up waiting is not known: without what the wheels did until they stood.
+    """
+    commands, wheels = recording.commands, recording.wheels
+    timeout = (rover.actuators and rover.actuators.command_timeout) or TIMEOUT
+    moves = np.abs(wheels[:, 1:]).max(axis=1) > STANDS
+    whole, stops = np.full(len(wheels), True), list[float]()
+    ends = np.append(commands[1:, 0], wheels[-1, 0])
+    for last, end in np.column_stack([commands[:, 0], ends])[ends - commands[:, 0] > LONG]:
+        before = (wheels[:, 0] > end - SINCE) & (wheels[:, 0] <= end)
+        if before.any() and not moves[before].any():
+            stops.append(last + min(timeout, LONG))
+            whole &= ~(moves & (wheels[:, 0] > last + PERIOD) & (wheels[:, 0] < end))
+    added = np.column_stack([stops, np.zeros((len(stops), 2))])
+    commands = in_order(np.concatenate([commands, added]))
+    return replace(recording, commands=commands, wheels=wheels[whole])
 
 
 def _begun(recording: Recording) -> Recording:

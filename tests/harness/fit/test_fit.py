@@ -145,6 +145,21 @@ def test_clocks_that_are_apart_are_told(tmp_path: Path, capsys: Capsys) -> None:
         assert said in complaint(main, words, capsys)
 
 
+def test_a_driver_who_lets_go_of_a_joystick_has_stopped(tmp_path: Path) -> None:
+    sent = [(4 * n + k / 20, *twist) for n, twist in enumerate(TWISTS[1:]) for k in range(40)]
+    stops = [(4 * n + 2.5, 0.0, 0.0) for n in range(len(TWISTS[1:]))]  # by the rover's own timeout
+    true, span = with_values(HUSKY, TRUE.items()), 4.0 * len(stops)
+    made = replay(true, np.array(sorted(sent + stops)), span, course=flat(*PLANE, 0.3))
+    wheels = pd.DataFrame(made.wheels, columns=["t", "v_left", "v_right"])
+    twists = pd.DataFrame(sent, columns=["t", "cmd_v", "cmd_w"])
+    csv = tmp_path / "joystick.csv"
+    wheels.merge(twists, how="outer", on="t").to_csv(csv, index=False)
+    found = {one.key: one.after for one in response(HUSKY, read([csv], HUSKY, {}))}
+    assert found["actuators.delay"] == pytest.approx(TRUE["actuators.delay"], abs=0.03)
+    assert found["actuators.lag"] == pytest.approx(TRUE["actuators.lag"], abs=0.03)
+    assert found["controller_separation"] == pytest.approx(TRUE["controller_separation"], rel=0.03)
+
+
 def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
     t, rate, speed = np.arange(0.0, 4.0, 0.05), 1.2, 0.5
     x, y = speed / rate * np.sin(rate * t), -speed / rate * np.cos(rate * t)
