@@ -49,16 +49,18 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
         raise UsageError("several recordings must be CSV files of one drive; give one bag")
     else:
         recording = recording_of_bag(paths[0], rover, topics)
-    _check(recording)
+    _check(recording, rover)
     return _begun(_stopped(_aligned(recording, rover), rover))
 
 
-def _check(recording: Recording) -> None:
+def _check(recording: Recording, rover: RoverSpec) -> None:
     """Checks that what is needed is there, moves, overlaps and is whole."""
     there, name = recording.series, recording.name
     if missing := [one for one in NEEDED if one not in there]:
         present = ", ".join(there) or "nothing that a rover's model is fitted to"
-        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}")
+        joints = f"; wheels are a JointState with {', '.join(rover.wheel_joints)}, or an Odometry"
+        hint = joints if recording.sources and "wheels" in missing else ""
+        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}{hint}")
     spans = {one: (float(v[0, 0]), float(v[-1, 0])) for one, v in there.items()}
     begin, end = max(b for b, _ in spans.values()), min(e for _, e in spans.values())
     there_are = ", ".join(f"{one} {b:.1f} to {e:.1f} s" for one, (b, e) in spans.items())

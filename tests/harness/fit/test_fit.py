@@ -264,3 +264,48 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     assert found.torques[-1, 1:] == pytest.approx([0.0, 0.0]), "wheels are dragged against their motors"
     other = read([tmp_path / "bag"], HUSKY, {"commands": "/other/cmd_vel"})
     assert (other.commands[0, 0], other.commands[0, 1]) == pytest.approx((0.0, 0.7))
+
+
+def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(tmp_path: Path, capsys: Capsys) -> None:
+    """Commands named otherwise, on the clock of a recorder that is 0.4 s ahead of the rover's."""
+    store = get_typestore(Stores.LATEST)
+    types, bag, begin, late = store.types, tmp_path / "bag", 1_700_000_000, 0.4
+    twist, joints = "geometry_msgs/msg/Twist", "sensor_msgs/msg/JointState"
+    vector = types["geometry_msgs/msg/Vector3"]
+    with Writer(bag, version=8, storage_plugin=StoragePlugin.MCAP) as writer:
+        commands = writer.add_connection("/drive", twist, typestore=store)
+        states = writer.add_connection("/joint_states", joints, typestore=store)
+        for n in range(300):
+            recorded, speed = round((begin + 0.05 * n + late) * 1e9), float(n >= 150)
+            said = types[twist](vector(speed, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+            writer.write(commands, recorded, store.serialize_cdr(said, twist))
+            stamp = types["builtin_interfaces/msg/Time"](*divmod(recorded - round(late * 1e9), 10**9))
+            header = types["std_msgs/msg/Header"](stamp, "")
+            four = np.full(4, speed / HUSKY.controller_radius)
+            state = types[joints](header, [*HUSKY.wheel_joints], np.zeros(4), four, np.zeros(4))
+            writer.write(states, recorded, store.serialize_cdr(state, joints))
+    chosen = read([bag], HUSKY, {"commands": "/drive"})
+    turned, commanded = (series[series[:, 1] > 0.5, 0][0] for series in (chosen.wheels, chosen.commands))
+    assert turned - commanded == pytest.approx(0.0, abs=0.01)
+    words = [str(bag), "--robot", "husky", "--out", str(tmp_path / "out"), "--topic"]
+    assert "no commands can be read of /joint_states" in complaint(
+        main, [*words, "commands=/joint_states"], capsys
+    )
+    words[2] = "leo"
+    assert ROVERS["leo"].wheel_joints[0] in complaint(main, [*words, "commands=/drive"], capsys)
+
+
+def test_a_bag_that_is_cut_off_is_said_to_be(tmp_path: Path) -> None:
+    store = get_typestore(Stores.LATEST)
+    twist, vector = "geometry_msgs/msg/Twist", store.types["geometry_msgs/msg/Vector3"]
+    with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/cmd_vel", twist, typestore=store)
+        said = store.types[twist](vector(0.5, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+        for n in range(1, 3000):
+            writer.write(connection, n * 10**7, store.serialize_cdr(said, twist))
+    assert recording_of_bag(tmp_path / "bag", HUSKY).problems == ()
+    (file,) = (tmp_path / "bag").glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 4])
+    cut = recording_of_bag(tmp_path / "bag", HUSKY)
+    assert "has no end" in cut.problems[0]
+    assert len(cut.commands) > 100
