@@ -8,6 +8,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from harness.base.errors import UsageError
+from harness.fit.likely import check_likely
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import APART, Recording, in_order, lag, moved
 from harness.recordings.tables import recording_of
@@ -50,7 +51,9 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
     else:
         recording = recording_of_bag(paths[0], rover, topics)
     _check(recording, rover)
-    return _begun(_stopped(_aligned(recording, rover), rover))
+    recording = _stopped(_aligned(recording, rover), rover)
+    check_likely(recording, rover)
+    return _begun(recording)
 
 
 def _check(recording: Recording, rover: RoverSpec) -> None:

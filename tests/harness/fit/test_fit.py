@@ -1,7 +1,9 @@
 """A fit against the rover that made its recording, and what a recording lacks or does not tell."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import UsageError
 from harness.fit.__main__ import main
 from harness.fit.estimate import of, with_values
 from harness.fit.ground import differences
@@ -34,10 +37,12 @@ TRUE = {
 HIDDEN = TRUE | {"tyres.rolling": 0.12, "tyres.drag": 0.1}
 TWISTS = (0.0, 0.0), (0.6, 0.0), (0.0, 0.9), (-0.5, 0.4), (0.0, -0.7), (0.4, -0.8), (-0.8, 0.0)
 STEP = 4.0  # [s]
+SIDES = "left_speed", "right_speed"
 PLANE = 20.0, 0.5  # [m]: cells that are larger than those of terrains are driven over sooner
 Capsys = pytest.CaptureFixture[str]
 
 
+@cache
 def driven(rover: RoverSpec, step: float = STEP) -> Recording:
     twists = TWISTS * round(STEP / step)
     commands = np.array([(step * n, *twist) for n, twist in enumerate(twists)])
@@ -88,6 +93,33 @@ def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, c
 
 def lacking(*columns: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
     return lambda table: table.drop(columns=list(columns))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda t: t, ""),
+        (
+            lambda t: t.assign(left_speed=6 * t.left_speed, right_speed=6 * t.right_speed),
+            "as left_wheel",
+        ),
+        (lambda t: t.assign(cmd_w=np.degrees(t.cmd_w)), "cmd_w are"),
+        (lambda t: t.assign(cmd_v=1000 * t.cmd_v), "cmd_v are"),
+        (lambda t: t.assign(x=1000 * t.x, y=1000 * t.y), "x, y are"),
+        (lambda t: t.assign(yaw=-t.yaw), "yaw and wheels"),
+        (lambda t: t.assign(right_speed=-t.right_speed), "swapped?"),
+        (
+            lambda t: t.rename(columns={"left_speed": "right_speed", "right_speed": "left_speed"}),
+            "swapped?",
+        ),
+    ],
+)
+def test_a_series_in_other_units_or_with_another_sign_is_one_line(
+    change: Callable[[pd.DataFrame], pd.DataFrame], said: str, tmp_path: Path
+) -> None:
+    csv = write(driven(HUSKY), tmp_path / "drive.csv", change)
+    with pytest.raises(UsageError, match=said) if said else nullcontext():
+        read([csv], HUSKY, {})
 
 
 @pytest.mark.parametrize(
@@ -262,8 +294,8 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     assert found.wheels[0] == pytest.approx([0.05, *[2.0 * HUSKY.controller_radius] * 2])
     assert found.torques[0, 1:] == pytest.approx([6.0, 6.0])
     assert found.torques[-1, 1:] == pytest.approx([0.0, 0.0]), "wheels are dragged against their motors"
-    other = read([tmp_path / "bag"], HUSKY, {"commands": "/other/cmd_vel"})
-    assert (other.commands[0, 0], other.commands[0, 1]) == pytest.approx((0.0, 0.7))
+    other = recording_of_bag(tmp_path / "bag", HUSKY, {"commands": "/other/cmd_vel"})
+    assert other.commands[0, 1] == pytest.approx(0.7)
 
 
 def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(tmp_path: Path, capsys: Capsys) -> None:
