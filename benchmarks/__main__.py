@@ -16,7 +16,7 @@ from benchmarks.registry import BENCHMARKS, Benchmark
 from benchmarks.show import printable
 from harness.base.errors import HarnessError
 from harness.base.interrupt import StopRequest
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -19,7 +19,8 @@ if __name__ == "__main__":
 
 from harness.base.errors import RunFailed, UsageError, needing_ros
 from harness.base.interrupt import StopRequest
-from rover_metrics.errors import OneLineParser, sibling
+from rover_metrics.errors import sibling
+from rover_metrics.parser import OneLineParser
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor

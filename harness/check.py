@@ -27,7 +27,8 @@ from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS
 from harness.spec.rover import DEFAULT_NOISE
 from harness.spec.run import Run
-from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.errors import complain
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet

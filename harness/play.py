@@ -21,7 +21,7 @@ from harness.cli.run_parser import DEFAULT_LOG_DIR
 from harness.live.player import play
 from harness.live.recording import manifests_near, read_tracks, run_of
 from harness.spec.live import LiveOptions
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -28,7 +28,8 @@ from harness.base.interrupt import StopRequest
 from harness.base.opengl import keep_opengl_out
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots.urdf.templates import TEMPLATES, urdf_of
-from rover_metrics.errors import OneLineParser, complain, shown, sibling
+from rover_metrics.errors import complain, shown, sibling
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 
 if TYPE_CHECKING:

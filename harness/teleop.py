@@ -27,7 +27,8 @@ from harness.base.interrupt import Overdue, StopRequest
 from harness.cli.flags import positive
 from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
 from harness.spec.rover import namespace_of
-from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.errors import complain
+from rover_metrics.parser import OneLineParser
 
 PERIOD = 0.05  # [s] between two commands, as between two control periods at --rate 1
 LOOK = 3.0  # [s] for somebody to listen before a warning

@@ -28,7 +28,7 @@ from harness.base.errors import HarnessError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
 from harness.cli.flags import positive
 from harness.spec.rover import namespace_of
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from benchmarks.soak.plan import FULL, QUICK, Plan
 from benchmarks.soak.scenarios import SCENARIOS, Reference
 from harness.base.errors import HarnessError, RunFailed
 from harness.base.interrupt import StopRequest
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 from harness.base.edge import begin_program
 from harness.base.version import __version__
-from rover_metrics.errors import COMPLETED, OneLineParser, unknown
+from rover_metrics.errors import unknown
+from rover_metrics.parser import COMPLETED, OneLineParser
 
 
 class Program(NamedTuple):

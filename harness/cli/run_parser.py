@@ -21,8 +21,8 @@ from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.rover import DEFAULT_NOISE, RoverSetup
 from harness.spec.run import Run
 from harness.spec.world import WorldSpec
-from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
+from rover_metrics.parser import OneLineParser
 from rover_metrics.ros.arguments import complaint, split_ros_args
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)

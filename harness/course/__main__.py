@@ -21,7 +21,7 @@ from harness.cli.sheets import add_files
 from harness.course.entry import BASELINES, LEARNED
 from harness.course.tracks import SEEDS, TRACKS
 from harness.workers import add_options
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 
 OUT = Path("course")

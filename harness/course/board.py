@@ -134,14 +134,17 @@ def _episodes(known: Sequence[TrackSummary]) -> Trace:
 def _means(known: Sequence[TrackSummary]) -> Trace:
     """The mean of each entry with its interval."""
     scores = [summary.score for summary in known]
-    reach = numbers([0.0 if one.low is None else one.mean - one.low for one in scores])
+    # Both ways: an interval that meets 0 or 1 is cut there.
+    below = numbers([0.0 if one.low is None else one.mean - one.low for one in scores])
+    above = numbers([0.0 if one.high is None else one.high - one.mean for one in scores])
+    whiskers = {"type": "data", "symmetric": False, "array": above, "arrayminus": below}
     return {
         **_markers(
             "mean with its 95 % interval", INK, {"symbol": "diamond-open", "size": 11, "line": INK}
         ),
         "x": numbers([one.mean for one in scores]),
         "y": [*range(len(scores))],
-        "error_x": {"type": "data", "array": reach, "color": INK, "thickness": 1.5, "width": 4},
+        "error_x": whiskers | {"color": INK, "thickness": 1.5, "width": 4},
         "hovertemplate": "%{x}<extra></extra>",
     }
 

@@ -12,8 +12,9 @@ from harness.course.referee import Referee
 from harness.course.task import Case, Task
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
+from harness.testing.listener import TrialListener
 from harness.testing.process import Programs
-from harness.testing.trial import Trial, TrialListener
+from harness.testing.trial import Trial
 
 OUTPUT = "output.txt"
 

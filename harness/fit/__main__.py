@@ -22,7 +22,8 @@ from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.workers import add_options, workers_of
-from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.errors import complain
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import gymnasium
 import numpy as np
@@ -14,18 +14,17 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
-from pydantic import Field
 
 from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.gym.course import Course, Variation, draw_variation
+from harness.gym.beginning import OF_A_WORLD, drawn_world, reset_options, started
+from harness.gym.course import Course, draw_variation
 from harness.gym.custom import OWN, StepTruth, own_of, truth_of
 from harness.gym.driven_rover import DrivenRover
 from harness.gym.observation import Limits, Observation, Part, space_of
 from harness.gym.options import CurriculumSchedule, Options, parse_options
 from harness.gym.picture import Painter
 from harness.samples import Twist
-from harness.spec.value import Finite, Value, as_tuple, made
 from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
 
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
     from harness.gym.live import LiveView
     from harness.sensors.depth import DepthOptions
 
-MOST_TRIES = 20  # places at which a start is tried: a few are too steep to stand on
 LARGEST_SEED = 2**31
 BY_THEMSELVES = ("human", "live")  # render modes that show each step without being asked
 FLIPPED = math.cos(TIPPED_OVER)
@@ -43,27 +41,10 @@ Action = NDArray[np.float32]
 O = TypeVar("O", bound=Options)  # noqa: E741 - options
 
 
-class ResetOptions(Value):
-    """What the options of a reset may ask for.
-
-    Attributes:
-        terrain: Name or file of a new world.
-        difficulty: Difficulty of a new world, 0 to 1.
-        world_seed: Seed of a new world.
-        soil: Soil of a new world, "" for rigid ground.
-        start: x, y [m] and yaw [rad] in the world.
-        goal: x, y in the world [m].
-    """
-
-    terrain: str | None = None
-    difficulty: float | None = None
-    world_seed: int | None = None
-    soil: str | None = None
-    start: Annotated[tuple[Finite, ...] | None, Field(min_length=3, max_length=3)] = None
-    goal: Annotated[tuple[Finite, ...] | None, Field(min_length=2, max_length=2)] = None
-
-
-def _live_view() -> "LiveView":
+def _view(mode: str) -> "Painter | LiveView":
+    """What draws in a render mode."""
+    if mode != "live":
+        return Painter(window=mode == "human")
     from harness.gym.live import LiveView  # noqa: PLC0415 - its extra may be missing
 
     return LiveView()
@@ -116,8 +97,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         own = self.options
         self._extra = own_of(own.reward_fn, own.terminate_fn, own.observe_fn)
         self._box = math.inf  # half the side of the square in which starts and goals are [m]
-        self._painter: Painter | None = None
-        self._live: LiveView | None = None
+        self._view: Painter | LiveView | None = None
         self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
         self._episodes_left = 0  # in this world
         self._is_over = True  # there is no episode to step
@@ -135,19 +115,23 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             UsageError: An option is not valid, or the rover cannot stand at the start.
         """
         super().reset(seed=seed)
-        given = {name: _plain(value) for name, value in (options or {}).items()}
-        wanted = made(ResetOptions, given, "reset").model_dump(exclude_none=True)
+        wanted = reset_options(options or {})
         rng = self.np_random
         noise_seed = int(rng.integers(LARGEST_SEED)) if seed is None else seed
         if seed is not None:
             self._schedule = CurriculumSchedule(self.options.curriculum, self.options.difficulty)
-        elsewhere = wanted.keys() & {"terrain", "difficulty", "world_seed", "soil"}
-        if not self._episodes_left or seed is not None or elsewhere:
-            self.course = self._new_course(noise_seed, wanted)
+        if not self._episodes_left or seed is not None or wanted.keys() & OF_A_WORLD:
+            drawn = drawn_world(self.options, self._schedule, rng, noise_seed) | wanted
+            run = self.options.episode(*(drawn[name] for name in OF_A_WORLD))
+            self.course = Course(run, self._camera)
             self._episodes_left = self.options.episodes_per_world
         self._episodes_left -= 1
         variation = draw_variation(self.options.randomisation, rng)
-        driven = self.driven = self._started(self.course, noise_seed, variation, wanted.get("start"))
+        if (start := wanted.get("start")) is None:
+            self.driven = started(self.course, self._draw_start, variation, noise_seed)
+        else:
+            self.driven = DrivenRover(self.course, start, variation, noise_seed)
+        driven = self.driven
         x, y, _ = driven.simulation.position
         self.goal = wanted.get("goal") or self._draw_goal((x, y))
         self.steps = 0
@@ -212,11 +196,12 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         driven, failure = self.driven, self._failure
         if not failure:
             self._seen = self._observe(driven)
+        goal = self.goal
         reward, ending, info = self._judge(driven, failure)
         if not ending and self.steps * CONTROL_PERIOD >= self.options.time_limit - 1e-9:
             ending = "time"
         if self._extra.needs_truth and failure != "diverged":
-            reward, ending = self._own_judgement(reward, ending, info)
+            reward, ending = self._own_judgement(reward, ending, info, goal)
         if ending:
             self._is_over = True
             self._schedule.record(success=info["is_success"])
@@ -227,8 +212,13 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         seen = self._limits.keep({**self._seen, **self._own_seen})
         return seen, reward, terminated, bool(ending) and not terminated, info
 
-    def _own_judgement(self, reward: float, ending: str, info: Info) -> tuple[float, str]:
-        """Reward and ending of a step by the user's own functions, where there are any."""
+    def _own_judgement(
+        self, reward: float, ending: str, info: Info, goal: tuple[float, float]
+    ) -> tuple[float, str]:
+        """Reward and ending of a step to a goal by the user's own functions, where there are any."""
+        if self.goal != goal:  # the next one: what the rover came nearer, it came nearer to the last
+            here = self.driven.simulation.position[:2]
+            self._apart += math.dist(self.goal, here) - math.dist(goal, here)
         own, truth = self._extra, self._truth(ending)
         self._apart, self._own_seen = truth.distance, own.seen(truth)
         if own.reward is not None:
@@ -259,20 +249,14 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             return None
         if not hasattr(self, "driven"):
             raise ResetNeeded("there is nothing to draw yet; call reset() first")
-        if self.render_mode == "live":
-            self._live = self._live or _live_view()
-            self._live.draw(self.course, self.driven, self.goal, self.steps)
-            return None
-        if self._painter is None:
-            self._painter = Painter(window=self.render_mode == "human")
-        return self._painter.draw(self.course, self.driven.simulation, self.goal)
+        self._view = self._view or _view(self.render_mode)
+        return self._view.draw(self.course, self.driven, self.goal, self.steps)
 
     def close(self) -> None:
         """Gives back the window or page, OpenGL and threads; may be called twice."""
-        for drawing in (self._painter, self._live):
-            if drawing is not None:
-                drawing.close()
-        self._painter = self._live = None
+        if self._view is not None:
+            self._view.close()
+        self._view = None
         if hasattr(self, "driven"):
             self.driven.simulation.physics.stay()
 
@@ -316,43 +300,12 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     def _draw_goal(self, start: tuple[float, float]) -> tuple[float, float]:
         return self.course.places.draw(self._draws, start, self.options.goal_distance, self._box)
 
-    def _draw_start(self, course: Course) -> Start:
+    def _draw_start(self) -> Start:
         if not self.options.random_start:
-            return course.scene.world.start
+            return self.course.scene.world.start
         rng = self._draws
-        x, y = course.places.draw(rng, (0.0, 0.0), (0.0, math.inf), self._box)
+        x, y = self.course.places.draw(rng, (0.0, 0.0), (0.0, math.inf), self._box)
         return x, y, round(float(rng.uniform(-math.pi, math.pi)), 3)
-
-    def _started(
-        self, course: Course, noise_seed: int, variation: Variation, start: Start | None
-    ) -> DrivenRover:
-        if start is not None:
-            return DrivenRover(course, start, variation, noise_seed)
-        reasons = set()
-        for _ in range(MOST_TRIES):
-            try:
-                return DrivenRover(course, self._draw_start(course), variation, noise_seed)
-            except (UsageError, RunFailed) as error:  # noqa: PERF203 - another start is tried
-                reasons.add(str(error))
-        if len(reasons) == 1:  # it is not the place
-            raise UsageError(reasons.pop())
-        raise UsageError(
-            f"no start was found on {course.run.world.terrain}, seed {course.run.seed}, in {MOST_TRIES} "
-            "tries; choose an easier world, or random_start=False"
-        )
-
-    def _new_course(self, seed: int, wanted: dict[str, Any]) -> Course:
-        rng, terrains = self.np_random, self.options.terrain
-        terrain = terrains[int(rng.integers(len(terrains)))]
-        difficulty = self._schedule.draw(rng)
-        drawn: dict[str, Any] = {"terrain": terrain, "world_seed": seed, "difficulty": difficulty}
-        soils = self.options.soil
-        drawn["soil"] = soils[int(rng.integers(len(soils)))] if len(soils) > 1 else soils[0]
-        drawn |= wanted
-        run = self.options.episode(
-            drawn["terrain"], drawn["world_seed"], drawn["difficulty"], drawn["soil"]
-        )
-        return Course(run, self._camera)
 
     def _checked_action(self, action: NDArray[np.floating[Any]]) -> list[float]:
         values, limits = np.asarray(action, np.float64), self._action_limits
@@ -372,8 +325,3 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         """Smallest and largest of each number of an action."""
         low, high = self.action_space.low.tolist(), self.action_space.high.tolist()
         return list(zip(low, high, strict=True))
-
-
-def _plain(value: object) -> object:
-    """Numbers of numpy, as the info of a reset has them, as numbers of Python."""
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else as_tuple(value)

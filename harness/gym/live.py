@@ -22,6 +22,7 @@ class LiveView:
     def __init__(self) -> None:
         self._helm = Helm(1.0, StopRequest())
         self._course: Course | None = None
+        self._goal: tuple[float, float] | None = None  # that is marked
         self._page: LivePage | None = None
 
     def draw(self, course: Course, driven: DrivenRover, goal: tuple[float, float], steps: int) -> None:
@@ -36,12 +37,14 @@ class LiveView:
         if course is not self._course or self._page is None:
             self.close()
             self._page = LivePage(course.run, self._helm, LiveOptions().served(), steered=False)
-            self._course = course
+            self._course, self._goal = course, None
             print(f"live: {self._page.address}", flush=True)
         (watch,), simulation = self._page.observers, driven.simulation
         if not steps:
             watch.path = []
             self._helm.begin()
+        if goal != self._goal:  # one that is reached may be followed by another
+            self._goal = goal
             self._page.mark(Place(*goal, 0.0))
         scan = driven.readings.get(LaserScan)
         x, y, z, w = simulation.orientation

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.gym.course import Course
+from harness.gym.driven_rover import DrivenRover
 from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas, gl_context
-from harness.physics.simulation import Simulation
 from harness.physics.stage import Quality, aim_sun, dress, visible_groups
 from harness.view.camera import chase_view
 from harness.view.ground import drawn
@@ -51,15 +51,21 @@ class Painter:
         self._view: Any = None  # a Canvas, or a window of MuJoCo's
 
     def draw(
-        self, course: Course, shown: Simulation, goal: tuple[float, float]
+        self,
+        course: Course,
+        driven: DrivenRover,
+        goal: tuple[float, float],
+        steps: int,  # noqa: ARG002 - what a LiveView is told
     ) -> NDArray[np.uint8] | None:
         """Draws a state; the image, shape (height, width, 3), or None into a window.
 
         Args:
             course: The world.
-            shown: The state, of the course's scene.
+            driven: The rover.
             goal: In the world [m].
+            steps: Since the episode began; an image does not tell them.
         """
+        shown = driven.simulation
         if course is not self._course:
             self._leave()
             self._stage(course)

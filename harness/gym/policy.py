@@ -19,7 +19,7 @@ if __name__ == "__main__":
 
 from harness.base.errors import UsageError, find_named
 from harness.cli.sheets import add_files, files_of, write_sheets
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 DRIVE, WORLDS, EVALUATED_ON = "drive", 100, ("gravel", "rocky")
 

@@ -15,7 +15,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from rover_metrics.errors import OneLineParser, begin_program, run_program
+from rover_metrics.errors import begin_program, run_program
+from rover_metrics.parser import OneLineParser
 
 if __name__ == "__main__":
     begin_program("harness.gym.policy_node")

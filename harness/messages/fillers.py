@@ -18,8 +18,8 @@ from harness.robots import RoverSpec
 from harness.sensors.battery import BatteryOptions
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
-from harness.sensors.chips import GnssFix, GnssOptions
 from harness.sensors.depth import DepthOptions
+from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions

@@ -1,61 +1,16 @@
-"""CSV files -> recordings, whatever their columns are called and in whatever units they are."""
+"""CSV files -> recordings; files whose names differ in what they are of are one."""
 
-import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from harness.base.errors import UsageError, unknown
-from harness.recordings.delimited import read_csv
+from harness.base.errors import UsageError
+from harness.recordings.columns import UNITS, read_columns, steps_of
 from harness.recordings.recording import Recording, Series, changes, empty, in_order
 
-NAMES: Mapping[str, tuple[str, ...]] = {
-    "t": ("t", "time", "timestamp", "stamp", "secs"),
-    "v": ("cmd_v", "cmd_linear", "cmd_vel_linear", "cmd_vel_x", "v_cmd", "cmd_speed", "linear_x"),
-    "w": ("cmd_w", "cmd_angular", "cmd_vel_angular", "w_cmd", "cmd_yaw_rate", "angular_z"),
-    "left": ("left_speed", "left_velocity", "v_left", "speed_left", "left"),
-    "right": ("right_speed", "right_velocity", "v_right", "speed_right", "right"),
-    "left_turn": ("left_wheel", "left_wheel_speed", "omega_left", "left_wheel_velocity"),
-    "right_turn": ("right_wheel", "right_wheel_speed", "omega_right", "right_wheel_velocity"),
-    "left_current": ("left_current", "current_left", "left_motor_current", "i_left"),
-    "right_current": ("right_current", "current_right", "right_motor_current", "i_right"),
-    "left_torque": ("left_torque", "torque_left", "left_effort"),
-    "right_torque": ("right_torque", "torque_right", "right_effort"),
-    "power": ("power", "battery_power"),
-    "wx": ("wx", "gyro_x", "angular_velocity_x"),
-    "wy": ("wy", "gyro_y", "angular_velocity_y"),
-    "wz": ("wz", "gyro_z", "angular_velocity_z", "yaw_rate"),
-    "ax": ("ax", "acc_x", "accel_x", "linear_acceleration_x"),
-    "ay": ("ay", "acc_y", "accel_y", "linear_acceleration_y"),
-    "az": ("az", "acc_z", "accel_z", "linear_acceleration_z"),
-    "x": ("x", "pose_x", "position_x", "px"),
-    "y": ("y", "pose_y", "position_y", "py"),
-    "yaw": ("yaw", "heading", "theta"),
-    "qx": ("qx", "orientation_x"),
-    "qy": ("qy", "orientation_y"),
-    "qz": ("qz", "orientation_z"),
-    "qw": ("qw", "orientation_w"),
-    "step": ("step", "step_id"),
-    "state": ("state", "phase"),
-    "ground": ("ground", "terrain", "surface"),
-}
-UNITS = {
-    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1.0, "mm": 1e-3, "cm": 1e-2, "m/s": 1.0,
-    "mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "rad": 1.0, "rad/s": 1.0, "deg": math.pi / 180,
-    "deg/s": math.pi / 180, "rpm": math.tau / 60, "a": 1.0, "ma": 1e-3, "m/s2": 1.0, "m/s^2": 1.0,
-    "g": 9.80665, "nm": 1.0, "n m": 1.0, "w": 1.0, "mg": 9.80665e-3, "ft": 0.3048, "ft/s": 0.3048,
-    "mph": 0.44704, "dps": math.pi / 180, "°": math.pi / 180, "°/s": math.pi / 180, "m/s²": 1.0,
-}  # fmt: skip
-UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
-OF_TURNING = ("rad/s", "deg/s", "dps", "°/s", "rpm")  # a speed in these is that of a wheel's turning
-# [s]: times without a unit that are farther apart are in milli-, micro- or nanoseconds.
-LONGEST_PERIOD = 0.5
-# [s]: with such periods they are seconds all the same where as milliseconds they would be over so soon.
-SLOWEST_PERIOD, SHORTEST = 5.0, 1.5
 STILL_G = (0.9, 1.1)  # median magnitude of acceleration without a unit that is in g
 FASTEST_TURN = 10.0  # [rad/s] that a rover may turn with where no unit says that it does
 BACK = 1.0  # [s] by which times may be out of order
@@ -104,7 +59,7 @@ def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = 
     """
     series: dict[str, Series] = {}
     for path in paths:
-        table = _read(path)
+        table = read_columns(path)
         if "ground" in table and len(table) and not ground:
             ground = str(table["ground"].iloc[0])
         read = _series(table, radius, path)
@@ -118,72 +73,16 @@ def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = 
 def _grounds(path: Path) -> dict[str, str]:
     if not path.is_file():
         return {}
-    table = _read(path, dtype=str)
+    table = read_columns(path, dtype=str)
     if not {"run", "ground"} <= set(table.columns):
         return {}
     return dict(zip(table["run"], table["ground"], strict=True))
 
 
-def _read(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as of pandas
-    """A file's columns by our names, in SI units; those that are not known stay as they are.
-
-    Its `attrs` tell by "stated" which columns had a unit.
-    """
-    table = read_csv(path, **how)
-    known = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
-    columns, stated = dict[str, pd.Series](), set[str]()
-    for column in table.columns:
-        match = UNIT.match(str(column).strip().casefold())
-        spelled, unit = (match["name"].strip(), match["unit"]) if match else (str(column), None)
-        name = known.get(spelled.replace(" ", "_"), spelled)
-        if unit and unit not in UNITS:
-            if name in NAMES:
-                raise UsageError(f"{path}: {column}: {unknown('unit', unit, UNITS)}")
-            unit = None
-        if name in ("left", "right") and unit in OF_TURNING:
-            name += "_turn"
-        if name in columns:
-            continue
-        columns[name] = (
-            pd.to_numeric(table[column], errors="coerce") * UNITS[unit] if unit else table[column]
-        )
-        stated |= {name} if unit else set()
-    read = pd.DataFrame(columns)
-    read.attrs["stated"] = stated
-    if "t" in read:
-        times = pd.to_numeric(read["t"], errors="coerce")
-        if "t" not in stated:
-            times = _seconds(times) if times.notna().any() else _dates(read["t"])
-        read["t"] = times
-    return read
-
-
-def _dates(times: pd.Series) -> pd.Series:
-    """Dates with times of the day in seconds; NaN of what is none."""
-    dates = pd.to_datetime(times, errors="coerce", utc=True)
-    return (dates - pd.Timestamp(0, tz="UTC")).dt.total_seconds()
-
-
-def _seconds(times: pd.Series) -> pd.Series:
-    """Times without a unit in seconds."""
-    apart = np.abs(_steps_of(times))
-    period = float(np.median(apart[apart > 0.0])) if apart.any() else 0.0
-    if LONGEST_PERIOD < period <= SLOWEST_PERIOD and np.ptp(times.dropna()) * 1e-3 < SHORTEST:
-        return times
-    factors = (1.0, 1e-3, 1e-6, 1e-9)
-    return times * next((f for f in factors if period * f <= LONGEST_PERIOD), 1.0)
-
-
-def _steps_of(times: pd.Series) -> Series:
-    """The steps from each time to the next, where there are both."""
-    steps: Series = np.diff(times[np.isfinite(times)])
-    return steps
-
-
 def _series(table: pd.DataFrame, radius: float, path: Path) -> dict[str, Series]:
     if "t" not in table:
         return {}
-    back = -float(_steps_of(table["t"]).min(initial=0.0))
+    back = -float(steps_of(table["t"]).min(initial=0.0))
     if back > BACK:
         raise UsageError(f"{path}: time goes back by {back:.1f} s; give each drive a file of its own")
     series = {

@@ -18,7 +18,7 @@ if __name__ == "__main__":
 from harness.cli.flags import add_flags
 from harness.spec.live import LiveOptions
 from harness.workers import add_options
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 OUT = Path("scenario_runs")
 FILES = {

@@ -12,7 +12,7 @@ from harness.base.documents import read_yaml
 from harness.base.errors import UsageError
 from harness.scenario import bound, spec, steps
 from harness.scenario.spec import Scenario
-from harness.spec.value import foremost, not_valid, unknown_key
+from harness.spec.complaint import foremost, not_valid, unknown_key
 
 SUFFIX = ".scenario.yaml"
 

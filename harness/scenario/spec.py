@@ -1,7 +1,6 @@
 """What a *.scenario.yaml says: values that are checked as they are read, and their JSON schema."""
 
 import re
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import (
@@ -12,17 +11,15 @@ from pydantic import (
     create_model,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
-from harness.base.errors import unknown
 from harness.scenario.bound import Bound, Measure, Point, Share, Text
+from harness.scenario.consistency import problems
 from harness.scenario.mission import OF_TARGET
-from harness.scenario.names import COUNT, FORMS, LATENCY, MAP, PATTERN, POSE, heard_quantity
-from harness.scenario.quantities import GOAL, ROUTE, TARGETS, check_name, names
-from harness.scenario.steps import CommandEvent, Event, Launched, PauseEvent
+from harness.scenario.names import FORMS, MAP, PATTERN, POSE
+from harness.scenario.quantities import check_name, names
+from harness.scenario.steps import Event, Launched
 from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Finite, Length, Seed, Value, as_tuple
-from harness.world.targets.placing import target_names
 
 GROUP = re.compile(r"[?]P<.+?>")  # the name of a group, which JSON schemas do not know
 SCHEMA: dict[str, Any] = {
@@ -38,7 +35,6 @@ SCHEMA: dict[str, Any] = {
     }
 }
 MOST_RUNS = 100_000  # of one command
-PAUSE = "without nodes nobody would notice a pause; it needs 'launch:' or an expectation of a topic"
 
 
 def _one_or_several(value: object) -> object:
@@ -213,78 +209,6 @@ class Scenario(RunKeys):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        for problem in self._problems():
+        for problem in problems(self):
             raise problem
         return self
-
-    def _problems(self) -> Iterator[PydanticCustomError]:
-        for name in sorted(self.matrix.model_fields_set & self.model_fields_set):
-            yield _mistake((name,), f"give one of {name} and matrix: {name}")
-        if self.seeds is not None and "seed" in self.model_fields_set:
-            yield _mistake(("seed",), "give one of seed and seeds")
-        if not self.measured:
-            yield _mistake((), "key 'expect' is missing, or 'measure'")
-        lists = {name: values for name, values in self.matrix if len(values) > 1}
-        if self.compare and self.compare not in lists:
-            known = ", ".join(lists) or "none has several values"
-            yield _mistake(("compare",), f"'{self.compare}' is no list of matrix; available: {known}")
-        late = f"after the run of {self.duration:g} s"
-        yield from self._problems_of_quantities()
-        for index, event in enumerate(self.events):
-            if event.at >= self.duration:
-                yield _mistake(("events", index), f"an event at {event.at:g} s is {late}")
-            if problem := self._problem_of_event(event):
-                yield _mistake(("events", index), problem)
-
-    def _problems_of_quantities(self) -> Iterator[PydanticCustomError]:
-        late = f"after the run of {self.duration:g} s"
-        for name, bound in self.measured:
-            if bound.window is not None and bound.window[1] > self.duration:
-                yield _mistake(
-                    (self._part_of(name), name), f"a window to {bound.window[1]:g} s ends {late}"
-                )
-            if name.startswith(GOAL) and self.goal is None:
-                yield _mistake((self._part_of(name), name), "it needs a goal, e.g. goal: {at: [5, 0]}")
-            if problem := self._problem_of_mission(name) or _problem_of_topic(name, bound):
-                yield _mistake((self._part_of(name), name), problem)
-
-    def _part_of(self, name: str) -> str:
-        return "expect" if name in self.expect else "measure"
-
-    def _problem_of_mission(self, name: str) -> str | None:
-        given = self.run_values()
-        if name.startswith(ROUTE) and given.get("route") is None:
-            return "it needs a route, e.g. route: 5,0/8,2"
-        targets = given.get("targets", ())
-        if name.startswith(TARGETS) and not targets:
-            return "it needs targets, e.g. targets: [aruco]"
-        match, known = OF_TARGET.fullmatch(name), target_names(targets)
-        if match is not None and match["name"] not in known:
-            return unknown("target", match["name"], known)
-        return None
-
-    def _problem_of_event(self, event: Event) -> str | None:
-        drivers = set(self.matrix.driver or (self.run_values().get("driver"),))
-        if isinstance(event, CommandEvent) and drivers != {"cmd_vel"}:
-            return "commands need 'driver: cmd_vel'; others drive by themselves"
-        if isinstance(event, PauseEvent) and not self.needs_ros:
-            return PAUSE
-        return None
-
-
-def _problem_of_topic(name: str, bound: Bound) -> str | None:
-    """What is wrong with a bound because of the topic's quantity that it is of."""
-    quantity = heard_quantity(name)
-    measure = "" if quantity is None else quantity.measure
-    if measure == LATENCY and bound.of is None:
-        return "a latency needs the topic of the input, e.g. of: /scan"
-    if measure != LATENCY and bound.of is not None:
-        return "'of' belongs to the latency of a topic"
-    if measure == COUNT and bound.over not in ("always", "end"):
-        return f"a count is one number; leave out 'over: {bound.over}'"
-    return None
-
-
-def _mistake(place: tuple[str | int, ...], message: str) -> PydanticCustomError:
-    """A mistake that shows only beside another part of the file, and where it stands."""
-    return PydanticCustomError("beside", "{message}", {"place": place, "message": message})

@@ -1,6 +1,6 @@
 """Listens to the topics that a scenario expects something of, as soon as somebody publishes them."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -13,8 +13,10 @@ from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
-from harness.scenario.arrivals import Arrivals, Reader
-from harness.scenario.names import AGE, HeardQuantity, check_messages
+from harness.scenario.arrivals import Arrivals
+from harness.scenario.judged import readers
+from harness.scenario.names import AGE, HeardQuantity, check_messages, heard_quantity
+from harness.scenario.spec import Scenario
 from harness.sensors.message_types import read_message
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]
@@ -25,9 +27,7 @@ class Subscriptions:
 
     Args:
         bridge: Subscribes.
-        wanted: What is expected of each topic.
-        inputs: Topics from whose stamps latencies count.
-        readers: What takes out of the messages of a topic what is judged, and of which types.
+        scenario: What it expects and measures of topics.
         now: Tells simulation time since the start, and that of the listeners' clock [ns].
         record: Returns what records the messages of a topic that the bridge does not publish itself.
 
@@ -38,16 +38,19 @@ class Subscriptions:
     def __init__(
         self,
         bridge: Bridge,
-        wanted: Mapping[str, Sequence[HeardQuantity]],
-        inputs: Collection[str],
-        readers: Mapping[str, Reader],
+        scenario: Scenario,
         *,
         now: Callable[[], tuple[int, int]],
         record: Record,
     ) -> None:
         self._bridge, self._now, self._record = bridge, now, record
-        self._wanted, self._inputs, self._readers = wanted, inputs, readers
-        self._missing = {*wanted, *inputs, *readers}
+        self._wanted: dict[str, list[HeardQuantity]] = {}
+        for quantity in filter(None, map(heard_quantity, scenario.quantities)):
+            self._wanted.setdefault(quantity.topic, []).append(quantity)
+        # From whose stamps latencies count.
+        self._inputs = {bound.of for _, bound in scenario.measured if bound.of is not None}
+        self._readers = readers(scenario.quantities)
+        self._missing = {*self._wanted, *self._inputs, *self._readers}
         self._problem: str | None = None
         self.heard: dict[str, Arrivals] = {}
 

@@ -27,20 +27,17 @@ from harness.episode.result import RunResult, TopicCount
 from harness.ros.context import spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
-from harness.scenario.arrivals import topic_series
 from harness.scenario.case import Case, plan
-from harness.scenario.judged import judged_series, readers
-from harness.scenario.names import HeardQuantity, heard_quantity
-from harness.scenario.series import Series
+from harness.scenario.judged import heard_series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
 from harness.testing.evidence import LeavesEvidence, Recording
-from harness.testing.nodes import START_PATIENCE
+from harness.testing.listener import TrialListener
 from harness.testing.process import Programs
 from harness.testing.subject import Subject
-from harness.testing.trial import Start, Trial, TrialListener
+from harness.testing.trial import Start, Trial
 from rover_metrics.errors import LogError
 
 KEPT = 10.0  # [s] of the recording
@@ -49,8 +46,6 @@ OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they m
 SCRATCH = "rover-scenario-"
 QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
-# Nodes that are no part of what a command is started for: of ros2's own tools.
-TOOLS = ("_", "launch_ros_")
 
 
 class ScenarioTrial(LeavesEvidence, TrialListener):
@@ -124,17 +119,10 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
             self._files.mkdir()
             trial = at_end.enter_context(self._trial)
             trial.bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-            inputs = {bound.of for _, bound in self.case.scenario.measured if bound.of is not None}
-            hear, wanted = self._recording.hear, self._wanted()
-            self._topics = Subscriptions(
-                trial.bridge,
-                wanted,
-                inputs,
-                readers(self.case.scenario.quantities),
-                now=self._now,
-                record=hear,
-            )
-            self._await_nodes()
+            scenario, hear = self.case.scenario, self._recording.hear
+            self._topics = Subscriptions(trial.bridge, scenario, now=self._now, record=hear)
+            for name in trial.nodes.awaited([launch.wait_for for launch in scenario.launch]):
+                trial.join(name)
             if not trial.nodes.subjects:  # a node that answers after it was published has heard it
                 trial.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
             mode = f"ROS 2, lock-step with {', '.join(node.name for node in trial.nodes.subjects)}"
@@ -163,7 +151,9 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
             if self._trial.failure is None:
                 raise  # else the drive itself has ended early, which is judged
         self.result = self._ended(self._trial.nodes.subjects)
-        self._findings = self._watch.judged(self.result, self._heard())
+        topics, now_ns = self._topics, self._trial.now_ns
+        heard = heard_series(self.case, topics.heard, topics.known, self._watch.path, now_ns)
+        self._findings = self._watch.judged(self.result, heard)
         return self._findings.breaches
 
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
@@ -226,41 +216,10 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         self._watch.take(batch)
         self._logged.take(batch)
 
-    def _await_nodes(self) -> None:
-        """Waits for the nodes that are named, and for one of each command that names none."""
-        launches = [launch.wait_for for launch in self.case.scenario.launch]
-        named = [name for nodes in launches for name in nodes or ()]
-        others = launches.count(None)
-
-        def unnamed() -> list[str]:
-            names = sorted(self._trial.nodes.names().difference(named))
-            return [name for name in names if not name.rpartition("/")[2].startswith(TOOLS)]
-
-        def missing() -> list[str]:
-            absent = [name for name in named if name not in self._trial.nodes.names()]
-            return absent + ["a node"] * (others - len(unnamed()))
-
-        self._trial.nodes.wait_until(lambda: not missing())
-        if missing():
-            running = ", ".join(sorted(self._trial.nodes.names())) or "none"
-            patience = f"{missing()[0]} has not turned up within {START_PATIENCE:g} s"
-            raise UsageError(f"launch: {patience}; running: {running}")
-        for name in (*named, *unnamed()[:others]):
-            self._trial.join(name)
-
     def _publishers(self) -> list[tuple[str, int]]:
         """How many publishers each topic is known to have."""
         bridge = self._trial.bridge
         return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
-
-    def _wanted(self) -> dict[str, list[HeardQuantity]]:
-        """What is expected of each topic."""
-        wanted: dict[str, list[HeardQuantity]] = {}
-        for name in self.case.scenario.quantities:
-            quantity = heard_quantity(name)
-            if quantity is not None:
-                wanted.setdefault(quantity.topic, []).append(quantity)
-        return wanted
 
     def _now(self) -> tuple[int, int]:
         return self._trial.now_ns, self._trial.clock_ns
@@ -278,15 +237,3 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
             commands=self._trial.bridge.commands.count,
             waited_s={subject.name: subject.waited_s for subject in self._trial.nodes.subjects},
         )
-
-    def _heard(self) -> dict[str, Series]:
-        """The quantities of topics over time."""
-        topics, known = self._topics, self._topics.known
-        pairs = [(name, heard_quantity(name), bound) for name, bound in self.case.scenario.measured]
-        rows = {topic: arrivals.read_values for topic, arrivals in topics.heard.items()}
-        judged = judged_series(self.case, rows, self._watch.path)
-        return judged | {
-            bound.label(name): topic_series(quantity, bound.of, topics.heard, known, self._trial.now_ns)
-            for name, quantity, bound in pairs
-            if quantity is not None
-        }

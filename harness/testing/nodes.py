@@ -1,10 +1,10 @@
 """The nodes under test, of programs or hosted: found in the graph and kept in step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rclpy.executors import Executor
 
-from harness.base.errors import HarnessError
+from harness.base.errors import HarnessError, UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE
@@ -12,6 +12,7 @@ from harness.testing.process import Programs
 from harness.testing.subject import Subject
 
 START_PATIENCE = 30.0  # [s] for the nodes of a program to turn up
+TOOLS = ("_", "launch_ros_")  # how the names of nodes of ros2's own tools begin
 
 
 class Nodes:
@@ -45,6 +46,34 @@ class Nodes:
             return is_there()
 
         spin_until(self._executor, are_there, START_PATIENCE)
+
+    def awaited(self, programs: Sequence[tuple[str, ...] | None]) -> tuple[str, ...]:
+        """Returns the full names of the nodes of some programs, once all of them are there.
+
+        Args:
+            programs: The names of each one's nodes; None for one node of any name.
+
+        Raises:
+            RunFailed: A program has ended and may not.
+            UsageError: A node has not turned up.
+        """
+        named = [name for nodes in programs for name in nodes or ()]
+        count = programs.count(None)
+
+        def others() -> list[str]:
+            names = sorted(self.names().difference(named))
+            return [name for name in names if not name.rpartition("/")[2].startswith(TOOLS)]
+
+        def missing() -> list[str]:
+            absent = [name for name in named if name not in self.names()]
+            return absent + ["a node"] * (count - len(others()))
+
+        self.wait_until(lambda: not missing())
+        if missing():
+            running = ", ".join(sorted(self.names())) or "none"
+            patience = f"{missing()[0]} has not turned up within {START_PATIENCE:g} s"
+            raise UsageError(f"launch: {patience}; running: {running}")
+        return (*named, *others()[:count])
 
     def add(self, name: str, node: object = None) -> None:
         """Keeps a node of this full name in step from now on, as `Trial.join` does."""

@@ -25,6 +25,7 @@ from harness.samples import GroundTruth, Tick, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.testing.evidence import Evidence, LeavesEvidence, Recording
+from harness.testing.listener import TrialListener
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
 from harness.testing.subject import Heard, Message
@@ -39,28 +40,6 @@ ANYTHING = keep_last(1000, BEST_EFFORT)
 
 Node = TypeVar("Node")
 Start = tuple[float, float, float]
-
-
-class TrialListener:
-    """Follows what happens in a trial; a subclass overrides what it needs."""
-
-    def begin_programs(self, programs: Programs) -> None:
-        """Starts what takes its time while the world is built."""
-
-    def joined(self, node: object) -> None:
-        """A node is kept in step from now on; None stands for one in another process."""
-
-    def before_tick(self) -> None:
-        """The next tick is not made yet."""
-
-    def tick(self, tick: Tick, sent: Tick) -> None:
-        """A tick is made, and what faults leave of it; neither has been published."""
-
-    def after_tick(self) -> None:
-        """All nodes have handled the tick."""
-
-    def take(self, batch: Batch) -> None:
-        """The ticks of a batch have been handled."""
 
 
 class Trial(LeavesEvidence):

@@ -23,7 +23,8 @@ from harness.base.interrupt import Interrupted, StopRequest
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
 from harness.workers import add_options, workers_of
-from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.errors import complain
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")

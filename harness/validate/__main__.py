@@ -25,7 +25,8 @@ from harness.base.files import check_target
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
 from harness.soil.soils import SOILS, find_soil
-from rover_metrics.errors import OneLineParser, complain
+from rover_metrics.errors import complain
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet

@@ -36,7 +36,7 @@ from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.posing import Posing
 from harness.view.states import States, read_states
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
 QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=0, shadow_map=4096, slices=28)

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
-from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.metrics import ALL_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
+from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 

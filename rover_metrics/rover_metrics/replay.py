@@ -25,10 +25,11 @@ except ImportError as error:
     print(f"replay needs two libraries: pip install rosbags mcap ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import LogError, OneLineParser, run_program
+from rover_metrics.errors import LogError, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.files import json_safe, write_whole
+from rover_metrics.parser import OneLineParser
 from rover_metrics.session import MetricsSession
 from rover_metrics.sheet.sheet import Sheet
 from rover_metrics.topics import CLOCK, ENERGY, SENSORS, TRUTH

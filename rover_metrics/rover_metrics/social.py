@@ -15,7 +15,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program, run_program
+from rover_metrics.errors import RoverMetricsError, begin_program, run_program
+from rover_metrics.parser import OneLineParser
 
 if __name__ == "__main__":
     begin_program("social")

@@ -136,6 +136,7 @@ class GoldenRun:
         other = "rover_zero4wd" if self.robot == "leo" else "leo"
         sensors = "gnss" if self.sensors == NONE else self.sensors.replace("gnss+", "") + "+gnss"
         own = f"driver=straight,noise=white,sensors={sensors},fault=imu:nan=0.5"
+        own += ",x=0.55,y=2.1" if self.fleet == "onto" else ""  # its left wheels go over a rock
         return ["--rover", f"{robot}:a", "--rover", f"{other}:b,{own}"]
 
 
@@ -156,7 +157,7 @@ def kind(column: str, value: str) -> str:
         "terrain": {"posts": "hazards", "maze": "hazards", "rough": "dem"}
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
         "robot": {"sojourner": "husky", "a200": "husky", "jackal": "husky"},
-        "fleet": {"close": "twin"},
+        "fleet": {"close": "twin", "onto": "mixed"},
         "mission": dict.fromkeys((*MISSION, "link", "helm"), NONE),  # each in a run of its own
         "soil": dict.fromkeys(("dry_sand", "dry_sand:keep", "firm", "terrain"), NONE),
         "sensors": {"battery": NONE, "lidar2d+camera+battery": "lidar2d+camera"},

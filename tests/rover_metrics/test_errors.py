@@ -6,7 +6,8 @@ from unittest.mock import Mock
 
 import pytest
 
-from rover_metrics.errors import KnownError, LogError, OneLineParser, is_worth_a_line, run_program
+from rover_metrics.errors import KnownError, LogError, is_worth_a_line, run_program
+from rover_metrics.parser import OneLineParser
 
 Capsys = pytest.CaptureFixture[str]
 

@@ -14,9 +14,10 @@ from harness.base.errors import UsageError
 from harness.base.files import modified_ns
 from harness.spec.actor import NAME, SUFFIXES, ActorOptions, ActorSpec
 from harness.world.actors.route import LONGEST_ROUTE, Point
-from harness.world.sdf.document import Person, read_document
+from harness.world.sdf.document import Person
 from harness.world.sdf.poses import read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
+from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
 
 MOST_ACTORS = 100

@@ -14,13 +14,14 @@ from harness.spec.world import WorldSpec
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.occupancy import FREE, occupancy
-from harness.world.sdf.document import read_document
 from harness.world.sdf.poses import IDENTITY
+from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
+from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
-from harness.world.solids.pieces import Kinds, obstacle_of, obstacles_of
+from harness.world.solids.pieces import obstacle_of, obstacles_of
 from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 

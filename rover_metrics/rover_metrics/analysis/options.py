@@ -10,7 +10,7 @@ from rover_metrics.analysis.pairing import PAIRINGS
 from rover_metrics.analysis.program import add_documents, level, positive
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
-from rover_metrics.errors import OneLineParser
+from rover_metrics.parser import OneLineParser
 
 DEFAULT_INTERVAL = 1.0  # s
 

@@ -5,8 +5,8 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rover_metrics.errors import OneLineParser
 from rover_metrics.log.documents import DocumentError, read_yaml
+from rover_metrics.parser import OneLineParser
 
 START, END = "--ros-args", "--"
 _WITH_VALUE = (

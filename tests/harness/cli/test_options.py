@@ -222,6 +222,7 @@ def test_several_rovers_have_logs_pages_and_settings_each() -> None:
     assert pages == [Path("out/run_a.html"), Path("out/run_b.html")]
     extended = [settings.extended for settings in options.settings]
     assert extended == [extended_settings(LEO), extended_settings(ROVER_ZERO4WD)]
+    assert [output.settings for output in options.outputs()] == [*options.settings]
     alone = parsed(words)
     assert alone.log_dir(alone.run.rover) == Path("logs")
     assert with_name(Path("run.html"), alone.run.rover) == Path("run.html")

@@ -1,6 +1,7 @@
 """The track BARN against BARN's own tables and files."""
 
 import csv
+import math
 from collections import defaultdict
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.course.task import Case
+from harness.course.tracks import find_track
 from harness.course.tracks.barn import Barn, generated, is_passable
 from harness.course.tracks.barn_files import path_length, read_worlds
 from harness.episode.assembly import world_of
@@ -94,6 +96,14 @@ def test_a_path_is_as_long_in_whatever_order_its_points_stand(tmp_path: Path) ->
         (tmp_path / "paths.csv").write_text(f"world,i,x,y\n{rows}")
         (world,) = read_worlds(tmp_path)
         assert world.length == pytest.approx(path_length([(-2.5, 5.0), (-2.0, 8.0)]))
+
+
+@pytest.mark.parametrize("seed", range(0, 40, 3))
+def test_no_mover_of_dynabarn_is_near_the_start_when_a_rover_enters(seed: int, tmp_path: Path) -> None:
+    built = world_of(find_track("dynabarn").task(Case("dynabarn", seed), tmp_path).run)
+    walks = [person.walk() for person in built.people]
+    places = [walk.place(time) for walk in walks for time in range(4)]  # type: ignore[union-attr]
+    assert min(math.dist((place.x, place.y), built.start[:2]) for place in places) > 2.0 - 1e-3
 
 
 @pytest.mark.parametrize(

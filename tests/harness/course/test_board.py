@@ -1,6 +1,8 @@
 """The leader board: ranks and differences of the receipts, and a page that Chromium draws offline."""
 
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,6 +51,17 @@ def test_names_are_text_and_the_page_is_the_same_bytes(folder: Path) -> None:
     page = page_of(read_folder(folder))
     assert "<b>better</b>" not in page
     assert page == page_of(read_folder(folder))
+
+
+def test_whiskers_end_where_the_interval_is_cut(folder: Path) -> None:
+    first, second = read_folder(folder)[1].tracks["rocky"].episodes
+    spread = [replace(first, score=0.0), replace(second, score=0.6)]
+    page = page_of([receipt_of(find_entry("gap"), {"rocky": spread})])
+    figures = re.search(r'id="figures">(.*?)</script>', page)
+    assert figures
+    (plot,) = json.loads(figures[1]).values()
+    whiskers = plot["data"][1]["error_x"]
+    assert (whiskers["arrayminus"], whiskers["array"]) == ([0.3], [0.7])
 
 
 def test_folders_without_receipts_are_named(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Track mission: its places by geodesy, its rules by rovers that are carried along its way."""
 
 import math
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import pytest
@@ -32,6 +32,9 @@ def test_a_stop_at_the_coordinates_is_one_within_two_metres_of_the_post(
         assert point.stop
     assert math.dist(*gate.posts) == pytest.approx(2.0)
     way = [(0.0, 0.0), *(target.position[:2] for target in (first, gate, last))]
+    stops = [(0.0, 0.0), *(mark.place for mark in marks(route, world.targets, Datum(*DEFAULT_DATUM)))]
+    assert min(math.dist(*pair) for pair in combinations(stops, 2)) > 5.0 - 1e-3
+    assert max(math.dist(*pair) for pair in pairwise(stops)) < 8.0 + 1e-3
     assert task.shortest > sum(math.dist(a, b) for a, b in pairwise(way)) - 4 * 1.2
     assert task.optimal == pytest.approx(task.shortest / 2.0, rel=0.03)
 

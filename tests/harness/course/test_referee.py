@@ -15,16 +15,18 @@ from harness.spec.run import Run
 DRIVE = ((0.1, 0.8, 0.0), (3.5, -0.8, 0.6), (5.0, 0.0, 0.0))
 
 
-def test_energy_is_all_work_of_the_motors_and_risk_the_time_near_somebody() -> None:
+def test_energy_is_all_work_of_the_motors_and_risk_and_time_are_counted_by_the_rules() -> None:
     near, far = "walker=2,-2/2,6:radius=0.4", "other=-9,9/9,9"
     run = Run.of(
         terrain="slope", driver="cmd_vel", route="9,0", actors=(near, far), duration=6.0, commands=DRIVE
     )
     episode = Episode(run, samples=MEASURED)
     referee = Referee(
-        Task(run=run, shortest=9.0, optimal=9.0, rule=Rule()), episode.simulation.scene.world
+        Task(run=run, shortest=9.0, optimal=9.0, rule=Rule(begins_at=0.3)),
+        episode.simulation.scene.world,
     )
-    powers, risk_s = list[float](), 0.0
+    powers, away, risk_s = list[float](), list[float](), 0.0
+    start = episode.simulation.scene.world.start[:2]
     for batch in episode.batches():
         referee.take(batch)
         samples = [sample for tick in batch.ticks for sample in tick.samples]
@@ -33,8 +35,10 @@ def test_energy_is_all_work_of_the_motors_and_risk_the_time_near_somebody() -> N
         people = [each for each in samples if isinstance(each, ActorPoses)]
         gap = math.dist(people[-1].position[0][:2], batch.truth.position[:2]) - 0.4
         risk_s += 0.05 * (gap < RISK_DISTANCE)
+        away.append(math.dist(batch.truth.position[:2], start))
     drive = referee.drive()
     assert min(powers) < -1.0  # motors also brake
     assert drive.energy == pytest.approx(np.abs(powers).sum() / 50.0)
     assert 0.0 < risk_s < 6.0
     assert drive.risk_s == pytest.approx(risk_s)
+    assert drive.time == pytest.approx(6.0 - 0.05 * (1 + np.argmax(np.array(away) >= 0.3)))

@@ -79,7 +79,13 @@ def test_a_run_that_nobody_steers_is_the_same_to_the_byte(tmp_path: Path) -> Non
 def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(
     rover: dict[str, object], tmp_path: Path
 ) -> None:
-    helm, run = Helm(None, StopRequest()), RUN.but(rovers=(RUN.rover.but(**rover),))
+    plan = RUN.plan.but(
+        commands=((0.3, 0.3, 0.0), (4.6, 0.2, 0.3)),
+        goals=((2.4, 1.0, 1.0, 0.0),),
+        resets=(2.6,),
+        drivers=((2.3, "goal"), (4.5, "cmd_vel")),
+    )
+    helm, run = Helm(None, StopRequest()), RUN.but(rovers=(RUN.rover.but(**rover),), plan=plan)
     steered, _ = driven(tmp_path / "a", run, helm, orders(helm))
     again, _ = driven(tmp_path / "b", helm.driven(run), None)
     alone, _ = driven(tmp_path / "c", run, None)

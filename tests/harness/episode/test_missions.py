@@ -65,7 +65,9 @@ def test_a_reset_ends_neither_an_abort_nor_the_loss_of_the_link() -> None:
 
 
 def test_a_rover_stands_from_an_abort_until_it_resumes() -> None:
-    path = [b.truth.path_length for b in driven(route="9,0", aborts=[2.0], resumes=[5.0], duration=8.0)]
+    batches = driven(route="9,0", aborts=[2.0], resumes=[5.0], duration=8.0)
+    path = [batch.truth.path_length for batch in batches]
+    assert [n for n, batch in enumerate(batches) if batch.goals] == [0, 100]  # it is told again
     assert path[99] - path[59] < 0.02  # from 3 s to 5 s
     assert path[-1] - path[109] > 0.3
 

@@ -19,6 +19,7 @@ from harness.fit.estimate import of, with_values
 from harness.fit.ground import differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount
+from harness.fit.outcome import split
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
 from harness.fit.steady import Steady, window
@@ -36,6 +37,7 @@ TRUE = {
 }  # fmt: skip
 HIDDEN = TRUE | {"tyres.rolling": 0.12, "tyres.drag": 0.1}
 TWISTS = (0.0, 0.0), (0.6, 0.0), (0.0, 0.9), (-0.5, 0.4), (0.0, -0.7), (0.4, -0.8), (-0.8, 0.0)
+CONSTANT = of(HUSKY, "actuators.motor_constant")
 STEP = 4.0  # [s]
 SIDES = "left_speed", "right_speed"
 PLANE = 20.0, 0.5  # [m]: cells that are larger than those of terrains are driven over sooner
@@ -55,9 +57,10 @@ def write(recording: Recording, path: Path, change: Callable[[pd.DataFrame], pd.
     table = pd.DataFrame({"t": t})
     for series, names, sd in (
         ("commands", "cmd_v cmd_w", 0.0), ("wheels", "left_speed right_speed", 0.003),
-        ("currents", "left_current right_current", 0.2), ("poses", "x y yaw", 0.005),
+        ("currents", "left_torque right_torque", 0.2 * CONSTANT), ("poses", "x y yaw", 0.005),
     ):  # fmt: skip
         held = at(getattr(recording, series), t + 1e-9)
+        held *= CONSTANT if series == "currents" else 1.0
         for name, values in zip(names.split(), held.T, strict=True):
             table[name] = values + sd * rng.normal(size=t.size)
             if sd:
@@ -78,11 +81,23 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
     assert main(words) == 0
     found = equipped(find_rover(str(out)), REAL, "mud")
     assert {key: of(found, key) for key in TRUE} == pytest.approx(TRUE, rel=0.05)
+    grown = found.wheel_radius - HUSKY.wheel_radius
+    for height in ("rest_height", "lidar_height", "clearance"):
+        assert getattr(found, height) == pytest.approx(getattr(HUSKY, height) + grown, abs=2e-5)
     printed = " ".join(capsys.readouterr().out.split())
     assert "an IMU with six axes is missing" in printed
     assert "friction" in (out / "fit.html").read_text()
     assert find_rover(str(out)).tyres.friction is None, "only the surface was told"
     assert "exists already" in complaint(main, words, capsys)
+
+
+def test_the_last_third_of_the_steps_is_not_fitted_to() -> None:
+    rows = np.arange(0.0, 63.0, 0.1)[:, None] * np.ones(4)
+    fitted, held = split(Recording("made", commands=rows[:, :3], wheels=rows[:, :3], poses=rows))
+    assert held is not None
+    assert held.steps[:, 0].tolist() == [42.0, 48.0, 54.0]
+    assert max(series[-1, 0] for series in fitted.series.values()) < 42.0
+    assert (fitted.steps[:, 1] <= 42.0).all()
 
 
 def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, capsys: Capsys) -> None:
@@ -270,7 +285,7 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
             stamp, turn = n * 5 * 10**7, vector(0.0, 0.0, 0.2)
             joints = types["sensor_msgs/msg/JointState"](
                 header(time(*divmod(stamp, 10**9)), ""), names, np.zeros(4),
-                np.full(4, 2.0 - 4 * (n > 200)), np.full(4, 3.0),
+                np.full(4, 2.0 - 4 * (n > 200)), np.array([7.0, -1.0, 3.0, 3.0]),
             )  # fmt: skip
             level, point = types["geometry_msgs/msg/Quaternion"], types["geometry_msgs/msg/Point"]
             goal, pose = (

@@ -43,6 +43,17 @@ def test_what_a_user_rewards_ends_and_sees_is_of_the_truth() -> None:
     assert rewards == pytest.approx(first - math.dist(goal, seen["own"][:2]) - steps, abs=1e-4)
 
 
+def test_progress_is_that_to_the_goal_of_the_step_also_where_another_follows() -> None:
+    options = {**FLAT, "lidar_beams": 32, "reward_fn": calm}
+    env = gymnasium.make("RoverHarness/RoboTerrain-v0", **options)
+    env.reset(seed=1, options={"start": (0.0, 0.0, 0.0), "goal": (0.8, 0.0)})
+    progress, info = list[float](), dict[str, Any](goals=0)
+    while info["goals"] < 1 or len(progress) < 30:
+        *_, info = env.step(np.array([0.6, 0.0], np.float32))
+        progress.append(info["reward_terms"]["progress"])
+    assert max(map(abs, progress)) < 0.05
+
+
 def test_depth_and_heights_can_be_images_of_the_same_numbers() -> None:
     options = {**FLAT, "depth": (8, 6), "height_scan": True}
     flat, _ = gymnasium.make(ID, **options).reset(seed=1)

@@ -13,7 +13,7 @@ POLICY = Path(__file__).parents[3] / "examples/point_nav.npz"
 
 
 def test_endings_are_counted_with_wilsons_interval() -> None:
-    ends = [("reached", 9.0)] * 5 + [("reached", 11.0)] * 3 + [("time", 60.0), ("flipped", 3.0)]
+    ends = [("reached", 9.0)] * 5 + [("reached", 11.0)] * 3 + [("time", 60.0), ("flipped", 30.0)]
     told = row("learned", "rocky", [Outcome(*end) for end in ends])
     good, count, z = 8, 10, 1.959964
     middle = (good + z * z / 2) / (count + z * z)

@@ -35,7 +35,7 @@ class Kept:
 
 @pytest.mark.parametrize("fleet", [(), ("leo:a", "rover_zero4wd:b,x=3,y=3")], ids=["one", "two"])
 def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: tuple[str, ...]) -> None:
-    run = Run.of(terrain="posts", duration=3.0, lidar_beams=36, actors=["anna=2,2/4,2"])
+    run = Run.of(terrain="posts", duration=3.0, lidar_beams=36, actors=["anna=2,2/4,2", "ben=-2,2/-4,3"])
     run = run.but(rovers=parse_rovers(fleet, run.rover)) if fleet else run
     file, kept = tmp_path / "run.mcap", [Kept() for _ in run.rovers]
     options = RosOptions(log_dir=tmp_path, record=file)

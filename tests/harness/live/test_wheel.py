@@ -2,7 +2,7 @@
 
 from harness.base.interrupt import StopRequest
 from harness.episode.helm import Helm, Order
-from harness.live.keys import HELD, Keys
+from harness.live.keys import HELD, STANDING, Keys
 from harness.live.wheel import Wheel
 from harness.samples import Place
 from harness.spec.rover import RoverSetup
@@ -34,6 +34,21 @@ def test_each_grip_takes_the_wheel_for_somebody_else_may_have_it_since() -> None
     assert stop.command is not None
     assert drive.command.linear > 0.0 == stop.command.linear
     assert again == [drive, stop]
+
+
+def test_a_key_of_turning_goes_with_one_of_driving_as_long_as_either_is_held() -> None:
+    now = [0.0]
+    keys = Keys(lambda: now[0])
+    for forward, left, both in (
+        (1.0, 0.0, (1.0, 0.0)),
+        (0.0, 1.0, (1.0, 1.0)),
+        (-1.0, 0.0, (-1.0, 1.0)),
+    ):
+        keys.press(forward, left)
+        now[0] += 0.9 * HELD
+        assert keys.share == both
+    now[0] += 0.2 * HELD
+    assert keys.share == STANDING
 
 
 def test_a_click_sends_it_there_and_who_gives_back_lets_it_drive_by_itself() -> None:

@@ -26,8 +26,8 @@ from harness.messages.optional import Draw, grid_map_fill, image_fill, lens_info
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import message_type
 from harness.sensors.camera.sensor import CameraOptions, CameraState
-from harness.sensors.chips import GnssFix
 from harness.sensors.choice import chosen
+from harness.sensors.gnss import GnssFix
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.message_types import GRID_MAP, typestore

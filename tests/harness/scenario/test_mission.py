@@ -22,13 +22,14 @@ RUN = Run.of(
 
 
 def walked(*places: tuple[float, float, float]) -> MissionState:
-    """A walk in straight lines at 20 Hz: time [s] and place of its corners."""
-    world = world_of(RUN)
+    """A walk in straight lines at 20 Hz: time [s] and place of its corners; a reset at a time of two."""
+    world, resets = world_of(RUN), 0
     account, state = MissionAccount(world.targets, route_progress(RUN, world)), MissionState()
     for (t, x, y), (u, v, w) in pairwise(places):
+        resets += u == t
         for step in range(round((u - t) * 20)):
             share = step / ((u - t) * 20)
-            state = account.take(t + step / 20, (x + share * (v - x), y + share * (w - y)), 0)
+            state = account.take(t + step / 20, (x + share * (v - x), y + share * (w - y)), resets)
     return state
 
 
@@ -43,6 +44,7 @@ def test_who_passes_by_has_not_stopped_and_who_stops_near_has_reached() -> None:
 def test_a_gate_counts_between_its_posts_and_not_beside_them() -> None:
     assert walked((0, 3, 1), (2, 3, 5)).gates == 1
     assert walked((0, 1, 1), (2, 1, 5)).gates == 0
+    assert walked((0, 3, 1), (2, 3, 2), (2, 3, 4), (4, 3, 5)).gates == 0  # it was carried through
     before = walked((0, 3, 0), (2, 3, 2.5), (4, 3, 2.5), (5, 5, 2))
     assert before.stops["gate"] == pytest.approx(0.5)
     assert before.reached == 0  # who stops there is not through

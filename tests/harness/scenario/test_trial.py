@@ -174,7 +174,6 @@ def test_a_program_that_may_end_and_one_that_shows_no_node(
     launch = "launch: [{command: 'true', wait_for: []}]"
     (case,) = make_cases("{topic./scan.rate: {min: 20, max: 20}}", FAST + launch)
     assert attempt(case, tmp_path).passed
-    monkeypatch.setattr("harness.scenario.trial.START_PATIENCE", 0.1)
     monkeypatch.setattr("harness.testing.nodes.START_PATIENCE", 0.1)
     for program, told in (
         ("sleep 1000", "launch: a node has not turned up within 0.1 s; running: none"),

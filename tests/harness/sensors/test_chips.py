@@ -8,15 +8,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
-from harness.sensors.chips import (
-    BarometerOptions,
-    BarometerSensor,
-    GnssFix,
-    GnssOptions,
-    GnssSensor,
-    MagnetometerOptions,
-    MagnetometerSensor,
-)
+from harness.sensors.barometer import BarometerOptions, BarometerSensor
+from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
+from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import HARDWARE, WHITE, NoisePreset
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum

@@ -13,7 +13,7 @@ from harness.episode.episode import Episode
 from harness.frames.rover_frames import rover_frames
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Pose, Tick
-from harness.sensors.chips import MagneticField
+from harness.sensors.magnetometer import MagneticField
 from harness.sensors.optional import SensorOptions
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run

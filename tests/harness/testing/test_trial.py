@@ -183,6 +183,9 @@ def test_reset_to_a_start_places_the_rover_there() -> None:
         assert one.truth.position[:2] == pytest.approx((2.0, -1.0), abs=0.01)
         assert abs(one.speed) < 0.01
         assert truths.latest.pose.pose.orientation.z == pytest.approx(math.sin(math.pi / 4), abs=1e-2)
+        one.reset(seed=5)  # its start stays
+        one.step(0.1)
+        assert one.truth.position[:2] == pytest.approx((2.0, -1.0), abs=0.01)
 
 
 def test_an_exception_leaves_recording_and_page_and_says_where(

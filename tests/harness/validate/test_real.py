@@ -1,6 +1,7 @@
 """Ours beside recordings: measures against closed forms, files of strangers, and the shared halves."""
 
 import gzip
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,17 @@ def test_a_replay_recovers_its_own_delay_and_ends_its_own_steps_where_they_ended
     late = REAL_HUSKY.actuators.but(delay=0.33)  # type: ignore[union-attr]
     slower = response_times(replay(REAL_HUSKY.but(actuators=late), commands, 24.0))
     assert slower - response_times(own) == pytest.approx([0.25] * 3, abs=0.16)  # a sample of wheels
+
+
+def test_each_side_answers_from_its_own_speed_before() -> None:
+    t, lag = np.arange(0.0, 12.0, 0.01), 0.15
+    moved = 0.4 * -np.expm1(-np.maximum(t - 6.0, 0.0) / lag)
+    made = Recording(
+        "made",
+        commands=np.array([[0.0, 0.5, 0.5], [6.0, 0.5, -0.2]]),
+        wheels=np.column_stack([t, 0.2 + moved, 0.8 - moved]),
+    )
+    assert response_times(made) == pytest.approx(-lag * np.log1p([-0.1, -0.63, -0.9]), abs=0.011)
 
 
 def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:
@@ -177,6 +189,20 @@ def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path
     assert set(one.imu[:, 6]) == {1.0, 2.0}  # a unit that is told is not guessed
     (tmp_path / "runs.csv").write_text("run,ground\n07,ice\n")
     assert recordings_of(tmp_path, 0.1)[0].ground == "ice"
+
+
+def test_of_a_step_that_was_paused_the_longest_part_counts(tmp_path: Path) -> None:
+    table = pd.DataFrame({"t": np.arange(0.0, 12.0, 0.1), "left": 0.1, "right": 0.1, "step": 7})
+    running = (table.t < 5.0) | table.t.between(6.95, 9.0)
+    table.assign(state=np.where(running, "drive", "wait")).to_csv(tmp_path / "ice_1.csv", index=False)
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.steps == pytest.approx(np.array([[0.0, 4.9]]))
+
+
+def test_a_ground_is_of_the_surface_that_says_most_of_it() -> None:
+    rover = HUSKY.but(surfaces={"grass": HUSKY.surfaces["ice"]} | dict(HUSKY.surfaces))
+    checks, _ = compare(rover, [replace(steady(0.5, 0.5), ground="Wet-Grass 3")])
+    assert {one.quantity.partition(",")[0] for one in checks} == {"wet_grass"}
 
 
 def test_arguments_and_folders_that_will_not_do(

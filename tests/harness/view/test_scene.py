@@ -39,6 +39,10 @@ def test_chase_view_looks_where_the_rover_heads_from_above() -> None:
     assert view.direction[0] > 0.7
     assert view.direction[2] == pytest.approx(-math.sin(math.radians(24.0)))
     assert view.eye[0] < 0.0 < view.eye[2]
+    aside, above = (chase_view(np.zeros(3), np.pi / 2, camera=camera).eye for camera in ("side", "top"))
+    assert np.argmax(np.abs(aside)) == 0
+    assert aside[0] < 0.0, "its left, as it heads to +y"
+    assert above[2] > 10.0 * np.hypot(*above[:2])
 
 
 @pytest.mark.parametrize("wall", [0.0, 1.0])

@@ -14,7 +14,7 @@ from harness.world.actors.people import read_trajectories
 from harness.world.heightfield import Heightfield
 from harness.world.heightmap.raster import read_raster
 from harness.world.sdf import reader
-from harness.world.sdf.document import read_document
+from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
 from harness.world.solids.mesh_file import read_mesh
 from harness.world.world import World, with_actors

@@ -16,8 +16,9 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, Shape, bottom, top
 from harness.world.solid import Primitive, Solid
 from harness.world.solids import pieces
+from harness.world.solids.kinds import Kinds
 from harness.world.solids.mesh_file import Mesh
-from harness.world.solids.pieces import Kinds, obstacle_of, obstacles_of
+from harness.world.solids.pieces import obstacle_of, obstacles_of
 from tests.harness.world.solids.shapes import at, both, box
 
 HEIGHTS = np.zeros((41, 41))

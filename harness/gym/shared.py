@@ -1,0 +1,107 @@
+"""What a process of environments does, and the memory that it shares with who asks."""
+
+import contextlib
+import signal
+from collections.abc import Callable, Sequence
+from multiprocessing.connection import Connection
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.gym.env import RoverEnv
+from harness.gym.many import Flags
+from harness.gym.vector import RoverVectorEnv
+
+
+class Shared(NamedTuple):
+    """What the processes exchange of each step, a row for each environment."""
+
+    observations: dict[str, NDArray[np.float32]]
+    actions: NDArray[np.float64]
+    rewards: NDArray[np.float64]
+    terminated: Flags
+    truncated: Flags
+
+    @classmethod
+    def of(cls, memory: Any, sizes: dict[str, int], count: int) -> "Shared":  # noqa: ANN401 - a RawArray
+        """Returns views of a memory.
+
+        Args:
+            memory: A RawArray of bytes, large enough for all.
+            sizes: Length of each part of an observation, by name.
+            count: Of environments.
+        """
+        left = memoryview(memory).cast("B")
+
+        def part(dtype: type, *shape: int) -> NDArray[Any]:
+            nonlocal left
+            array: NDArray[Any] = np.frombuffer(left, dtype, int(np.prod(shape))).reshape(shape)
+            left = left[array.nbytes :]
+            return array
+
+        rewards, actions = part(np.float64, count), part(np.float64, count, 2)
+        observations = {name: part(np.float32, count, size) for name, size in sizes.items()}
+        return cls(observations, actions, rewards, part(np.bool_, count), part(np.bool_, count))
+
+    @staticmethod
+    def size(sizes: dict[str, int], count: int) -> int:
+        """Returns the bytes that it takes."""
+        return count * (8 + 8 * 2 + 4 * sum(sizes.values()) + 2)
+
+    def rows(self, part: slice) -> "Shared":
+        """Returns the rows of some environments."""
+        _, actions, rewards, terminated, truncated = self
+        observations = {name: array[part] for name, array in self.observations.items()}
+        return Shared(observations, actions[part], rewards[part], terminated[part], truncated[part])
+
+
+def serve(
+    connection: Connection,
+    make: Callable[..., RoverEnv[Any]],
+    place: tuple[Any, dict[str, int], int, slice],
+    given: dict[str, Any],
+) -> None:
+    """Steps environments in a process of their own, as it is asked, until nobody listens.
+
+    Args:
+        connection: To who asks.
+        make: Makes one environment.
+        place: The memory, the lengths of the parts of an observation, how many environments there are in
+            all, and which of them are here.
+        given: Options of RoverVectorEnv.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for the parent
+    if hasattr(signal, "pthread_sigmask"):  # a parent that ends without closing sends it, and waits
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
+    *memory, part = place
+    shared = Shared.of(*memory).rows(part)
+    envs = RoverVectorEnv(make, num_envs=part.stop - part.start, **given)
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            request, *args = connection.recv()
+            try:
+                answer: object = _answer(envs, shared, request, args)
+            except Exception as error:  # noqa: BLE001 - it is raised where it was asked for
+                answer = error
+            connection.send(answer)
+
+
+def _answer(envs: RoverVectorEnv, shared: Shared, request: str, args: list[Any]) -> Sequence[Any]:
+    if request == "render":
+        return envs.render()
+    if request != "reset":
+        envs.accept(shared.actions)
+    if request == "accept":
+        return ()
+    if request == "step":
+        for flags in (shared.terminated, shared.truncated):
+            flags.fill(False)
+        shared.rewards.fill(0.0)
+        infos = envs.step_each(shared.rewards, shared.terminated, shared.truncated)
+    else:
+        infos = envs.reset_each(*args)
+    for name, part in shared.observations.items():
+        for row, seen in zip(part, envs.seen, strict=True):
+            row[:] = seen[name]
+    return infos

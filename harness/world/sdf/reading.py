@@ -1,0 +1,245 @@
+"""An SDF file -> its document.
+
+Models stay where their poses put them: collisions are solids whether their model is static or not, but
+a model with joints that move is left out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from harness.base.errors import UsageError
+from harness.robots.spec import GRAVITY
+from harness.world.obstacles import Color
+from harness.world.sdf.document import Document, Person
+from harness.world.sdf.geometry import read_shapes
+from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
+from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
+from harness.world.sdf.resources import Missing, Resources, model_file
+from harness.world.solid import Primitive, Solid
+
+MOST_SOLIDS = 20_000
+MOST_INCLUDES = 2_000
+EARTH = "0 0 -9.8"  # SDF's default
+
+
+def read_document(path: Path, resources: Resources) -> Document:
+    """Reads a world, or a model alone; UsageError if it or a file that it includes is not valid."""
+    document = Document()
+    _Reading(document, resources).file(path)
+    return document
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where an element stands: T_world_scope, the names around it, and the files that led there."""
+
+    pose: Transform
+    names: tuple[str, ...]
+    chain: tuple[Path, ...]
+    is_static: bool = False
+
+    def within(self, name: str, pose: Transform) -> "_Place":
+        return replace(self, pose=self.pose @ pose, names=(*self.names, name))
+
+
+@dataclass(frozen=True)
+class _Call:
+    """A model or an actor in a scope: its own element, and that of the include that it comes by.
+
+    A whole file can be included too: its <world>, or all of it where actors stand beside a model.
+    """
+
+    model: Element
+    include: Element | None
+    chain: tuple[Path, ...]
+
+    @property
+    def name(self) -> str:
+        return text_of(self.include, "name", self.model.get("name", self.model.tag))
+
+    @property
+    def is_static(self) -> bool:
+        return is_true(text_of(self.include, "static", text_of(self.model, "static")))
+
+    @property
+    def is_merged(self) -> bool:
+        """Whether what is in it counts as part of the model that includes it."""
+        return self.include is not None and is_true(self.include.get("merge", ""))
+
+    def pose(self, frames: Frames) -> tuple[Transform, str]:
+        """The pose of its origin, and in which frame; the include's comes before its own."""
+        source = self.include
+        if source is None or source.find("pose") is None:
+            source = self.model
+        pose, reference = read_pose(source, self.name)
+        placement = text_of(self.include, "placement_frame", self.model.get("placement_frame", ""))
+        return pose @ inverse(frames.find(placement)), reference
+
+
+class _Reading:
+    def __init__(self, document: Document, resources: Resources) -> None:
+        self._document, self._resources = document, resources
+
+    def file(self, path: Path) -> None:
+        models = read_list(path)
+        if models is None:
+            root = self._root(path)
+        else:
+            root = models
+            self._document.files.append(path)
+        world = root.find("world")
+        place = _Place(IDENTITY, (), (path.resolve(),))
+        if world is None:
+            world = root
+            if not any(root.find(tag) is not None for tag in ("model", "actor", "include")):
+                raise UsageError(f"{path}: it has neither <world> nor <model>; that is no world")
+        if root.findall("world")[1:]:
+            self._left_out("all worlds of the file but the first")
+        gravity = numbers(text_of(world, "gravity", EARTH), 3, "gravity")
+        if gravity[0] or gravity[1] or not GRAVITY[0] <= -gravity[2] <= GRAVITY[1]:
+            raise UsageError(
+                f"{path}: gravity {gravity} is not straight down, or not {GRAVITY[0]:g} to "
+                f"{GRAVITY[1]:g} m/s^2; rovers drive on nothing else"
+            )
+        self._document.gravity = -gravity[2]
+        self._scope(world, Frames("world"), place)
+        if world is root:
+            several = models is not None or sum(item.tag in ("model", "include") for item in root) > 1
+            plain = all(isinstance(solid.shape, Primitive) for solid in self._document.solids)
+            self._document.is_loose = several or plain
+
+    def _root(self, path: Path) -> Element:
+        root = read_xml(path)
+        if root.tag not in ("sdf", "gazebo"):
+            raise UsageError(f"{path}: its root is <{root.tag}>, not <sdf>")
+        self._document.files.append(path)
+        return root
+
+    def _left_out(self, name: str) -> None:
+        self._document.missing.setdefault(name)
+
+    def _scope(self, scope: Element, frames: Frames, place: _Place) -> None:
+        """Reads what stands in a world or in a model: first all frames, then what is in them."""
+        for plugin in scope.findall("plugin"):
+            self._document.plugins.setdefault(plugin.get("name") or plugin.get("filename") or "?")
+        for tag in ("population", "road"):
+            if scope.find(tag) is not None:
+                self._left_out(f"<{tag}>")
+        own = (_Call(item, None, place.chain) for item in scope if item.tag in ("model", "actor"))
+        calls = [*own, *self._included(scope, place)]
+        inner = [Frames("world" if call.model.tag == "world" else "__model__") for call in calls]
+        for call, nested in zip(calls, inner, strict=True):
+            _add_frames(call.model, nested)
+            frames.add(call.name, *call.pose(nested))
+            frames.nest(call.name, nested)
+            if call.is_merged:
+                for name in nested.names:
+                    frames.add(name, IDENTITY, f"{call.name}::{name}")
+        _add_frames(scope, frames)
+        for link in scope.findall("link"):
+            self._link(link, frames, place)
+        for call, nested in zip(calls, inner, strict=True):
+            pose, reference = call.pose(nested)  # not by its name, which another may have too
+            at = place.within(call.name, frames.find(reference) @ pose)
+            if call.model.tag == "actor":
+                person = Person(call.name, call.model, at.pose, call.chain[-1])
+                self._document.actors.append(person)
+            else:
+                self._model(call, nested, replace(at, chain=call.chain))
+
+    def _model(self, call: "_Call", frames: Frames, place: _Place) -> None:
+        is_static = place.is_static or call.is_static
+        if not is_static and call.model.tag == "model":
+            joints = {joint.get("type") for joint in call.model.findall("joint")}
+            if joints - {"fixed"}:
+                self._left_out(f"model '{'::'.join(place.names)}': it has joints that move")
+                return
+            self._document.movable.append("::".join(place.names))
+            is_static = True  # noted once, not for its parts
+        self._scope(call.model, frames, replace(place, is_static=is_static))
+
+    def _included(self, scope: Element, place: _Place) -> list["_Call"]:
+        calls: list[_Call] = []
+        for include in scope.findall("include"):
+            try:
+                path = model_file(self._resources.find(text_of(include, "uri"), place.chain[-1]))
+            except Missing as missing:
+                self._left_out(str(missing))
+                continue
+            chain = (*place.chain, path.resolve())
+            if path.resolve() in place.chain:
+                circle = " -> ".join(file.name for file in chain)
+                raise UsageError(f"{path} includes itself: {circle}; take one <include> out")
+            self._document.includes += 1
+            if self._document.includes > MOST_INCLUDES:
+                raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
+            if any(item.tag.endswith(":params") for item in include):
+                self._left_out(f"changes by <experimental:params> of {text_of(include, 'uri')}")
+            root = self._root(path)
+            calls += [_Call(item, include, chain) for item in _entities(root)]
+        return calls
+
+    def _link(self, link: Element, frames: Frames, place: _Place) -> None:
+        name = link.get("name", "link")
+        at = place.within(name, frames.find(name))
+        color = next(filter(None, map(_color, link.findall("visual"))), None)
+        for collision in link.findall("collision"):
+            self._document.solids += self._solids(collision, frames, at, color)
+        if len(self._document.solids) > MOST_SOLIDS:
+            raise UsageError(f"more than {MOST_SOLIDS} collisions; take some out")
+
+    def _solids(
+        self, collision: Element, frames: Frames, link: _Place, color: Color | None
+    ) -> Sequence[Solid]:
+        name = "::".join((*link.names, collision.get("name", collision.tag)))
+        pose, reference = read_pose(collision, name)
+        geometry = collision.find("geometry")
+        if geometry is None:
+            self._left_out(f"{name}: it has no <geometry>")
+            return ()
+        try:
+            shapes = read_shapes(geometry, name, link.chain[-1], self._resources)
+        except Missing as missing:
+            self._left_out(str(missing))
+            return ()
+        if reference:  # of the model that the link is in
+            own = link.pose @ inverse(frames.find(link.names[-1])) @ frames.find(reference) @ pose
+        else:
+            own = link.pose @ pose
+        mu = text_of(collision.find("surface/friction/ode"), "mu")
+        friction = numbers(mu, 1, f"<mu> of {name}")[0] if mu else None
+        if friction is not None and friction < 0.0:
+            raise UsageError(f"<mu> of {name} '{mu}' is not valid; give 0 or more")
+        return [Solid(name, shape, own @ at, friction, color) for shape, at in shapes]
+
+
+def _add_frames(scope: Element, frames: Frames) -> None:
+    """Adds the links, joints and free frames of a model or world."""
+    for link in scope.findall("link"):
+        frames.add(link.get("name", "link"), *read_pose(link, link.get("name", "link")))
+    for frame in scope.findall("frame"):
+        pose, reference = read_pose(frame, frame.get("name", "frame"))
+        frames.add(frame.get("name", ""), pose, reference or frame.get("attached_to", ""))
+    for joint in scope.findall("joint"):
+        pose, reference = read_pose(joint, joint.get("name", "joint"))
+        frames.add(joint.get("name", ""), pose, reference or text_of(joint, "child"))
+
+
+def _entities(root: Element) -> list[Element]:
+    """What an include of a file brings: a model, an actor or a world; or all, where actors are more."""
+    models, actors, world = root.findall("model")[:1], root.findall("actor"), root.find("world")
+    if world is not None:
+        return [world]
+    return [root] if len(models) + len(actors) > 1 else [*models, *actors]
+
+
+def _color(visual: Element) -> Color | None:
+    material = visual.find("material")
+    text = text_of(material, "diffuse") or text_of(material, "ambient")
+    values = text.split()
+    if len(values) not in (3, 4):
+        return None
+    red, green, blue, *alpha = numbers(text, len(values), "colour")
+    return red, green, blue, alpha[0] if alpha else 1.0
