@@ -1,5 +1,6 @@
 """What a page shows of a run, and what a click on it means, also where it follows a rover."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +47,7 @@ def test_what_a_lidar_hits_is_shown_on_the_posts_of_the_world(tmp_path: Path, ro
         server.stop()
     posts = world_of(run).obstacles
     middles = np.array([post.position[:2] for post in posts])
-    reach = np.array([np.hypot(*post.half_size[:2]) for post in posts])
+    reach = np.array([math.hypot(*post.half_size[:2]) for post in posts])
     beyond = (np.linalg.norm(points[:, None, :2] - middles, axis=2) - reach).min(axis=1)
     assert len(points) > 30
     assert beyond.max() < 0.05
