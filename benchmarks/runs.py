@@ -97,6 +97,6 @@ def physics(run: Run, commands: Commands) -> float:
 def _episode(run: Run) -> float:
     episodes = episodes_of(run)
     start = time.perf_counter()
-    for _ in together(episodes, ahead=True):
+    for _ in together(episodes, ahead=True, awake=True):
         pass
     return time.perf_counter() - start

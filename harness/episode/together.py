@@ -14,7 +14,11 @@ Ordered = Callable[[], Callable[[], None] | None]
 
 
 def together(
-    episodes: Sequence["Episode"], ordered: Ordered = lambda: None, *, ahead: bool = False
+    episodes: Sequence["Episode"],
+    ordered: Ordered = lambda: None,
+    *,
+    ahead: bool = False,
+    awake: bool = False,
 ) -> Iterator[tuple[Batch, ...]]:
     """Drives episodes that share a world, one control period at a time: a batch of each.
 
@@ -23,6 +27,7 @@ def together(
         ordered: Is asked once before each control period what is to be done at its beginning.
         ahead: Whether a second core may simulate a period while the one before is observed: then
             nobody but `ordered` may act on the episodes.
+        awake: Whether this process has a core to itself on which it may wait for that one awake.
 
     Raises:
         RunFailed: A rover left the map or the simulation diverged; the ticks up to then have been
@@ -48,7 +53,7 @@ def together(
                         episode.pilot.drive_wheels(ticks)
                     may_begin = ahead and stop < total and _may_go_ahead(episodes, stop, asked)
                     physics.run()  # waits for the other core: all that can be asked before has been
-                    is_begun = may_begin and _goes_ahead(episodes, stop, asked)
+                    is_begun = may_begin and _goes_ahead(episodes, stop, asked, awake=awake)
                     _observe(episodes, first, ticks)
             except RunFailed as error:
                 failure = error
@@ -83,7 +88,7 @@ def _may_go_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked) -> bo
     return all(episode.can_go_ahead(tick) for episode in episodes) and asked.is_nothing()
 
 
-def _goes_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked) -> bool:
+def _goes_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked, *, awake: bool) -> bool:
     """Begins the control period after the one that has been simulated, if all is well."""
     physics, rest = episodes[0].simulation.physics, episodes[0].run.total_ticks - tick
     if not physics.show_end():
@@ -94,7 +99,7 @@ def _goes_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked) -> bool
     for episode in episodes:
         episode.begin_period(tick)
         episode.pilot.drive_wheels(min(TICKS_PER_CONTROL, rest))
-    physics.launch()
+    physics.launch(awake=awake)
     return True
 
 

@@ -139,16 +139,20 @@ class Drag:
         model: Whose friction it is.
         rover: Whose tyres say how much.
         root: Its root body.
+
+    Attributes:
+        acts: Whether there is any.
     """
 
     def __init__(self, model: mujoco.MjModel, rover: RoverSpec, root: int) -> None:
         first = int(model.body_dofadr[root])
+        self.acts = rover.tyres.drag > 0.0
         self._force = rover.tyres.drag * float(model.body_subtreemass[root]) * rover.gravity
         self._friction = model.dof_frictionloss[first : first + 2]
 
     def turn(self, velocity: NDArray[np.float64]) -> None:
         """Lets it act against a velocity in the world's x and y [m/s]; to be called now and then."""
-        if self._force:
+        if self.acts:
             speed = float(np.hypot(*velocity))
             share = np.abs(velocity) / speed if speed > SLOW else np.full(2, np.sqrt(0.5))
             self._friction[:] = self._force * share

@@ -19,9 +19,11 @@ from harness.physics.contacts import ContactWatch
 from harness.physics.passed_over import SIGNATURE
 from harness.physics.scene import Scene
 from harness.physics.stepping import Span, Stepping
-from harness.physics.steps_kernel import advance
+from harness.physics.steps_kernel import advance, begin_step, is_wrong
 
 OVER = -1  # instead of where to end: the thread is to end
+LONGEST = 10_000  # times that a core is offered to others before one sleeps: some milliseconds
+UNDER_WAY, GOES_ON = -1, -2  # instead of whether a step is begun: nothing has landed
 
 _api = ctypes.pythonapi
 _api.PyThread_allocate_lock.restype = ctypes.c_void_p
@@ -32,6 +34,10 @@ _ACQUIRE, _RELEASE = (
 )
 _acquire = native(ctypes.c_void_p, ctypes.c_int)
 _release = native(ctypes.c_void_p)
+_others = native()
+_GIVE_WAY = 0  # the address of sched_yield
+if hasattr(os, "sched_yield"):  # not on Windows
+    _GIVE_WAY = ctypes.cast(ctypes.CDLL(None).sched_yield, ctypes.c_void_p).value or 0
 _wait = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int)(_ACQUIRE)  # without the interpreter's lock
 
 
@@ -41,29 +47,54 @@ def has_second_core() -> bool:
     return (os.cpu_count() or 1 if usable is None else len(usable(0))) > 1
 
 
+@kernel("void(int64[::1], boolean, int64)")
+def stay_awake(steps: NDArray[np.int64], is_under_way: bool, give_way: int) -> None:
+    """Returns when this is no longer so, or has been for so long that one may as well sleep.
+
+    Args:
+        steps: As `serve` has them.
+        is_under_way: Whether they are to land; else to be launched.
+        give_way: Address of sched_yield.
+    """
+    for _ in range(LONGEST):
+        if (steps[3] < 0) != is_under_way:
+            return
+        _others(give_way, ())
+
+
 @kernel(
-    "void(UniTuple(int64, 4), int64[::1], Tuple((UniTuple(int64, 4),"
+    "void(UniTuple(int64, 5), int64[::1], Tuple((UniTuple(int64, 6),"
     "Tuple((float64[::1], int64[::1], float64[:,::1])), Tuple((int32[:], float64[:,::1])),"
     "Tuple((float64[::1], float64[:,::1])), Tuple((UniTuple(float64[::1], 3),"
     "UniTuple(float64[:,::1], 3))), Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
     f"Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])), {SIGNATURE})))"
 )
-def serve(locks: tuple[int, int, int, int], steps: NDArray[np.int64], stepping: Stepping) -> None:
+def serve(locks: tuple[int, int, int, int, int], steps: NDArray[np.int64], stepping: Stepping) -> None:
     """Advances whenever the first lock is released, then releases the second; ends at OVER.
 
     Args:
-        locks: The two locks, and the addresses of what takes and what releases them.
-        steps: As of `advance`, but what comes first is afterwards where it ended.
+        locks: The two locks, and the addresses of what takes and what releases them, and of sched_yield
+            to wait awake; 0 to sleep.
+        steps: Where to begin and to end, and steps of a tick, as `advance` has them; GOES_ON to begin
+            the step after them, too, if all is well, or else UNDER_WAY. Afterwards where it ended comes
+            first, and last 1 if that step is begun, or else 0.
         stepping: What `advance` takes beside them; contacts must be known.
     """
     pointers, control, health, felt, recorded, contacts, watched, obstacles = stepping
+    is_begun = False
     while True:
         _acquire(locks[2], (locks[0], 1))
         if steps[1] == OVER:
             return
-        span = (steps[0], steps[1], steps[2])
+        span = (steps[0], steps[1], steps[2], int(is_begun))
         steps[0] = advance(pointers, span, control, health, felt, recorded, contacts, watched, obstacles)
+        is_begun = steps[3] == GOES_ON and not is_wrong(health, recorded[0][0])
+        steps[3] = int(is_begun)
         _release(locks[3], (locks[1],))
+        if is_begun:  # meanwhile somebody decides what is commanded
+            begin_step(pointers, recorded[0], obstacles)
+            if locks[4]:
+                stay_awake(steps, False, locks[4])
 
 
 class Aside:
@@ -72,26 +103,42 @@ class Aside:
     Args:
         span: Gets what the ticks are like.
         contacts: What is touched in them; known where they are watched.
+        awake: Whether the two wait for each other awake, but behind whoever else wants their cores: who
+            sleeps for half a millisecond finds its caches cold, and is woken late.
     """
 
-    def __init__(self, span: Span, contacts: ContactWatch) -> None:
-        self._steps = np.zeros(3, np.int64)
+    def __init__(self, span: Span, contacts: ContactWatch, *, awake: bool = False) -> None:
+        self._steps = np.zeros(4, np.int64)
         self._locks = tuple(_api.PyThread_allocate_lock() for _ in range(2))
         for lock in self._locks:
             _wait(lock, 1)
-        args = (*self._locks, _ACQUIRE, _RELEASE), self._steps, span.arguments(contacts)
+        self._give_way = _GIVE_WAY if awake else 0
+        args = (*self._locks, _ACQUIRE, _RELEASE, self._give_way), self._steps, span.arguments(contacts)
         self._thread = threading.Thread(target=serve, args=args, daemon=True)
         self._thread.start()
 
-    def launch(self, steps: int, per_tick: int) -> None:
-        """Begins to simulate steps under the commands of the span."""
-        self._steps[:] = 0, steps, per_tick
+    def launch(self, steps: int, per_tick: int, *, goes_on: bool = False) -> None:
+        """Begins to simulate steps under the commands of the span.
+
+        Args:
+            steps: How many.
+            per_tick: Steps of a tick.
+            goes_on: Whether it is worth to begin the step after them: who launches next waits for it.
+        """
+        self._steps[:] = 0, steps, per_tick, GOES_ON if goes_on else UNDER_WAY
         _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
 
     def land(self) -> int:
         """Waits for what was launched; returns where it ended, as `Span.advance`."""
+        if self._give_way:
+            stay_awake(self._steps, is_under_way=True, give_way=self._give_way)
         _wait(self._locks[1], 1)
         return int(self._steps[0])
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the step after those that have landed is begun."""
+        return int(self._steps[3]) == 1
 
     def close(self) -> None:
         """Ends the thread, which must have landed; nothing is launched any more."""
@@ -109,13 +156,20 @@ class Ahead:
         data: The state that everybody reads.
         span: What is known of its ticks; gets what the copy's were like.
         contacts: What is touched in them, of the copy as of the state that is read.
+        awake: How they wait for each other, as `Aside` has it.
 
     Attributes:
         is_away: Whether the copy is newer than what everybody reads.
     """
 
     def __init__(
-        self, scenes: Sequence[Scene], data: mujoco.MjData, span: Span, contacts: ContactWatch
+        self,
+        scenes: Sequence[Scene],
+        data: mujoco.MjData,
+        span: Span,
+        contacts: ContactWatch,
+        *,
+        awake: bool,
     ) -> None:
         self._model, self._read, self._shown = scenes[0].model, data, (span, contacts)
         self._data, self.is_away = mujoco.MjData(self._model), False
@@ -123,6 +177,7 @@ class Ahead:
         self._span = Span(self._model, self._data, span.motors, span.obstacles)
         self._span.fence, self._strongest = span.fence, self._contacts.watched[-1]
         self._aside: Aside | None = None
+        self._awake = awake
 
     def launch(self, steps: int, per_tick: int) -> bool:
         """Begins to simulate steps under the commands of the span.
@@ -137,10 +192,10 @@ class Ahead:
             if not self._contacts.are_known():
                 self.come_back()
                 return False
-            self._aside = Aside(self._span, self._contacts)
+            self._aside = Aside(self._span, self._contacts, awake=self._awake)
         self._span.commands[:] = self._shown[0].commands
         self._strongest[..., 0] = 0.0
-        self._aside.launch(steps, per_tick)
+        self._aside.launch(steps, per_tick, goes_on=True)
         return True
 
     def land(self) -> int:
@@ -153,12 +208,24 @@ class Ahead:
         contacts.begin()
         contacts.watched[-1][:] = self._strongest
         span.take(self._span)
-        if self._span.is_wrong():
+        if not self._has_begun and self._span.is_wrong():
             self.come_back()
         return ended
 
+    @property
+    def _has_begun(self) -> bool:
+        return self._aside is not None and self._aside.has_begun
+
+    def halt(self) -> None:
+        """Takes back the step that is begun while commands are decided: friction may change then."""
+        if self._aside is not None and self._has_begun:
+            self._aside.launch(0, 1)
+            self._aside.land()
+            self._span.warnings[:] = 0  # there were none, or it would not have been begun
+
     def come_back(self) -> None:
         """Makes the state that is read the newest one again."""
+        self.halt()
         if self.is_away:
             mujoco.mj_copyData(self._read, self._model, self._data)
             self.is_away = False

@@ -99,7 +99,7 @@ class ContactWatch:
     def look(self, tick: int = 0) -> None:
         """Takes a step of a tick in which something was touched into account."""
         self.are_known()
-        pointers = addresses()[1], self._model._address, self._data._address  # noqa: SLF001 - no other name
+        pointers = addresses()[0], self._model._address, self._data._address  # noqa: SLF001 - no other name
         state = self._data.qpos, self._data.sensordata
         look(pointers, state, self.contacts, self.watched, tick)
 

@@ -164,15 +164,23 @@ class Physics:
         self.step_count = self._began + self._simulated * self.steps_per_tick
         return True
 
-    def launch(self) -> None:
+    def launch(self, *, awake: bool) -> None:
         """Lets another core simulate what all rovers have been commanded, while `shown` shows the end.
 
         The next `run` waits for it, or does it itself where rovers park or set off within these ticks.
+
+        Args:
+            awake: How they wait for each other, as `Aside` has it.
         """
         if self._ahead is None:
-            self._ahead = Ahead(self._scenes, self.data, self._span, self.contacts)
+            self._ahead = Ahead(self._scenes, self.data, self._span, self.contacts, awake=awake)
         ticks = list(zip(*(rover.parked for rover in self.rovers), strict=True))
         if len(set(ticks)) == 1:
+            if any(
+                rover.drag.acts or rover.parking.held != held
+                for rover, held in zip(self.rovers, ticks[0], strict=True)
+            ):
+                self.halt()
             self._turn_drag()
             self._hold(ticks[0])
             self._is_launched = self._ahead.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
@@ -191,6 +199,11 @@ class Physics:
                 self._end_aside = finalize(self, self._aside.close)  # nobody has to say that it is done
             self._aside.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
             self._is_launched = True
+
+    def halt(self) -> None:
+        """Takes back what another core has begun of the next step; friction may change only then."""
+        if self._ahead is not None:
+            self._ahead.halt()
 
     def stay(self) -> None:
         """Ends what has been launched, and its thread."""

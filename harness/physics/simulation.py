@@ -135,6 +135,7 @@ class Simulation:
         if (now := (*strength.values(), stuck)) == self._limited:
             return
         self._limited = now
+        self.physics.halt()
         drive, own = self.scene.rover.drive, self.scene.own
         for number, name in enumerate(drive.driven):
             share, motor = strength["left" if name in drive.left else "right"], self.motors[number]

@@ -63,7 +63,7 @@ class Span:
         step, end, per_tick = steps
         while True:
             pointers, *rest = self.arguments(watch)
-            step = advance(pointers, (step, end, per_tick), *rest)
+            step = advance(pointers, (step, end, per_tick, 0), *rest)
             if step >= 0:
                 return step
             step = -step

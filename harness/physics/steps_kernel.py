@@ -33,20 +33,21 @@ Watched = tuple[Integers, NDArray[np.int8], Integers, Doubles]
 # position stands and the geoms do.
 Contacts = tuple[NDArray[np.int32], Doubles, NDArray[np.int32], Integers]
 
+# Addresses of mj_contactForce, mj_step, mj_step1, mj_step2, of the model and of its data.
+Pointers = tuple[int, int, int, int, int, int]
+
 _step = native(ctypes.c_void_p, ctypes.c_void_p)
 _contact_force = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
 
 
 @cache
-def addresses() -> tuple[int, int]:
-    """Returns the addresses of MuJoCo's mj_step and mj_contactForce in this process."""
+def addresses() -> tuple[int, int, int, int]:
+    """Returns the addresses of mj_contactForce, mj_step, mj_step1 and mj_step2 in this process."""
     name = LIBRARIES.get(sys.platform, f"libmujoco.so.{mujoco.__version__}")
     library = ctypes.CDLL(str(Path(mujoco.__file__).with_name(name)))
-    step, force = (
-        ctypes.cast(function, ctypes.c_void_p).value
-        for function in (library.mj_step, library.mj_contactForce)
-    )
-    return step or 0, force or 0
+    functions = library.mj_contactForce, library.mj_step, library.mj_step1, library.mj_step2
+    force, step, first, second = (ctypes.cast(each, ctypes.c_void_p).value or 0 for each in functions)
+    return force, step, first, second
 
 
 @inlined
@@ -163,7 +164,7 @@ def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
 
 
 @kernel(
-    "int64(UniTuple(int64, 4), UniTuple(int64, 3), Tuple((float64[::1], int64[::1], float64[:,::1])),"
+    "int64(UniTuple(int64, 6), UniTuple(int64, 4), Tuple((float64[::1], int64[::1], float64[:,::1])),"
     "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
     "Tuple((UniTuple(float64[::1], 3), UniTuple(float64[:,::1], 3))),"
     "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
@@ -171,8 +172,8 @@ def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
     f"{SIGNATURE})"
 )
 def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object that holds them
-    pointers: tuple[int, int, int, int],
-    steps: tuple[int, int, int],
+    pointers: Pointers,
+    steps: tuple[int, int, int, int],
     control: tuple[Doubles, Integers, Doubles],
     health: tuple[NDArray[np.int32], Doubles],
     felt: tuple[Doubles, Doubles],
@@ -184,8 +185,9 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
     """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
 
     Args:
-        pointers: Addresses of mj_step, of mj_contactForce, of the model and of its data.
-        steps: Where to begin and to end, counted from the first tick's first step; steps of a tick.
+        pointers: Of MuJoCo's functions, the model and its data.
+        steps: Where to begin and to end, counted from the first tick's first step; steps of a tick; 1
+            after `begin_step`, else 0.
         control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
         health: The data's counters of warnings; the rovers' `Span.fence`.
         felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
@@ -197,19 +199,19 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
     Returns:
         Where it ended, counted as in `steps`; negative after such a touch.
     """
-    begin, end, per_tick = steps
-    (sensors, sums), (state, record), ended = felt, recorded, end
-    pass_over(obstacles, state[0], state[1])
+    begin, end, per_tick, is_begun = steps
+    (force, step_whole, _, step_second, model, data), ended = pointers, end
+    (sensors, sums), (state, record) = felt, recorded
+    if not is_begun:
+        pass_over(obstacles, state[0], state[1])
     for step in range(begin, end):
         tick, within = step // per_tick, step % per_tick
         if within == 0:
             _begin_tick(control, tick)
             sums[tick] = 0.0
-        _step(pointers[0], (pointers[2], pointers[3]))
+        _step(step_second if is_begun and step == begin else step_whole, (model, data))
         sums[tick] += sensors
-        touches = _look_at_all(
-            (pointers[1], pointers[2], pointers[3]), (state[0], sensors), contacts, watched, tick
-        )
+        touches = _look_at_all((force, model, data), (state[0], sensors), contacts, watched, tick)
         is_last = within == per_tick - 1
         if is_last:
             for part in range(len(state)):
@@ -222,3 +224,18 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
             break
     restore(obstacles)
     return ended
+
+
+@inlined
+def begin_step(pointers: Pointers, state: tuple[Doubles, ...], obstacles: PassedOver) -> None:
+    """Does of the next step what needs no commands, three quarters of it; `advance` goes on from there.
+
+    Until then the friction of the model must stay as it is.
+
+    Args:
+        pointers: As `advance` has them.
+        state: Positions and velocities of the data come first.
+        obstacles: As `advance` has them; those that are passed over stay so until it ends.
+    """
+    pass_over(obstacles, state[0], state[1])
+    _step(pointers[2], (pointers[4], pointers[5]))

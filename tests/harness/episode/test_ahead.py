@@ -35,6 +35,14 @@ RUNS = {
     ),
     "people, who see where it is": Run.of(terrain="rocky", actors=("walker=1,1/2,2",), **LIGHT),
     "a soil": Run.of(terrain="flat", soil="dry_sand", **LIGHT),
+    "grass that drags": Run.of(robot="husky", surface="wet_grass", **LIGHT),
+    "stop and go with wheels that stick": Run.of(
+        driver="cmd_vel",
+        robot="jackal",
+        faults=("wheel.front_left:stuck@0.7+0.6", "motor.right:weak=0.5@0.5"),
+        commands=((0.5, 0.6, 0.3), (1.02, 0.0, 0.0), (2.0, -0.4, 0.0)),
+        **LIGHT,
+    ),
     "two": fleet(SHARED, parse_rovers(("leo:a,driver=wander", "husky:b,x=2,y=2"), SHARED.rover)),
     "the edge": Run.of(terrain="flat", start=(18.7, 0.0, 0.0), driver="straight", **LIGHT),
 }
@@ -49,7 +57,7 @@ def driven(run: Run, *, ahead: bool, act: Callable[[Episode], None] | None = Non
         return partial(act, episodes[-1]) if next(period) == 20 and act is not None else None
 
     try:
-        told += map(repr, together(episodes, ordered, ahead=ahead))
+        told += map(repr, together(episodes, ordered, ahead=ahead, awake=ahead))
     except RunFailed as error:
         told.append(str(error))
     data = episodes[0].simulation.data
