@@ -4,7 +4,6 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from harness.base.errors import UsageError, find_named
 from harness.cli.files import Files
@@ -90,13 +89,8 @@ def run_options(given: argparse.Namespace, ros_args: Sequence[str]) -> RunOption
         frames=from_flags(FrameOptions, given),
     )
     _check_combination(given, run, ros, files)
-    values = read_parameters(given.params) if given.params else {}
-    values |= {"columns": given.columns} if given.columns else {}
-    for name in filter(None, values.get("columns", "").split(",")):
-        find_named("columns", name, FURTHER)
-    extended = given.extended or bool(given.columns)
     settings = tuple(
-        metric_settings(run, values, number, extended=extended) for number in range(len(run.rovers))
+        _settings(given, run, number, rover.name or namespace) for number, rover in enumerate(run.rovers)
     )
     return RunOptions(
         run=run,
@@ -126,12 +120,16 @@ def _run(given: argparse.Namespace) -> Run:
     return fleet(run, parse_rovers(given.rover, run.rover))
 
 
-def read_parameters(path: Path, key: str = "--params") -> dict[str, Any]:
-    """Returns the parameters of metrics_node that a file sets, by name; UsageError if one is wrong."""
+def _settings(given: argparse.Namespace, run: Run, number: int, namespace: str) -> Settings:
+    """The settings of a rover's metrics, of whose node the namespace is."""
     try:
-        return read_values(path)
+        values = read_values(given.params, namespace) if given.params else {}
     except ParameterError as error:
-        raise UsageError(f"{key}: {error}") from error
+        raise UsageError(f"--params: {error}") from error
+    values |= {"columns": given.columns} if given.columns else {}
+    for name in filter(None, values.get("columns", "").split(",")):
+        find_named("columns", name, FURTHER)
+    return metric_settings(run, values, number, extended=given.extended or bool(given.columns))
 
 
 def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, files: Files) -> None:
@@ -143,6 +141,8 @@ def _check_combination(given: argparse.Namespace, run: Run, ros: RosOptions, fil
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if any(word.partition(":=")[0].rpartition(":")[2] == "log_dir" for word in ros.ros_args):
+        raise UsageError("log_dir does not count behind --ros-args; give --log-dir FOLDER before it")
     if "soil" in given and not run.world.soil:
         raise UsageError("--soil '' names no soil; leave it out for rigid ground, or see --list")
     if run.world.keep_ruts and not run.world.soil:

@@ -22,6 +22,7 @@ from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.workers import add_options, workers_of
+from rover_metrics.errors import complain
 from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
@@ -58,6 +59,8 @@ def _fit(options: argparse.Namespace, console: Console) -> int:
     if recording.sources:
         read_as = ", ".join(f"{name} {topic}" for name, topic in sorted(recording.sources.items()))
         console.print(f"{source}: {read_as}; --topic chooses others", soft_wrap=True)
+    for problem in recording.problems:
+        complain("harness.fit", problem)
     with (
         workers_of(options.backend, options.address, options.jobs) as workers,
         counted(console, f"driving {rover.name} as {source}") as show,

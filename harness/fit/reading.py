@@ -8,8 +8,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from harness.base.errors import UsageError
+from harness.fit.likely import check_likely
 from harness.recordings.bags import recording_of_bag
-from harness.recordings.recording import APART, Recording, lag, moved
+from harness.recordings.recording import APART, Recording, in_order, lag, moved
 from harness.recordings.tables import recording_of
 from harness.robots import RoverSpec
 
@@ -17,6 +18,10 @@ NEEDED = "commands", "wheels"
 LONG, MOST_LOST = 1.0, 0.2  # [s] without a sample is a gap; share of the time that gaps may take
 SHORTEST = 10.0  # [s] that the series have in common
 FEWEST = 50  # samples of the wheels
+STANDS = 0.02  # [m/s] of wheels that stand
+PERIOD = 0.05  # [s] for which a command counts at least
+SINCE = 0.3  # [s] before the next command by which they do, if the rover stops without commands
+TIMEOUT = 0.5  # [s] of a rover whose folder names none
 FASTEST = 50.0  # [m/s] of wheels that are in the units that they are said to be
 
 
@@ -45,16 +50,20 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
         raise UsageError("several recordings must be CSV files of one drive; give one bag")
     else:
         recording = recording_of_bag(paths[0], rover, topics)
-    _check(recording)
-    return _begun(_aligned(recording, rover))
+    _check(recording, rover)
+    recording = _stopped(_aligned(recording, rover), rover)
+    check_likely(recording, rover)
+    return _begun(recording)
 
 
-def _check(recording: Recording) -> None:
+def _check(recording: Recording, rover: RoverSpec) -> None:
     """Checks that what is needed is there, moves, overlaps and is whole."""
     there, name = recording.series, recording.name
     if missing := [one for one in NEEDED if one not in there]:
         present = ", ".join(there) or "nothing that a rover's model is fitted to"
-        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}")
+        joints = f"; wheels are a JointState with {', '.join(rover.wheel_joints)}, or an Odometry"
+        hint = joints if recording.sources and "wheels" in missing else ""
+        raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}{hint}")
     spans = {one: (float(v[0, 0]), float(v[-1, 0])) for one, v in there.items()}
     begin, end = max(b for b, _ in spans.values()), min(e for _, e in spans.values())
     there_are = ", ".join(f"{one} {b:.1f} to {e:.1f} s" for one, (b, e) in spans.items())
@@ -91,6 +100,26 @@ def _aligned(recording: Recording, rover: RoverSpec) -> Recording:
         late = f"the IMU turns {shift:+.2f} s after the wheels"
         raise UsageError(f"{recording.name}: clocks are apart, {late}")
     return replace(recording, imu=moved(recording.imu, -shift))
+
+
+def _stopped(recording: Recording, rover: RoverSpec) -> Recording:
+    """The recording with a command to stop where none came and the rover stood, as after a joystick.
+
+    When its driver gave up waiting is not known: without what the wheels did until they stood.
+    """
+    commands, wheels = recording.commands, recording.wheels
+    timeout = (rover.actuators and rover.actuators.command_timeout) or TIMEOUT
+    moves = np.abs(wheels[:, 1:]).max(axis=1) > STANDS
+    whole, stops = np.full(len(wheels), True), list[float]()
+    ends = np.append(commands[1:, 0], wheels[-1, 0])
+    for last, end in np.column_stack([commands[:, 0], ends])[ends - commands[:, 0] > LONG]:
+        before = (wheels[:, 0] > end - SINCE) & (wheels[:, 0] <= end)
+        if before.any() and not moves[before].any():
+            stops.append(last + min(timeout, LONG))
+            whole &= ~(moves & (wheels[:, 0] > last + PERIOD) & (wheels[:, 0] < end))
+    added = np.column_stack([stops, np.zeros((len(stops), 2))])
+    commands = in_order(np.concatenate([commands, added]))
+    return replace(recording, commands=commands, wheels=wheels[whole])
 
 
 def _begun(recording: Recording) -> Recording:

@@ -53,6 +53,7 @@ class Stage:
 
     Attributes:
         following: The place in the run of the rover that stays put; None leaves the world where it is.
+        hits: Where the lidar of each rover hits something, as points in the world [m].
     """
 
     def __init__(self, scene: viser.SceneApi, run: Run) -> None:
@@ -78,7 +79,7 @@ class Stage:
         }
         numbers = range(len(run.rovers))
         self._paths = [self._add_path(number) for number in numbers]
-        self._hits = [self._add_hits(number) for number in numbers]
+        self.hits = [self._add_hits(number) for number in numbers]
         for target in world.targets:
             x, y, z = target.position
             scene.add_label(f"{ROOT}/targets/{target.name}", target.name, position=(x, y, z + 0.4))
@@ -96,7 +97,7 @@ class Stage:
 
     def show_lidar(self, shown: bool) -> None:
         """Shows where lidars hit something, or not."""
-        for hits in self._hits:
+        for hits in self.hits:
             hits.visible = shown
 
     def draw(self, watches: Sequence[Watch]) -> None:
@@ -152,7 +153,7 @@ class Stage:
 
     def _draw_hits(self, number: int, watch: Watch) -> None:
         ranges, angles = watch.ranges, self._beams[number]
-        if ranges is None or not self._hits[number].visible:
+        if ranges is None or not self.hits[number].visible:
             return
         site = self._posing.data.site(self._scenes[number].own("lidar"))
         count = min(len(ranges), len(angles))  # a fault in a recording may have cut or stretched it
@@ -160,14 +161,11 @@ class Stage:
         near = np.isfinite(ranges)
         level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])[near]
         points = site.xpos + ranges[near, None] * (level @ site.xmat.reshape(3, 3).T)
-        self._hits[number].points = points.astype(np.float32)
+        self.hits[number].points = points.astype(np.float32)
 
     def _add_path(self, number: int) -> viser.LineSegmentsHandle:
         return self._scene.add_line_segments(
-            f"{ROOT}/paths/{number}",
-            np.zeros((0, 2, 3)),
-            rgb(PATH_COLOR),
-            thickness=PATH_WIDTH,
+            f"{ROOT}/paths/{number}", np.zeros((0, 2, 3)), rgb(PATH_COLOR), thickness=PATH_WIDTH
         )
 
     def _add_hits(self, number: int) -> viser.PointCloudHandle:

@@ -8,7 +8,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series, in_order
+from harness.recordings.recording import Recording, Series, in_order, moved
 from harness.robots import RoverSpec
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
@@ -98,7 +98,7 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
         chosen: Topics by the names of their series, where TAKEN would take others.
 
     Raises:
-        UsageError: It cannot be read, holds nothing of these types, or not what was chosen.
+        UsageError: It cannot be read, or what was chosen is not there or tells nothing of its series.
     """
     try:
         with Bag(path) as bag:
@@ -107,23 +107,30 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
                     f"{path} has no topic {missing[0]}; it has {', '.join(sorted(bag.topics))}"
                 )
             rows, sources = _rows(bag, rover, chosen or {})
+            problems = tuple(bag.problems)
     except BagError as error:
         raise UsageError(f"{path}: {error}") from error
+    if untold := [name for name in chosen or {} if name not in rows]:
+        raise UsageError(f"{path}: no {untold[0]} can be read of {sources[untold[0]]}")
     series = {name: _timed(some) for name, some in rows.items()}
+    late = _lateness(rows["wheels"]) if "wheels" in rows else 0.0
+    series |= {
+        name: moved(series[name], -late) for name, some in rows.items() if np.isnan(some[0][0]) and late
+    }
     if "poses" in series:
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
     sources = {name: topic for name, topic in sources.items() if name in series}
-    return Recording(path.name, sources=sources, **series)  # type: ignore[arg-type]  # of series alone
+    return Recording(path.name, sources=sources, problems=problems, **series)  # type: ignore[arg-type]  # of series alone
 
 
 def _rows(
     bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]
 ) -> tuple[dict[str, list[Row]], dict[str, str]]:
     """By series: stamp (NaN without one), time of recording and values of each message; its topic."""
-    store, takes = get_typestore(Stores.LATEST), dict[str, Take]()
+    store, takes, named = get_typestore(Stores.LATEST), dict[str, Take](), set(chosen.values())
     for kind, word, take in TAKEN:
-        for topic in sorted(t for t, k in bag.topics.items() if k == kind and word in t):
-            if not any(word in topic for word in NEITHER):
+        for topic in sorted(t for t, k in bag.topics.items() if k == kind and (word in t or t in named)):
+            if topic in named or not any(word in topic for word in NEITHER):
                 takes.setdefault(topic, take)
     rows: dict[str, list[Row]] = {}
     source: dict[str, str] = dict(chosen)
@@ -143,6 +150,13 @@ def _rows(
             if source[name] == message.topic:
                 rows.setdefault(name, []).append((stamp or np.nan, now, *row))
     return rows, source
+
+
+def _lateness(rows: list[Row]) -> float:
+    """How much later the recorder's clock is than stamps [s]; 0 where those are of another clock."""
+    table = np.array(rows)
+    late = float(np.median(table[:, 1] - table[:, 0]))
+    return late if abs(late) < APART else 0.0
 
 
 def _timed(rows: list[Row]) -> Series:

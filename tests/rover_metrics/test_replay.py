@@ -139,11 +139,16 @@ def write_folder(
 
 
 def write_mcap(
-    path: Path, messages: list[Recorded], encoding: str = "cdr", types: dict[str, str] = TYPES
+    path: Path,
+    messages: list[Recorded],
+    encoding: str = "cdr",
+    types: dict[str, str] = TYPES,
+    chunk_size: int = 1000,
+    compression: CompressionType = CompressionType.NONE,
 ) -> Path:
-    """A bare file of many uncompressed chunks, about one per tenth of a second."""
+    """A bare file of many uncompressed chunks, about one per tenth of a second, unless it is told."""
     with path.open("wb") as file:
-        writer = McapWriter(file, chunk_size=1000, compression=CompressionType.NONE)
+        writer = McapWriter(file, chunk_size=chunk_size, compression=compression)
         writer.start(profile="ros2")
         channels = {}
         for topic in dict.fromkeys(topic for topic, _, _ in messages):
@@ -377,6 +382,27 @@ def test_damaged_recording_keeps_what_can_be_read(
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("packed", [CompressionType.NONE, CompressionType.ZSTD])
+def test_a_recording_cut_off_in_its_only_chunk_keeps_the_rows_before(
+    tmp_path: Path, capsys: Capsys, packed: CompressionType
+) -> None:
+    file = write_mcap(tmp_path / "bag.mcap", drive(90.5), chunk_size=2**24, compression=packed)
+    whole = replay(file)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size * 3 // 10])  # behind it: its index
+    rows = replay(file, code=1)
+    assert len(rows) > 20
+    assert rows == whole[: len(rows)]
+    assert "has no end" in capsys.readouterr().err
+
+
+def test_a_recording_without_a_whole_message_is_said_to_be_cut_off(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    file = write_mcap(tmp_path / "bag.mcap", drive(90.5), chunk_size=2**24)
+    file.write_bytes(file.read_bytes()[:200])
+    assert "mcap recover" in complaint(main, [str(file), "-o", str(tmp_path / "rows.csv")], capsys)
+
+
 def test_bad_messages_and_files_are_left_out(tmp_path: Path, capsys: Capsys) -> None:
     messages, bag = drive(), tmp_path / "bag"
     messages[1] = ("/imu/data", messages[1][1], b"\x00\x01\x00\x00garbage")
@@ -406,7 +432,7 @@ def test_bad_messages_and_files_are_left_out(tmp_path: Path, capsys: Capsys) -> 
         (b"Timestamp,Total Collisions\r\n", "neither MCAP nor sqlite3"),
         (b"#ROSBAG V2.0\n", "rosbags-convert"),
         (b"SQLite format 3\0 and no more", "not readable as a rosbag2 database"),
-        (b"\x89MCAP0\r\n", "no topic to replay"),
+        (b"\x89MCAP0\r\n", "no message can be read"),
     ],
 )
 def test_file_that_is_no_recording_is_refused(

@@ -1,7 +1,8 @@
-"""Waiting for what another process does, without a fixed time."""
+"""Waiting for what another process does, without a fixed time; where it may listen meanwhile."""
 
 import os
 import select
+import socket
 import time
 from collections.abc import Callable
 
@@ -15,6 +16,13 @@ def wait_until(condition: Callable[[], object], patience: float = PATIENCE) -> N
     while not condition():
         assert time.monotonic() < deadline, "the condition did not come true"
         select.select([], [], [], GLANCE)
+
+
+def free_port() -> int:
+    """Returns a port that nobody on this machine listens on."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port: int = server.getsockname()[1]
+        return port
 
 
 def under_load(limit: float) -> float:

@@ -41,7 +41,7 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
     Raises:
         UsageError: It cannot be read, is not URDF, or a mesh that collides is missing.
     """
-    robot = parsed(_text(path, trust_xacro=trust_xacro), path)
+    robot = parsed(_text(path, folders, trust_xacro=trust_xacro), path)
     if robot.tag != "robot":
         raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
     if robot.find("link") is None:
@@ -68,7 +68,7 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
     return Source(spec, robot, notes)
 
 
-def _text(path: Path, *, trust_xacro: bool) -> str:
+def _text(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> str:
     text = read_text(path)
     if XACRO.search(text) is None and path.suffix != ".xacro":
         return text
@@ -77,19 +77,29 @@ def _text(path: Path, *, trust_xacro: bool) -> str:
             f"{path} is xacro, which runs its author's Python; give the URDF that it makes "
             f"(xacro {path.name} > robot.urdf), or add --trust-xacro if you trust all that it includes"
         )
-    return _expanded(path)
+    return _expanded(path, folders)
 
 
-def _expanded(path: Path) -> str:
+def _expanded(path: Path, folders: Sequence[Path]) -> str:
     try:
-        from xacrodoc import XacroDoc  # noqa: PLC0415 - an optional extra
+        import xacro  # noqa: PLC0415 - an optional extra
+        from xacrodoc import XacroDoc, packages  # noqa: PLC0415
     except ImportError as error:
         raise UsageError("--trust-xacro needs xacrodoc: pip install 'rover-harness[xacro]'") from error
+    # As of meshes, packages are looked for in the folders, and beside and above the file.
+    places = (*path.resolve().parents, *folders)
+    there = (file for place in places for file in place.glob("*/package.xml"))
+    packages.update_package_cache({file.parent.name: file.parent for file in there})
+    xacro.init_stacks(str(path.resolve()))  # by which it finds what is included beside the file
     try:
         document = XacroDoc.from_file(str(path), resolve_packages=False)
         return str(document.to_urdf_string())
     except Exception as error:  # whatever the xacro file does
-        raise UsageError(f"xacro refuses {path}: {' '.join(str(error).split())}") from error
+        reason = " ".join(str(error).split())
+        if "AMENT_PREFIX_PATH" in reason or isinstance(error, packages.PackageNotFoundError):
+            missing = "a package" if "AMENT" in reason else f"package {error.args[0]}"
+            reason = f"{missing} is not found; name the folder that holds it by --resource-path"
+        raise UsageError(f"xacro refuses {path}: {reason}") from error
 
 
 def _find_meshes(link: ET.Element, path: Path, folders: Sequence[Path]) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """Reads an MCAP file of rosbag2: whole, without its end, or with damaged chunks."""
 
+import io
 import struct
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -7,7 +8,9 @@ from typing import NamedTuple
 
 import zstandard
 from mcap import records
+from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
+from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
 from mcap.stream_reader import StreamReader, breakup_chunk
 
@@ -58,8 +61,10 @@ class McapFile:
         name = self._path.name
         with self._path.open("rb") as file:
             reader = StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_RECORD)
+            whole = 0  # bytes
             try:
                 for record in reader.records:
+                    whole = file.tell()
                     if not isinstance(record, records.Chunk):
                         yield record
                         continue
@@ -70,6 +75,8 @@ class McapFile:
                     else:
                         yield from unpacked
             except (EndOfFile, struct.error):
+                file.seek(whole)
+                yield from _records_of_a_cut_chunk(file.read(LARGEST_RECORD))
                 problems.append(
                     f"{name} has no end, as when a recording is killed or cut off; what is there was "
                     f"read (to mend the file: mcap recover {name} -o mended.mcap)"
@@ -101,7 +108,8 @@ class McapFile:
         schemas: dict[int, records.Schema] = {}
         channels: dict[int, records.Channel] = {}
         topics: dict[str, str] = {}
-        for record in self._records([]):
+        problems: list[str] = []
+        for record in self._records(problems):
             if isinstance(record, records.Schema):
                 schemas[record.id] = record
             elif isinstance(record, records.Channel):
@@ -109,7 +117,24 @@ class McapFile:
             elif isinstance(record, records.Message) and record.channel_id in channels:
                 channel = channels[record.channel_id]
                 topics[channel.topic] = _type(channel, schemas)
+        if problems and not topics:
+            raise BagError(f"no message can be read; {'; '.join(problems)}")
         return topics
+
+
+def _records_of_a_cut_chunk(rest: bytes) -> Iterator[records.McapRecord]:
+    """Yields what is whole of a last chunk that was cut off; nothing of another record."""
+    stream = ReadDataStream(io.BytesIO(rest))
+    try:
+        opcode, _ = stream.read1(), stream.read8()
+        if opcode == Opcode.CHUNK:
+            chunk = records.Chunk.read(stream)  # its data as far as they go
+            data = chunk.data if chunk.compression in ("", "zstd") else b""
+            if chunk.compression:
+                data = zstandard.ZstdDecompressor().decompressobj().decompress(data)
+            yield from StreamReader(io.BytesIO(data), skip_magic=True).records
+    except _DAMAGE:
+        return
 
 
 def _type(channel: records.Channel, schemas: dict[int, records.Schema]) -> str:

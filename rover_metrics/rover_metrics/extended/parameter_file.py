@@ -1,5 +1,6 @@
 """The parameters of metrics_node in a ROS parameter file (YAML), read without ROS."""
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,27 +10,35 @@ from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
 from rover_metrics.log.documents import DocumentError, read_yaml
 
 NODE_NAME = "metrics_node"
-EVERY_NODE = ("*", "**")
+WILDCARDS = {"*": r"/\w+", "**": r"(?:/\w+)*"}  # as rcl has them
 
 
-def read_values(path: Path) -> dict[str, Any]:
+def read_values(path: Path, namespace: str = "") -> dict[str, Any]:
     """Returns the parameters that a file sets, by name, all valid; else raises a ParameterError.
 
-    Later sections of the node win. An empty list sets nothing.
+    Those sections count that ROS would give the node; later ones win. An empty list sets nothing.
+
+    Args:
+        path: The file.
+        namespace: The node's, without slashes around it; "" for the root.
     """
     try:
         document = read_yaml(path)
     except DocumentError as error:
         raise ParameterError(f"cannot read parameters from {path}: {error}") from error
     sections = list(_sections(document, ""))
-    if not sections:
-        raise ParameterError(f"{path} has no section 'metrics_node: ros__parameters:'")
+    node = f"/{namespace}/{NODE_NAME}" if namespace else f"/{NODE_NAME}"
+    own = [(name, section) for name, section in sections if _is_of(name, node)]
+    if not own:
+        others = ", ".join(name for name, _ in sections if name.endswith(f"/{NODE_NAME}"))
+        hint = f"; it has {others}; '/**' holds in every namespace" if others else ""
+        raise ParameterError(f"{path} has no section '{node}: ros__parameters:'{hint}")
     try:
         values = {
             str(name): value
-            for is_own, section in sections
+            for section_name, section in own
             for name, value in section.items()
-            if _is_parameter(str(name), value, is_own=is_own) and value != []
+            if _is_parameter(str(name), value, is_own=section_name.endswith(NODE_NAME)) and value != []
         }
         Settings().updated(values)
     except ParameterError as error:
@@ -37,15 +46,21 @@ def read_values(path: Path) -> dict[str, Any]:
     return values
 
 
-def _sections(node: Any, name: str) -> Iterator[tuple[bool, Mapping[Any, Any]]]:  # noqa: ANN401 - any YAML
-    """The parameters of each section for metrics_node, in any namespace, and whether for it alone."""
+def _sections(node: Any, name: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:  # noqa: ANN401 - any YAML
+    """The parameters of each section, by the full names of nodes that it is for."""
     if not isinstance(node, dict):
         return
     for key, value in node.items():
         if key != "ros__parameters":
-            yield from _sections(value, str(key).rpartition("/")[2])
-        elif name in (NODE_NAME, *EVERY_NODE) and isinstance(value, dict):
-            yield name == NODE_NAME, value
+            yield from _sections(value, f"{name}/{str(key).strip('/')}")
+        elif isinstance(value, dict):
+            yield name, value
+
+
+def _is_of(section: str, node: str) -> bool:
+    """Whether a section's name, with `*` for one name and `**` for any number, is that of a node."""
+    parts = (WILDCARDS.get(part, f"/{re.escape(part)}") for part in section.split("/")[1:])
+    return re.fullmatch("".join(parts), node) is not None
 
 
 def _is_parameter(name: str, value: object, *, is_own: bool) -> bool:

@@ -130,6 +130,8 @@ TWO = "--terrain flat --rover leo:a"
         ("--extended --no-metrics", "start yours with -p extended_columns:=true"),
         ("--odom-tf wheels --odom-tf-3d", "leave out --odom-tf wheels, or --odom-tf-3d"),
         ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
+        ("--ros-args -p log_dir:=3", "give --log-dir FOLDER before it"),
+        ("--ros-args -p /metrics_node:log_dir:=other", "give --log-dir FOLDER before it"),
         *(
             (f"--direct {words}", f"{words.split()[0]} needs ROS; leave out --direct")
             for words in ("--ros-args --", "--no-metrics", "--wait-for /x", "--namespace x", "--map-tf")
@@ -194,6 +196,21 @@ def test_a_parameter_file_sets_the_metrics_after_what_the_rover_says(tmp_path: P
     ):
         with pytest.raises(UsageError, match=mend):
             parsed(words)
+
+
+def test_a_rovers_metrics_take_the_parameters_of_its_namespace(tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    sections = {"/a/metrics_node": 8.0, "/b/metrics_node": 9.0}
+    file.write_text(
+        "".join(f"{n}: {{ros__parameters: {{gravity: {g}}}}}\n" for n, g in sections.items())
+    )
+    words = f"--terrain flat --extended --params '{file}'"
+    fleet = parsed(f"{words} --rover leo:a --rover leo:b,x=2,y=0").settings
+    assert [settings.extended.gravity for settings in fleet] == [8.0, 9.0]
+    (alone,) = parsed(f"{words} --namespace b").settings
+    assert alone.extended.gravity == 9.0
+    with pytest.raises(UsageError, match=r"no section '/metrics_node.*it has /a/metrics_node"):
+        parsed(words)
 
 
 def test_several_rovers_have_logs_pages_and_settings_each() -> None:

@@ -1,7 +1,9 @@
 """A fit against the rover that made its recording, and what a recording lacks or does not tell."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import UsageError
 from harness.fit.__main__ import main
 from harness.fit.estimate import of, with_values
 from harness.fit.ground import differences
@@ -36,10 +39,12 @@ HIDDEN = TRUE | {"tyres.rolling": 0.12, "tyres.drag": 0.1}
 TWISTS = (0.0, 0.0), (0.6, 0.0), (0.0, 0.9), (-0.5, 0.4), (0.0, -0.7), (0.4, -0.8), (-0.8, 0.0)
 CONSTANT = of(HUSKY, "actuators.motor_constant")
 STEP = 4.0  # [s]
+SIDES = "left_speed", "right_speed"
 PLANE = 20.0, 0.5  # [m]: cells that are larger than those of terrains are driven over sooner
 Capsys = pytest.CaptureFixture[str]
 
 
+@cache
 def driven(rover: RoverSpec, step: float = STEP) -> Recording:
     twists = TWISTS * round(STEP / step)
     commands = np.array([(step * n, *twist) for n, twist in enumerate(twists)])
@@ -108,6 +113,33 @@ def lacking(*columns: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
+        (lambda t: t, ""),
+        (
+            lambda t: t.assign(left_speed=6 * t.left_speed, right_speed=6 * t.right_speed),
+            "as left_wheel",
+        ),
+        (lambda t: t.assign(cmd_w=np.degrees(t.cmd_w)), "cmd_w are"),
+        (lambda t: t.assign(cmd_v=1000 * t.cmd_v), "cmd_v are"),
+        (lambda t: t.assign(x=1000 * t.x, y=1000 * t.y), "x, y are"),
+        (lambda t: t.assign(yaw=-t.yaw), "yaw and wheels"),
+        (lambda t: t.assign(right_speed=-t.right_speed), "swapped?"),
+        (
+            lambda t: t.rename(columns={"left_speed": "right_speed", "right_speed": "left_speed"}),
+            "swapped?",
+        ),
+    ],
+)
+def test_a_series_in_other_units_or_with_another_sign_is_one_line(
+    change: Callable[[pd.DataFrame], pd.DataFrame], said: str, tmp_path: Path
+) -> None:
+    csv = write(driven(HUSKY), tmp_path / "drive.csv", change)
+    with pytest.raises(UsageError, match=said) if said else nullcontext():
+        read([csv], HUSKY, {})
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
         (lacking("cmd_v"), "has no commands; it has"),
         (lacking("left_speed"), "has no wheels"),
         (lacking("t"), "has no commands and no wheels"),
@@ -158,6 +190,21 @@ def test_clocks_that_are_apart_are_told(tmp_path: Path, capsys: Capsys) -> None:
         pd.DataFrame({"t": made.imu[:, 0] + shift} | felt).to_csv(two)
         words = [str(one), str(two), "--robot", "husky", "--out", str(tmp_path / "out")]
         assert said in complaint(main, words, capsys)
+
+
+def test_a_driver_who_lets_go_of_a_joystick_has_stopped(tmp_path: Path) -> None:
+    sent = [(4 * n + k / 20, *twist) for n, twist in enumerate(TWISTS[1:]) for k in range(40)]
+    stops = [(4 * n + 2.5, 0.0, 0.0) for n in range(len(TWISTS[1:]))]  # by the rover's own timeout
+    true, span = with_values(HUSKY, TRUE.items()), 4.0 * len(stops)
+    made = replay(true, np.array(sorted(sent + stops)), span, course=flat(*PLANE, 0.3))
+    wheels = pd.DataFrame(made.wheels, columns=["t", "v_left", "v_right"])
+    twists = pd.DataFrame(sent, columns=["t", "cmd_v", "cmd_w"])
+    csv = tmp_path / "joystick.csv"
+    wheels.merge(twists, how="outer", on="t").to_csv(csv, index=False)
+    found = {one.key: one.after for one in response(HUSKY, read([csv], HUSKY, {}))}
+    assert found["actuators.delay"] == pytest.approx(TRUE["actuators.delay"], abs=0.03)
+    assert found["actuators.lag"] == pytest.approx(TRUE["actuators.lag"], abs=0.03)
+    assert found["controller_separation"] == pytest.approx(TRUE["controller_separation"], rel=0.03)
 
 
 def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
@@ -262,5 +309,50 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     assert found.wheels[0] == pytest.approx([0.05, *[2.0 * HUSKY.controller_radius] * 2])
     assert found.torques[0, 1:] == pytest.approx([6.0, 6.0])
     assert found.torques[-1, 1:] == pytest.approx([0.0, 0.0]), "wheels are dragged against their motors"
-    other = read([tmp_path / "bag"], HUSKY, {"commands": "/other/cmd_vel"})
-    assert (other.commands[0, 0], other.commands[0, 1]) == pytest.approx((0.0, 0.7))
+    other = recording_of_bag(tmp_path / "bag", HUSKY, {"commands": "/other/cmd_vel"})
+    assert other.commands[0, 1] == pytest.approx(0.7)
+
+
+def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(tmp_path: Path, capsys: Capsys) -> None:
+    """Commands named otherwise, on the clock of a recorder that is 0.4 s ahead of the rover's."""
+    store = get_typestore(Stores.LATEST)
+    types, bag, begin, late = store.types, tmp_path / "bag", 1_700_000_000, 0.4
+    twist, joints = "geometry_msgs/msg/Twist", "sensor_msgs/msg/JointState"
+    vector = types["geometry_msgs/msg/Vector3"]
+    with Writer(bag, version=8, storage_plugin=StoragePlugin.MCAP) as writer:
+        commands = writer.add_connection("/drive", twist, typestore=store)
+        states = writer.add_connection("/joint_states", joints, typestore=store)
+        for n in range(300):
+            recorded, speed = round((begin + 0.05 * n + late) * 1e9), float(n >= 150)
+            said = types[twist](vector(speed, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+            writer.write(commands, recorded, store.serialize_cdr(said, twist))
+            stamp = types["builtin_interfaces/msg/Time"](*divmod(recorded - round(late * 1e9), 10**9))
+            header = types["std_msgs/msg/Header"](stamp, "")
+            four = np.full(4, speed / HUSKY.controller_radius)
+            state = types[joints](header, [*HUSKY.wheel_joints], np.zeros(4), four, np.zeros(4))
+            writer.write(states, recorded, store.serialize_cdr(state, joints))
+    chosen = read([bag], HUSKY, {"commands": "/drive"})
+    turned, commanded = (series[series[:, 1] > 0.5, 0][0] for series in (chosen.wheels, chosen.commands))
+    assert turned - commanded == pytest.approx(0.0, abs=0.01)
+    words = [str(bag), "--robot", "husky", "--out", str(tmp_path / "out"), "--topic"]
+    assert "no commands can be read of /joint_states" in complaint(
+        main, [*words, "commands=/joint_states"], capsys
+    )
+    words[2] = "leo"
+    assert ROVERS["leo"].wheel_joints[0] in complaint(main, [*words, "commands=/drive"], capsys)
+
+
+def test_a_bag_that_is_cut_off_is_said_to_be(tmp_path: Path) -> None:
+    store = get_typestore(Stores.LATEST)
+    twist, vector = "geometry_msgs/msg/Twist", store.types["geometry_msgs/msg/Vector3"]
+    with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/cmd_vel", twist, typestore=store)
+        said = store.types[twist](vector(0.5, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+        for n in range(1, 3000):
+            writer.write(connection, n * 10**7, store.serialize_cdr(said, twist))
+    assert recording_of_bag(tmp_path / "bag", HUSKY).problems == ()
+    (file,) = (tmp_path / "bag").glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 4])
+    cut = recording_of_bag(tmp_path / "bag", HUSKY)
+    assert "has no end" in cut.problems[0]
+    assert len(cut.commands) > 100

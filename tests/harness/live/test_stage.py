@@ -1,14 +1,22 @@
-"""What a click on a page means, in a page that stands around the rover which is followed."""
+"""What a page shows of a run, and what a click on it means, also where it follows a rover."""
 
+import math
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 pytest.importorskip("viser", reason="needs the extra [live]")
 
+from harness.base.interrupt import StopRequest
 from harness.episode.assembly import world_of
+from harness.episode.direct import run_direct
+from harness.episode.result import Outputs
 from harness.live.server import Server
 from harness.live.stage import Stage
 from harness.live.watch import Sight, Watch
 from harness.robots import find_rover
+from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 
 
@@ -23,3 +31,23 @@ def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is() ->
         server.stop()
     height = world_of(run).ground.height_at(4.0, 0.5)
     assert hit == pytest.approx((4.0, 0.5, height), abs=0.02)
+
+
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])  # Leo's lidar is mounted backwards
+def test_what_a_lidar_hits_is_shown_on_the_posts_of_the_world(tmp_path: Path, robot: str) -> None:
+    run = Run.of(robot=robot, terrain="posts", duration=2.0, start="1,0.5,2.0", driver="straight")
+    watch, server = Watch(), Server("127.0.0.1", 0)
+    outputs = [Outputs(log_dir=tmp_path, observers=(watch,))]
+    run_direct(run, outputs, RosOptions(log_dir=tmp_path), StopRequest())
+    try:
+        stage = Stage(server.scene, run)
+        stage.draw([watch])
+        points = np.asarray(stage.hits[0].points)
+    finally:
+        server.stop()
+    posts = world_of(run).obstacles
+    middles = np.array([post.position[:2] for post in posts])
+    reach = np.array([math.hypot(*post.half_size[:2]) for post in posts])
+    beyond = (np.linalg.norm(points[:, None, :2] - middles, axis=2) - reach).min(axis=1)
+    assert len(points) > 30
+    assert beyond.max() < 0.05

@@ -21,7 +21,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from harness.sensors.message_types import read_message
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import PATIENCE, free_port
 
 WORDS = ("--terrain", "flat", "--duration", "3", "--rate", "3", "--lidar-beams", "45")
 FLEET = ("--rover", "leo:a", "--rover", "rover_zero4wd:b", "--actor", "anna=random")
@@ -128,12 +128,6 @@ def recording(bag: Path) -> list[Told]:
 def one_of_each(stream: list[Told]) -> list[int]:
     """When each topic was first heard."""
     return list({each.topic: each.time_ns for each in reversed(stream)}.values())
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-        return port
 
 
 def test_a_port_that_is_taken_is_named_and_nothing_is_left(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store, encode
 from harness.tune.episodes.sweep import sweep
 from harness.workers import WorkerLost, Workers, workers_of
-from tests.support.waiting import wait_until
+from tests.support.waiting import free_port, wait_until
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
@@ -236,12 +236,6 @@ def dask(*words: str) -> Iterator[None]:
 def worker_environment() -> dict[str, str]:
     """Workers find this package and the stand-ins."""
     return {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'rover_metrics'}:{HERE}"}
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-        return port
 
 
 def wait_until_it_listens(address: str) -> None:

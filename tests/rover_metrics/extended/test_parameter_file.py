@@ -59,17 +59,18 @@ def test_what_is_not_named_keeps_its_default(file: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("name", ["metrics_node", "/metrics_node", "/ns/metrics_node", "*", "/**", "**"])
+@pytest.mark.parametrize("name", ["metrics_node", "/metrics_node", "*", "/**", "**", "/**/metrics_node"])
 def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str) -> None:
     other = section("collision_threshold: 9.0", name="metrics_nodes")
-    first = section("collision_threshold: 8.0", "distance_threshold: 0.1", name="/ns/*")
+    first = section("collision_threshold: 8.0", "distance_threshold: 0.1", name="/*")
     file.write_text(other + first + section("collision_threshold: 0.4", name=name))
     assert read_parameters(file).thresholds == Thresholds(
         collision_threshold=0.4, distance_threshold=0.1
     )
     everybodys = section("robot_radius: 0.3", "gravity: 9.8", name="/**")
     file.write_text(f"{everybodys}ns:\n  metrics_node:\n    ros__parameters:\n      fsync: true\n")
-    assert read_values(file) == {"gravity": 9.8, "fsync": True}
+    assert read_values(file) == {"gravity": 9.8}
+    assert read_values(file, "ns") == {"gravity": 9.8, "fsync": True}
 
 
 @pytest.mark.parametrize(
@@ -84,11 +85,11 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("fsync: 1"), "fsync must be true or false"),
         (section("log_dir: 7"), "parameter log_dir must be the path of a folder, as text"),
         (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of three numbers"),
-        (section("x: 1", name="other"), "no section 'metrics_node"),
-        ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
-        ("metrics_node: [1.0, x]", "no section 'metrics_node"),
+        (section("x: 1", name="other"), "no section '/metrics_node"),
+        ("metrics_node: {ros__parameters: 3}", "no section '/metrics_node"),
+        ("metrics_node: [1.0, x]", "no section '/metrics_node"),
         ("metrics_node: [", "cannot read parameters"),
-        ("", "no section 'metrics_node"),
+        ("", "no section '/metrics_node"),
         (section(f"debug_interval: {'9' * 5001}"), "a number of more than 100 digits; give fewer"),
         (section(f"footprint: {'[' * 5000}"), "nested more than 64 deep; nest less"),
         ("a: &a [1, *a]", "*a stands for nothing before it; write it out"),

@@ -1,15 +1,20 @@
 """The parameters of a real node: declared, described, set by settings and launch, changed."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import PARAMETERS, Settings
 from tests.rover_metrics.conftest import TRIANGLE, VALUES, Rig
 
@@ -94,3 +99,30 @@ def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: Rig) -> None:
 def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(rig: Rig) -> None:
     with pytest.raises(ParameterError, match=f"{RELIABILITY} must be reliable or best_effort, as text"):
         rig.start("-p", f"{RELIABILITY}:=relyable")
+
+
+SECTIONS = (  # of the node, in one namespace, in two, of other nodes, of several
+    *("metrics_node", "/metrics_node", "ns/metrics_node", "/ns/metrics_node", "/a/b/metrics_node"),
+    *("/other/metrics_node", "metrics_nodes", "/**", "/*", "**", "*", "/**/metrics_node"),
+    *("/*/metrics_node", "/*/*", "/ns/*", "/ns/**", "/a/*/metrics_node", "/*/*/*", "/a/**/b/*"),
+)
+
+
+@pytest.mark.parametrize("namespace", ["", "ns", "a/b"])
+@pytest.mark.usefixtures("ros_domain")
+def test_sections_of_a_file_count_without_ros_as_they_do_with_it(namespace: str, tmp_path: Path) -> None:
+    file, wrong = tmp_path / "params.yaml", list[str]()
+    for section in SECTIONS:
+        file.write_text(f"'{section}': {{ros__parameters: {{gravity: 9.0}}}}")
+        context = Context()
+        rclpy.init(args=["--ros-args", "--params-file", str(file)], context=context)
+        node = Node("metrics_node", namespace=namespace, context=context)
+        of_ros = node.declare_parameter("gravity", 0.0).value == 9.0
+        node.destroy_node()
+        rclpy.shutdown(context=context)
+        try:
+            of_file = bool(read_values(file, namespace))
+        except ParameterError:
+            of_file = False
+        wrong += [section] if of_ros != of_file else []
+    assert wrong == []

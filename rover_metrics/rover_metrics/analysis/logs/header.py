@@ -9,6 +9,7 @@ from rover_metrics.errors import RoverMetricsError
 
 _LONGEST_HEADER = 1 << 16  # bytes
 _MOST_SHOWN = 60  # characters
+_SEPARATORS = (";", "\t")  # of cells, where a spreadsheet or another program wrote the file anew
 
 
 class UnreadableLog(RoverMetricsError):
@@ -41,11 +42,23 @@ def read_header(path: Path) -> list[str]:
     if not text.strip():
         problem = "first line is not a header but blank" if has_rows else "file is empty"
         raise UnreadableLog(f"the {problem}")
-    names = [name.strip() for name in next(csv.reader([text], strict=False))]
+    names = [name.strip() for name in next(csv.reader([text], delimiter=separator_of(text)))]
     _check_names(names, text)
     if not has_rows:
         raise UnreadableLog("there is a header but no row")
     return names
+
+
+def separator_of(text: str) -> str:
+    """Returns what stands between the cells of a file, by its first line."""
+    return next((each for each in _SEPARATORS if each in text and "," not in text), ",")
+
+
+def as_logged(line: str, separator: str) -> str:
+    """Returns a line with commas between its cells, without quotes, its numbers with decimal points."""
+    mark = ";" if separator == "," else "."
+    cells = next(csv.reader([line], delimiter=separator), [])
+    return ",".join(cell.replace(",", mark).strip() for cell in cells) + "\n"
 
 
 def first_line(path: Path) -> tuple[str, bool]:

@@ -2,8 +2,8 @@
 
 pandas takes a field too many for an index and shifts every column without a word, and refuses a file
 for two too many. Here one column more than the header names catches such fields, and the rows that have
-them are left out. Quotes have no meaning, so that a stray one cannot swallow lines and each row knows
-its line.
+them are left out. Quotes reach no further than their line, so that a stray one cannot swallow lines and
+each row knows its line; outside of the notes they only mean something where a row begins with one.
 """
 
 import csv
@@ -17,7 +17,7 @@ from typing import BinaryIO, TextIO
 import numpy as np
 import pandas as pd
 
-from rover_metrics.analysis.logs.header import UnreadableLog, shown
+from rover_metrics.analysis.logs.header import UnreadableLog, as_logged, first_line, separator_of, shown
 from rover_metrics.analysis.metric import METRIC_COLUMNS, NOTES, STAMP
 from rover_metrics.errors import counted
 
@@ -89,12 +89,13 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     table = Table(cells={name: Tally() for name in wanted}, infinite={name: Tally() for name in wanted})
     try:
         with path.open(encoding="utf-8", errors="replace", newline="") as text:
-            chunks = _chunks(_Narrow(text, len(header) + 1), header)
+            separator = separator_of(first_line(path)[0])
+            chunks = _chunks(_Narrow(text, len(header) + 1, separator), header)
             table.rows = pd.concat([_usable(chunk, table) for chunk in chunks])
         with path.open("rb") as file:
             file.readline()
             table.spaces = b", " in file.readline(_LONGEST_LINE).rpartition(b",")[0]
-            is_cut = _last_line_is_cut(file, len(header))
+            is_cut = _last_line_is_cut(file, len(header), separator.encode())
     except (OSError, ValueError, MemoryError) as error:  # pandas' ParserError is a ValueError
         reason = " ".join(str(error).split()) or "out of memory"
         raise UnreadableLog(f"cannot be read: {reason}") from error
@@ -105,23 +106,25 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     return table
 
 
-def _last_line_is_cut(file: BinaryIO, fields: int) -> bool:
+def _last_line_is_cut(file: BinaryIO, fields: int, separator: bytes) -> bool:
     """Whether a file ends in the middle of a line; its last number may be half a number."""
     file.seek(-min(_LONGEST_LINE, file.seek(0, os.SEEK_END)), os.SEEK_END)
     last = file.read().rpartition(b"\n")[2]
-    return bool(last) and last.count(b",") < fields - 1
+    return bool(last) and last.count(separator) < fields - 1
 
 
 class _Narrow(io.TextIOBase):
-    """A text whose lines are cut after some fields; pandas refuses lines with more than it has names."""
+    """A text with commas between cells, a line cut after some; pandas refuses more than it has names."""
 
-    def __init__(self, file: TextIO, fields: int) -> None:
-        self._file, self._fields = file, fields
+    def __init__(self, file: TextIO, fields: int, separator: str) -> None:
+        self._file, self._fields, self._separator = file, fields, separator
 
     def read(self, size: int | None = -1) -> str:
         """Returns whole lines of about `size` characters; all there are without a size."""
         lines = self._file.readlines(-1 if size is None else size)
         for place, line in enumerate(lines):
+            if self._separator != "," or line.startswith('"'):
+                lines[place] = line = as_logged(line, self._separator)  # noqa: PLW2901
             if line.count(",") >= self._fields:
                 lines[place] = ",".join(line.split(",", self._fields)[: self._fields]) + "\n"
         return "".join(lines)

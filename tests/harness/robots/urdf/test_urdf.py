@@ -367,6 +367,27 @@ def test_xacro_that_is_trusted_becomes_the_rover_of_its_urdf(tmp_path: Path) -> 
         write_folder("again", file, file.parent / "again", trust_xacro=True)
 
 
+@pytest.mark.parametrize("of", ["", "$(find a_description)/urdf/", "$(find b_description)/urdf/"])
+def test_xacro_finds_what_it_includes_beside_it_and_in_packages(tmp_path: Path, of: str) -> None:
+    pytest.importorskip("xacrodoc", reason="needs the extra [xacro]: make setup")
+    plain = written(tmp_path, ROVER_4WD_LIKE).rover
+    for name in ("a", "b"):
+        package = tmp_path / "src" / f"{name}_description"
+        (package / "urdf").mkdir(parents=True)
+        about = f"<package format='3'><name>{package.name}</name></package>"
+        (package / "package.xml").write_text(about)
+        (package / "urdf" / "all.xacro").write_text(ROVER_4WD_LIKE)
+    file = tmp_path / "src/a_description/urdf/robot.urdf.xacro"
+    include = f'<xacro:include filename="{of}all.xacro"/>'
+    file.write_text(f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
+    out = tmp_path / "expanded"
+    write_folder("expanded", file, out, trust_xacro=True)
+    assert read_rover(out).drive == plain.drive
+    file.write_text(file.read_text().replace(of or "all", "$(find nobodys)/all"))
+    with pytest.raises(UsageError, match="not found; name the folder that holds it by --resource-path"):
+        write_folder("again", file, tmp_path / "again", trust_xacro=True)
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

@@ -162,6 +162,19 @@ def test_a_crs_that_is_named_alone_has_the_units_of_its_name_and_number(
     np.testing.assert_allclose(raster.values, VALUES * height)
 
 
+@pytest.mark.parametrize(
+    ("number", "metres"),
+    [(26729, US_FOOT), (26803, US_FOOT), (2964, US_FOOT), (32058, US_FOOT), (3080, FOOT), (32618, 1.0)],
+)
+def test_an_old_crs_that_is_named_by_its_number_alone_has_the_unit_that_epsg_gives_it(
+    tmp_path: Path, number: int, metres: float
+) -> None:
+    """The units are those that pyproj has of these numbers; their names do not say them."""
+    keys = {MODEL_TYPE: 1, CITATION: "NAD27 / X + NAVD88 height", VERTICAL: 5703, PROJECTED: number}
+    raster = read(tmp_path, scale=(2, 3, 0), keys=keys)
+    assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
+
+
 @pytest.mark.parametrize("keys", [METRES, {MODEL_TYPE: 2}, {MODEL_TYPE: 1, LINEAR_UNIT: 9002}, None])
 @pytest.mark.parametrize(
     ("unit", "metres"), [("ft", FOOT), ("US survey foot", US_FOOT), ("cm", 0.01), ("Metre", 1.0)]
@@ -228,6 +241,7 @@ def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
         ({MODEL_TYPE: 2}, "its pixels are degrees (gdalwarp"),
         ({MODEL_TYPE: 3}, "its coordinates are geocentric (gdalwarp"),
         ({MODEL_TYPE: 1, LINEAR_UNIT: 9030}, "its unit 9030 is not known (gdalwarp"),
+        ({MODEL_TYPE: 1, PROJECTED: 27291}, "its unit 32767 is not known (gdalwarp"),  # British yards
     ],
 )
 def test_degrees_and_unknown_units_are_named(tmp_path: Path, keys: Mapping[int, Any], said: str) -> None:

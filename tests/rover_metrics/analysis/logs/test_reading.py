@@ -1,7 +1,9 @@
 """Logs as they come: what is read of each, what is told of it, why a file is refused."""
 
+import csv
 import os
 from collections.abc import Callable, Iterator
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +100,36 @@ def test_logs_are_read_as_somebody_has_checked(write_log: WriteLog, row: Row, tm
         path.write_bytes(content.encode())
         parts.append(f"== {name}\n{described(path)}")
     check_snapshot("logs.txt", "\n\n".join(parts) + "\n")
+
+
+@pytest.mark.parametrize(
+    ("quoting", "separator", "decimal"),
+    [
+        (csv.QUOTE_ALL, ",", "."),  # pandas, on request
+        (csv.QUOTE_NONNUMERIC, ",", "."),  # R
+        (csv.QUOTE_MINIMAL, ";", ","),  # Excel, where commas are decimal
+        (csv.QUOTE_MINIMAL, ";", "."),
+        (csv.QUOTE_ALL, ";", ","),
+        (csv.QUOTE_MINIMAL, "\t", "."),
+    ],
+)
+@pytest.mark.parametrize("bom", ["", "\ufeff"])
+def test_a_log_that_a_spreadsheet_or_pandas_wrote_anew_is_read_as_before(
+    write_log: WriteLog, row: Row, tmp_path: Path, quoting: int, separator: str, decimal: str, bom: str
+) -> None:
+    lines = [
+        *map(row, range(9)),
+        row(9, Notes='"Low clearance, collision"'),
+        row(10, Current_Velocity="x"),
+    ]
+    before = write_log(lines=[*lines, row(11).replace(",9.0,", ",")])
+    after, copy = tmp_path / "anew.csv", StringIO()
+    writer = csv.writer(copy, quoting=quoting, delimiter=separator)  # type: ignore[arg-type]  # any of csv
+    for cells in csv.reader(before.read_text().splitlines()):
+        numbers = (cell.replace(".", decimal) if cell[:1].isdigit() else cell for cell in cells)
+        writer.writerow(numbers)
+    after.write_text(bom + copy.getvalue(), newline="")
+    assert described(after) == described(before)
 
 
 @pytest.mark.parametrize("extra", [",7", ",7,7", ",7" * 500])
