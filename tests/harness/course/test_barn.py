@@ -84,6 +84,10 @@ def test_a_table_may_have_other_cases_and_spaces_and_is_refused_in_millimetres(t
     (tmp_path / "cylinders.csv").write_text("World, X, Y\n7, -1.5, 6.0\n7, -3.0, 6.0\n")
     (case,) = Barn().cases(50, tmp_path)
     assert Barn().task(case, tmp_path).shortest == pytest.approx(10.0, abs=0.2)
+    fence = "".join(f"7,{-3.25 + 0.4 * n},6.0\n" for n in range(6))  # whose gaps are too narrow
+    (tmp_path / "cylinders.csv").write_text(f"world,x,y\n{fence}")
+    (case,) = Barn().cases(50, tmp_path)
+    assert Barn().task(case, tmp_path).shortest > 10.3
     (tmp_path / "cylinders.csv").write_text("world,x,y\n7,-1500,6000\n7,-3000,6000\n")
     (case,) = Barn().cases(50, tmp_path)
     with pytest.raises(UsageError, match="metres"):

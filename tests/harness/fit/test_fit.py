@@ -22,7 +22,7 @@ from harness.fit.mount import mount
 from harness.fit.outcome import split
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
-from harness.fit.steady import Steady, window
+from harness.fit.steady import Steady, kinds, window
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
@@ -215,6 +215,12 @@ def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
     row = window(circle, 1.0, 3.0)
     assert row is not None
     assert row[3:5] == pytest.approx((rate, speed), rel=1e-3)
+
+
+def test_of_kinds_of_driving_the_most_frequent_ones_come_first_by_their_medians() -> None:
+    left, ones = np.array([0.3, 0.5, 0.51, 0.49, 0.3]), np.ones(5)
+    some = kinds(Steady(ones, left, left, np.nan * ones, left, ones, ones, ones))
+    assert (some.left.tolist(), some.weight.tolist()) == ([0.5, 0.3], [3.0, 2.0])
 
 
 def test_poses_beside_the_rovers_middle_say_nothing_of_its_tyres() -> None:

@@ -8,8 +8,10 @@ import pytest
 from harness.base.interrupt import StopRequest
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
+from harness.episode.helm import Helm
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Outputs
+from harness.live.player import Player
 from harness.live.recording import manifests_near, read_tracks, run_of
 from harness.live.watch import Watch
 from harness.play import main
@@ -56,6 +58,19 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: t
             assert np.array_equal(np.asarray(watch.ranges), np.asarray(ranges))
             assert watch.people == pytest.approx(people)
         assert watch.path[0] == pytest.approx(one.watch.path[0], abs=0.02)
+
+
+def test_a_recording_stands_at_its_end_and_goes_on_step_by_step() -> None:
+    helm, player = Helm(2.0, StopRequest()), Player(SECOND)
+    for _ in range(12):
+        player.go_on(helm)
+    assert player.time_ns == SECOND
+    player.seek(0.5)
+    helm.paused = True
+    helm.step()
+    for _ in range(2):
+        player.go_on(helm)
+    assert player.time_ns == SECOND * 0.55
 
 
 @pytest.mark.parametrize(

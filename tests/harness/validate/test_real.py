@@ -53,6 +53,9 @@ def test_the_track_is_that_of_the_turns_and_one_that_is_held_tells_none() -> Non
     turning = list(windows(steady(-0.25, 0.25)))
     assert {one.kind for one in turning} == {SPOT}
     assert effective_track(turning, 1.03) == pytest.approx(1.1, rel=1e-6)
+    yawing = steady(0.5, 0.5)
+    yawing.imu[:, 3] = 0.2
+    assert [*windows(yawing)] == [], "what turns is not straight on, whatever its wheels say"
     held = steady(-0.25, 0.25)
     held.imu[:, 3] *= 0.2
     assert np.isnan(effective_track(windows(held), 1.03))
@@ -191,6 +194,16 @@ def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path
     assert recordings_of(tmp_path, 0.1)[0].ground == "ice"
 
 
+@pytest.mark.parametrize("gravity", [9.80665, 1.0, 1e3])
+def test_gravity_tells_the_unit_and_a_pose_that_repeats_is_one(gravity: float, tmp_path: Path) -> None:
+    t = np.arange(200) / 20
+    table = {"t": t, "az": gravity, "x": np.floor(4 * t) / 10, "y": 0.0, "yaw": 0.0}
+    pd.DataFrame(table).to_csv(tmp_path / "ice_1.csv", index=False)
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.imu[:, 6] == pytest.approx(9.80665)
+    assert one.poses[:, 0] == pytest.approx(np.arange(40) / 4)
+
+
 def test_of_a_step_that_was_paused_the_longest_part_counts(tmp_path: Path) -> None:
     table = pd.DataFrame({"t": np.arange(0.0, 12.0, 0.1), "left": 0.1, "right": 0.1, "step": 7})
     running = (table.t < 5.0) | table.t.between(6.95, 9.0)
@@ -203,6 +216,8 @@ def test_a_ground_is_of_the_surface_that_says_most_of_it() -> None:
     rover = HUSKY.but(surfaces={"grass": HUSKY.surfaces["ice"]} | dict(HUSKY.surfaces))
     checks, _ = compare(rover, [replace(steady(0.5, 0.5), ground="Wet-Grass 3")])
     assert {one.quantity.partition(",")[0] for one in checks} == {"wet_grass"}
+    (current,) = (one for one in checks if one.quantity.endswith("current"))
+    assert current.measured == pytest.approx(5.0)  # a constant that is fitted to one is met by it
 
 
 def test_arguments_and_folders_that_will_not_do(
