@@ -30,8 +30,7 @@ class Files(Value):
         default=None, description="the social log of a run with people; default: see --log-dir"
     )
     picture: Annotated[Path | None, Option("FILE.png", bare=str(BESIDE))] = Field(
-        default=None,
-        description="draw the rover at the end of its path; without a FILE beside the log",
+        default=None, description="draw the rover at the end of its path; without a FILE beside the log"
     )
     video: Annotated[Path | None, Option("FILE.mp4")] = Field(
         default=None, description="draw the run in at most 10 s, with time and speed (extra [video])"
@@ -42,8 +41,7 @@ class Files(Value):
     camera: Annotated[
         Literal["", "chase", "top", "side"], Option("VIEW", choices=("chase", "top", "side"))
     ] = Field(
-        default="",
-        description="of picture and video; default: where much is seen, and from behind",
+        default="", description="of picture and video; default: where much is seen, and from behind"
     )
     fail_on: Annotated[tuple[Kind, ...], listed(","), Option("KIND[,...]")] = Field(
         default=(),

@@ -103,10 +103,7 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
 
 
 def _write_page(
-    result: RunResult,
-    recorder: RunRecorder,
-    others: Mapping[str, Sequence[Stretch]],
-    console: Console,
+    result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]], console: Console
 ) -> None:
     from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
 

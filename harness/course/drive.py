@@ -8,9 +8,10 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.version import __version__
-from harness.course.attempt import FIELDS, EpisodeResult, attempt
+from harness.course.attempt import attempt
 from harness.course.entry import Entry
 from harness.course.receipt import PACKAGES, Machine, Receipt
+from harness.course.result import FIELDS, EpisodeResult
 from harness.course.task import Case
 from harness.course.tracks import Track, find_track
 from harness.workers import Workers, work_off

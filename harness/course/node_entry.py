@@ -6,9 +6,9 @@ It gets its goals on /goal_pose, the next one when the one before is reached.
 from pathlib import Path
 
 from harness.base.errors import RunFailed
-from harness.course.attempt import EpisodeResult, result_of
 from harness.course.entry import EntryFile
 from harness.course.referee import Referee
+from harness.course.result import EpisodeResult, result_of
 from harness.course.task import Case, Task
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch

@@ -13,8 +13,8 @@ from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.version import __version__
-from harness.course.attempt import EpisodeResult
 from harness.course.entry import Entry
+from harness.course.result import EpisodeResult
 from harness.course.summary import DECIMALS, Mean, TrackSummary, summarise
 from harness.spec.value import Value, made
 from rover_metrics.sheet.sheet import NONE, Sheet, formatted

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from harness.course.attempt import EpisodeResult
+from harness.course.result import EpisodeResult
 from harness.spec.value import Value
 from rover_metrics.analysis.statistics.summary import t_interval
 

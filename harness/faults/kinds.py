@@ -6,14 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.faults.actuation import (
-    CMD_VEL,
-    MOTOR,
-    WHEEL,
-    frozen_commands,
-    late_commands,
-    lost_commands,
-)
+from harness.faults.actuation import CMD_VEL, MOTOR, WHEEL, frozen_commands, late_commands, lost_commands
 from harness.faults.base import Kind, SensorAct, Value
 from harness.faults.clock import ClockAct, drift, freeze, jump, reset, silence
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike

@@ -13,6 +13,7 @@ from harness.robots import RoverSpec
 
 CERTAIN = 1.96  # standard deviations on either side: 95 %
 MOST = 6  # tries of a round
+ROUNDS = 2  # of at most MOST tries, each with new derivatives
 BLOCKS = 12  # parts of a recording that count as independent of each other
 VAGUE = 0.3  # half an interval over the value, from which on it is not known
 FACTS = {"friction": "wheel_friction", "radius": "wheel_radius"}  # of the model, where tyres say nothing
@@ -96,7 +97,6 @@ def minimise(
     start: Series,
     bounds: tuple[Series, Series],
     steps: Series,
-    rounds: int = 2,
 ) -> tuple[Series, Series, float]:
     """Returns the parameters of least residuals, the halves of their intervals, and the cost.
 
@@ -108,7 +108,6 @@ def minimise(
         start: Where to begin; clipped into the bounds.
         bounds: Lowest and highest.
         steps: For derivatives, so large that what is rough below them does not count.
-        rounds: Of at most MOST tries, each with new derivatives.
     """
     low, high = bounds
 
@@ -126,7 +125,7 @@ def minimise(
         return slopes
 
     point = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         solution = least_squares(
             values, point, jac=_broyden(values, differences, steps), bounds=bounds, loss="soft_l1",
             x_scale=steps, max_nfev=MOST, xtol=1e-3, ftol=1e-3,

@@ -119,12 +119,7 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
 
 
 def _search(
-    rover: RoverSpec,
-    free: Sequence[Estimate],
-    some: Steady,
-    like: Steady,
-    workers: Workers,
-    show: Show,
+    rover: RoverSpec, free: Sequence[Estimate], some: Steady, like: Steady, workers: Workers, show: Show
 ) -> list[Estimate]:
     """What is free, with the values that explain the recorded windows best."""
     keys, prior = [one.key for one in free], np.array([one.before for one in free])

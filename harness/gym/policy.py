@@ -72,8 +72,7 @@ def _train(options: argparse.Namespace) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
-        prog="python -m harness.gym.policy",
-        description="Policies of PointNav (docs/gym.md).",
+        prog="python -m harness.gym.policy", description="Policies of PointNav (docs/gym.md)."
     )
     commands = parser.add_subparsers(
         required=True, metavar="COMMAND", parser_class=OneLineParser, help="COMMAND --help tells more"

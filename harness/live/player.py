@@ -1,14 +1,7 @@
-"""Plays a recording on a page: a clock that goes on, stands still, and is put where a slider says."""
+"""The clock of a recording that is played: it goes on, stands still, and is put where a slider says."""
 
-from collections.abc import Sequence
-
-from harness.base.interrupt import StopRequest
 from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.helm import Helm
-from harness.live.page import LivePage
-from harness.live.recording import Track
-from harness.spec.live import LiveOptions
-from harness.spec.run import Run
 
 FRAME = 0.05  # [s] of wall time between two states that are shown
 
@@ -35,27 +28,3 @@ class Player:
         elif helm.take_step():
             self.time_ns += CONTROL_PERIOD_NS
         self.time_ns = min(self.time_ns, self.end_ns)
-
-
-def play(run: Run, tracks: Sequence[Track], options: LiveOptions, stop: StopRequest) -> None:
-    """Serves a recording until somebody stops that.
-
-    Args:
-        run: Of which it is.
-        tracks: What it has of each rover.
-        options: Where it is served.
-        stop: Ends it.
-    """
-    helm = Helm(1.0, stop)
-    player = Player(max(track.poses.times[-1] for track in tracks))
-    with LivePage(run, helm, options, steered=False, player=player) as page:
-        print(f"view: {page.address}", flush=True)
-        shown: int | None = None
-        with stop.deferred():
-            while stop.signal is None:
-                if shown != player.time_ns:
-                    shown = player.time_ns
-                    for track, watch in zip(tracks, page.observers, strict=True):
-                        track.show(watch, shown)
-                stop.sleep(FRAME)
-                player.go_on(helm)

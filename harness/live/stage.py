@@ -165,10 +165,7 @@ class Stage:
 
     def _add_path(self, number: int) -> viser.LineSegmentsHandle:
         return self._scene.add_line_segments(
-            f"{ROOT}/paths/{number}",
-            np.zeros((0, 2, 3)),
-            rgb(PATH_COLOR),
-            thickness=PATH_WIDTH,
+            f"{ROOT}/paths/{number}", np.zeros((0, 2, 3)), rgb(PATH_COLOR), thickness=PATH_WIDTH
         )
 
     def _add_hits(self, number: int) -> viser.PointCloudHandle:

@@ -13,7 +13,8 @@ from harness.physics.world_geoms import TERRAIN, soil_ground
 from harness.robots.model import COLLIDING_GROUP
 
 if TYPE_CHECKING:
-    from harness.soil.bed import Bed, SoilWheel
+    from harness.soil.bed import Bed
+    from harness.soil.wheel_force import SoilWheel
 
 ROUND = 0.9  # least over largest reach of a wheel's rim from its axle: an octagon has 0.92
 
@@ -100,7 +101,7 @@ def _wheels(scene: Scene, data: mujoco.MjData) -> list["SoilWheel"]:
     mass = model.body_subtreemass[scene.root]
     load = float(mass) * -float(model.opt.gravity[2]) / len(rover.wheel_joints)
     left = data.xmat[scene.root].reshape(3, 3)[:, 1]
-    from harness.soil.bed import SoilWheel  # noqa: PLC0415 - see `soil_bed`
+    from harness.soil.wheel_force import SoilWheel  # noqa: PLC0415 - see `soil_bed`
 
     made = []
     for name in scene.all_own(rover.wheel_joints):

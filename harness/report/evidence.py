@@ -14,11 +14,7 @@ RECORDING = ".mcap"
 
 
 def keep_evidence(
-    result: RunResult,
-    recorder: RunRecorder,
-    page: Path,
-    reason: str,
-    more: Iterable[Path | None] = (),
+    result: RunResult, recorder: RunRecorder, page: Path, reason: str, more: Iterable[Path | None] = ()
 ) -> tuple[Path, ...]:
     """Writes the page of a run, and its log, manifest and other files beside it.
 

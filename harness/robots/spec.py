@@ -78,8 +78,7 @@ class RoverFile(Value):
     )
     wheel_width: Positive = _measured("width of the widest wheel, which counts in soil")
     grousers: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
-        default=0.0,
-        description="of the wheels, in soil: 0 smooth, 1 as 24 of 5 mm on a wheel of 125 mm",
+        default=0.0, description="of the wheels, in soil: 0 smooth, 1 as 24 of 5 mm on a wheel of 125 mm"
     )
     lidar_height: Positive = _measured("height of the lidar above flat ground")
     clearance: Positive = _measured("height of the underside above flat ground")

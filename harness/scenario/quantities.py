@@ -165,9 +165,7 @@ SHIPPED: dict[str, Quantity] = {
         nothing="the route was not finished",
     ),
     "truth.targets_reached": Quantity(
-        "",
-        "Targets stopped at within reach, and gates passed, so far.",
-        lambda m: m.mission.reached,
+        "", "Targets stopped at within reach, and gates passed, so far.", lambda m: m.mission.reached
     ),
     "truth.gates_passed": Quantity(
         "", "Gates passed between their posts so far.", lambda m: m.mission.gates

@@ -3,14 +3,7 @@
 import re
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    create_model,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
 from harness.scenario.bound import Bound, Measure, Point, Share, Text
 from harness.scenario.consistency import problems

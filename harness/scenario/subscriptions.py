@@ -36,12 +36,7 @@ class Subscriptions:
     """
 
     def __init__(
-        self,
-        bridge: Bridge,
-        scenario: Scenario,
-        *,
-        now: Callable[[], tuple[int, int]],
-        record: Record,
+        self, bridge: Bridge, scenario: Scenario, *, now: Callable[[], tuple[int, int]], record: Record
     ) -> None:
         self._bridge, self._now, self._record = bridge, now, record
         self._wanted: dict[str, list[HeardQuantity]] = {}

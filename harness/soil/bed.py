@@ -20,7 +20,7 @@ from harness.base.errors import UsageError
 from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
 from harness.soil.soils import SOIL_CONTACT, Soil
 from harness.soil.stability import check_steps
-from harness.soil.wheel_force import STATE, UNPLACED
+from harness.soil.wheel_force import STATE, UNPLACED, SoilWheel
 
 MOST_BEDS = 256  # in a process at a time
 DC_GAIN = 6  # where a DC motor's parameters have the gain of its controller of speed
@@ -28,20 +28,6 @@ SEEN = 4.0  # [m] around a camera in which ruts are shown
 
 Doubles = NDArray[np.float64]
 Patch = tuple[int, int, NDArray[np.float32]]  # first row and column, heights [m]
-
-
-@dataclass(frozen=True)
-class SoilWheel:
-    """A wheel in the model."""
-
-    body: int  # of the wheel
-    joint: int  # about which it turns
-    root: int  # body of the rover
-    radius: float  # [m]
-    width: float  # [m]
-    grousers: float  # 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm
-    to_left: bool  # whether the joint's axis points to the rover's left, else to the right
-    load: float  # share of the rover's weight [N]
 
 
 @dataclass(frozen=True)

@@ -147,12 +147,7 @@ def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba tak
             cvel[body, 4] + turning[2] * arm[0] - turning[0] * arm[2],
             cvel[body, 5] + turning[0] * arm[1] - turning[1] * arm[0],
         )
-        velocity = (
-            _dot(turning, axle) * r,
-            _dot(moves, ahead),
-            _dot(moves, left),
-            _dot(moves, normal),
-        )
+        velocity = (_dot(turning, axle) * r, _dot(moves, ahead), _dot(moves, left), _dot(moves, normal))
         length = r * math.sin(math.acos(1.0 - min(max(sinkage, 0.0), r) / r)) / cell + 1.2
         rut = _rut(virgin, surface, u + length * ex, v + length * ey)
         behind = _rut(virgin, surface, u - length * ex, v - length * ey)

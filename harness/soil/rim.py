@@ -25,8 +25,7 @@ Doubles = NDArray[np.float64]
 
 # Places of a soil's numbers behind those of the pressure.
 DIG_GROUSERS, GROUSER_FRICTION, GROUSER_SHEAR, STAY_BRAKING, STAY_LATERAL = map(
-    NUMBERS.index,
-    ("dig_grousers", "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral"),
+    NUMBERS.index, ("dig_grousers", "grouser_friction", "grouser_shear", "stay_braking", "stay_lateral")
 )
 
 

@@ -6,7 +6,6 @@ down, shear that is too steep throws it to and fro. In the turning of its rim th
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,16 +14,14 @@ from harness.base.sim_time import timesteps
 from harness.soil.rig_kernel import HUGE_STEP, steady_wheels
 from harness.soil.rim import COMPACTION, YIELD, Doubles
 from harness.soil.soils import Soil
-
-if TYPE_CHECKING:
-    from harness.soil.bed import SoilWheel
+from harness.soil.wheel_force import SoilWheel
 
 STABLE = 0.5  # [rad] that the stiffest wheel may swing in a step
 GRIPPED = 0.8  # share of a hub's slip that shear may take away in a step; it trembles from 1 on
 
 
 def check_steps(
-    soil: Soil, numbers: Doubles, wheels: Sequence["SoilWheel"], gravity: float, timestep: float
+    soil: Soil, numbers: Doubles, wheels: Sequence[SoilWheel], gravity: float, timestep: float
 ) -> None:
     """Checks that wheels stay calm on a soil; else UsageError names the timestep that they need.
 
@@ -48,7 +45,7 @@ def check_steps(
         _demand(timestep, thrown, "shear throws it to and fro", "larger shear_length")
 
 
-def _stiffness(soil: Soil, numbers: Doubles, wheel: "SoilWheel", gravity: float) -> tuple[float, float]:
+def _stiffness(soil: Soil, numbers: Doubles, wheel: SoilWheel, gravity: float) -> tuple[float, float]:
     """Angular frequency of a rolling wheel up and down [rad/s], and how its shear grows [1/s^2].
 
     The shear is that force over slid path and over the mass that the wheel bears.

@@ -10,6 +10,7 @@ so that a wheel at rest keeps its forces.
 """
 
 import math
+from dataclasses import dataclass
 
 from harness.base.compiled import inlined
 from harness.soil.rim import COMPACTION, DEEPEST, STATIONS, YIELD, Doubles, half_force
@@ -27,6 +28,20 @@ MODULUS, EXPONENT, FLOW, SLIP, FRICTION, COHESION = (  # of the side
     NUMBERS.index(f"side_{name}")
     for name in ("modulus", "exponent", "flow", "slip", "friction", "cohesion")
 )
+
+
+@dataclass(frozen=True)
+class SoilWheel:
+    """A wheel in the model."""
+
+    body: int  # of the wheel
+    joint: int  # about which it turns
+    root: int  # body of the rover
+    radius: float  # [m]
+    width: float  # [m]
+    grousers: float  # 0 for a smooth rim, 1 for 24 of 5 mm on a wheel of 125 mm
+    to_left: bool  # whether the joint's axis points to the rover's left, else to the right
+    load: float  # share of the rover's weight [N]
 
 
 @inlined

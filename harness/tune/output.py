@@ -65,10 +65,7 @@ def _scored(verdict: Verdict, candidate: Candidate | None) -> str:
 
 
 def write_results(
-    folder: Path,
-    studies: Sequence[RobotStudy],
-    records: Mapping[Planned, EpisodeRecord],
-    command: str,
+    folder: Path, studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecord], command: str
 ) -> Iterator[Path]:
     """Writes the files, each there whole or not at all, and yields the path of each.
 

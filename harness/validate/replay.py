@@ -16,12 +16,7 @@ WHEELS, POSES, IMU = 15, 10, 100 // HIGHEST_RATE
 
 
 def replay(
-    rover: RoverSpec,
-    commands: Series,
-    end: float,
-    *,
-    seed: int = 0,
-    course: Course | None = None,
+    rover: RoverSpec, commands: Series, end: float, *, seed: int = 0, course: Course | None = None
 ) -> Recording:
     """Drives a rover with real motors by commands and returns what it recorded.
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.world.heightfield import Field, Heightfield
-from harness.world.obstacles import ObstacleKind, bottom, top
-from harness.world.occupancy import HEADROOM, RESOLUTION, covered, middles
+from harness.world.obstacles import HEADROOM, ObstacleKind, bottom, top
+from harness.world.occupancy import RESOLUTION, covered, middles
 from harness.world.statistics import WINDOW, RoughnessMap, averaged, steepness
 from harness.world.world import World
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from harness.world.heightfield import Heightfield
 from rover_metrics.core import rotation
 
+HEADROOM = 1.0  # [m] between ground and what a rover with its lidar passes under
 OUTLINE_POINTS = 24
 TRIES_PER_POINT = 50
 Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, bottom, outline, top
+from harness.world.obstacles import HEADROOM, Obstacle, ObstacleKind, bottom, outline, top
 from harness.world.statistics import WINDOW, averaged, steepness
 from harness.world.world import World
 
-HEADROOM = 1.0  # [m] between ground and what a rover with its lidar passes under
 RESOLUTION = 0.05  # [m], Nav2's default of its costmaps
 FREE, OCCUPIED = 0, 100
 

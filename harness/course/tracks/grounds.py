@@ -71,9 +71,7 @@ DUNES = Ground(
     slope_limit=SAND_LIMIT,
 )
 MARSYARD = Ground(
-    name="marsyard",
-    summary="to a point behind craters and hills",
-    world={"terrain": "marsyard"},
+    name="marsyard", summary="to a point behind craters and hills", world={"terrain": "marsyard"}
 )
 MISSION = Mission(
     name="mission",

@@ -1,11 +1,9 @@
 """Draws what the rover's cameras see of a state of the simulation, by OpenGL.
 
-The scene is compiled a second time, with what only is to be seen: what harness.physics.stage gives it,
-and more texture. Feature trackers need corners wherever they look, so rocks have grain, which a picture
-for people does without. The sun stands still, and nothing shines from the camera: the faces of a
-fisheye's cube must agree. It casts no shadows: their map would have to move with the rover, and the dots
-that it leaves on slopes along the sun's rays with it, which trackers take for corners.
-Same state, same machine and same OpenGL: the same image.
+The scene is compiled a second time, with the looks of harness.physics.stage and more grain, for feature
+trackers need corners wherever they look. The sun stands still, and nothing shines from the camera: the
+faces of a fisheye's cube must agree. It casts no shadows: the dots that a map of them, which moves with
+the rover, leaves on slopes would be corners to trackers.
 """
 
 from collections.abc import Mapping, Sequence

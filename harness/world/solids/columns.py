@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.world.heightfield import Field
-from harness.world.occupancy import HEADROOM
+from harness.world.obstacles import HEADROOM
 
 CHUNK = 4_000_000  # vertices that are looked at at a time
 ON_EDGE = 1e-9  # of a barycentric coordinate: what lies on an edge belongs to both sides

@@ -20,8 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, convex, outline, surface, top
-from harness.world.occupancy import HEADROOM
+from harness.world.obstacles import HEADROOM, Obstacle, ObstacleKind, convex, outline, surface, top
 from harness.world.solid import Primitive, Solid
 from harness.world.solids.convex import FEWEST, Points, convex_pieces, own_hull, slab
 from harness.world.solids.kinds import Kind

@@ -1,10 +1,8 @@
 """Reads rosbag2 recordings without ROS: a bag folder or a bare .mcap or .db3 file, whole or damaged.
 
 Messages come in the order in which they were recorded. What cannot be read is left out and reported in
-`Bag.problems`; everything else is kept: the chunks before and after a damaged one, the rows of a
-database around a bad page, a recording that was killed before it could write its end or its folder's
-metadata.yaml. The readers of rosbags do none of that: they sort by time, which hides a recorder's clock
-that was set back, leave out a database's write-ahead log and end at the first damage.
+`Bag.problems`. The readers of rosbags sort by time, which hides a recorder's clock that was set back,
+leave out a database's write-ahead log and end at the first damage.
 """
 
 import io

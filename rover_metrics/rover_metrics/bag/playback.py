@@ -1,10 +1,9 @@
 """Plays a recording into the metrics: messages in recorded order, a row at each full second.
 
-How rows are timed: a row is due when the chosen time reaches a full second, and holds every message up
-to and including that instant. Nothing is due before the first full second after the start, nor for a
-last second that is not full. With simulated time /clock moves the same timer as in the live node; with
-recorded or header time a second is full when a message comes from after it, or at the end. A recording
-of harness.run thus gives the rows of the live run in each of the three ways.
+A row is due when the chosen time reaches a full second, and holds every message up to and including
+that instant. With simulated time /clock moves the same timer as in the live node; with recorded or
+header time a second is full when a message comes from after it, or at the end. A recording of
+harness.run thus gives the rows of the live run in each of the three ways.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.course.attempt import EpisodeResult, attempt
+from harness.course.attempt import attempt
 from harness.course.drive import cases_of, drive_all
 from harness.course.entry import find_entry
 from harness.course.receipt import Receipt, receipt_of, write_receipt
+from harness.course.result import EpisodeResult
 from harness.course.tracks import find_track
 from harness.workers import workers_of
 

@@ -5,9 +5,17 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
-from harness.soil.soils import find_soil
+from harness.soil.soils import SOILS, find_soil
 
 GOOD = {"k_phi": "1.0e6", "n": "1", "friction_angle_deg": "30", "shear_length": "0.01"}
+
+
+@pytest.mark.parametrize("width", [0.05, 0.3])
+def test_cohesion_bears_by_the_width_of_a_wheel(width: float) -> None:
+    """Bekker's pressure is (k_c / b + k_phi) z^n."""
+    soil = SOILS["lll_sand"]
+    alike = soil.model_copy(update={"k_c": 0.0, "k_phi": soil.k_phi + soil.k_c / width})
+    assert soil.numbers(width, 9.81) == pytest.approx(alike.numbers(width, 9.81))
 
 
 @pytest.mark.parametrize(

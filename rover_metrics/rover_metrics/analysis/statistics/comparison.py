@@ -1,14 +1,10 @@
 """Whether two groups of drives differ, judged by one value per drive.
 
-Rows of one log repeat each other, so rows are no sample; the mean of a log (or of an episode) is one
-observation. Up to about eight a group, an exact permutation test of the difference of the means looks at
-every way to split the observations and assumes no distribution. Beyond that, the Mann-Whitney U
-test: rates and accelerations are skewed, and ranks do not mind. Where each observation has its
-partner in the other group (the same world), the differences within the pairs are judged instead: up to
-14 by every way to flip their signs, beyond that by Wilcoxon's signed ranks. Effect sizes are Hedges' g
-(standardised difference, corrected for small samples; of pairs too by the spread within the groups, so
-that both designs compare) and Cliff's delta (how much more often a value of the second group exceeds
-one of the first than the other way round).
+Rows of one log repeat each other: the mean of a log (or of an episode) is one observation. Small groups
+are judged by an exact permutation test, which assumes no distribution, large ones by ranks, for rates
+and accelerations are skewed; where each observation has its partner in the other group (the same world),
+so are the differences within the pairs. Hedges' g of pairs too is by the spread within the groups, so
+that both designs compare.
 """
 
 import math
