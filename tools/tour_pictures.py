@@ -16,38 +16,16 @@ from harness.run import main as run
 from harness.scenario.__main__ import main as scenario
 
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+SCENARIOS = Path(__file__).resolve().parents[1] / "docs/tour"
 VIEW = {"width": 1200, "height": 720}  # [pixels]
-FAILING = """
-about: Commands end before the wall of the maze, and so does the rover.
-terrain: maze
-driver: cmd_vel
-duration: 22
-events:
-- {at: 0, command: [0.3, 0]}
-- {at: 20, command: [0, 0]}
-expect:
-  truth.hazard_contacts: {max: 0}
-  truth.path_length: {over: end, min: 2.4, max: 2.9}
-"""
-COMPARED = """
-about: Two rovers wander over gravel and rocks.
-driver: wander
-duration: 20
-seeds: 4
-matrix: {robot: [leo, rover_zero4wd], terrain: [gravel, rocky]}
-expect:
-  truth.path_length: {over: end, min: 1}
-  truth.hazard_contacts: {max: 0}
-"""
 
 
 def pages(folder: Path) -> Iterator[tuple[str, Path]]:
     """Yields the name of each picture, and the page that it shows; the working folder is theirs."""
     run(["--direct", "--terrain", "rocky", "--page", "run.html"])
     yield "run", folder / "run.html"
-    for name, text in (("failing", FAILING), ("comparison", COMPARED)):
-        file, page = Path(f"{name}.scenario.yaml"), Path(f"{name}.html")
-        file.write_text(text)
+    for name in ("failing", "comparison"):
+        file, page = SCENARIOS / f"{name}.scenario.yaml", Path(f"{name}.html")
         scenario([str(file), "--page", str(page), "--out", name])
         yield name, folder / page
     (failed,) = (folder / "failing").rglob("run.html")

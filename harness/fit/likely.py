@@ -29,13 +29,13 @@ def check_likely(recording: Recording, rover: RoverSpec) -> None:
     left, right = at(recording.wheels, times).T
     ahead, turned = _moved((left + right) / 2), _moved((right - left) / rover.controller_separation)
     v, w = at(recording.commands, times).T
-    _check(recording.name, "cmd_v", _moved(v), ahead, LATEST)
-    _check(recording.name, "cmd_w", _moved(w), turned, LATEST)
+    _check(recording, "cmd_v", _moved(v), ahead, LATEST)
+    _check(recording, "cmd_w", _moved(w), turned, LATEST)
     if len(recording.poses):
         x, y, yaw = (values[WINDOW:] - values[:-WINDOW] for values in at(recording.poses, times).T)
-        _check(recording.name, "yaw", yaw, turned, 1)
+        _check(recording, "yaw", yaw, turned, 1)
         straight = np.abs(turned) < MOVES  # poses may be of a place beside the middle
-        _check(recording.name, "x, y", np.hypot(x, y)[straight], np.abs(ahead[straight]), 0)
+        _check(recording, "x, y", np.hypot(x, y)[straight], np.abs(ahead[straight]), 0)
 
 
 def _moved(rates: Series) -> Series:
@@ -45,7 +45,7 @@ def _moved(rates: Series) -> Series:
     return windows
 
 
-def _check(name: str, what: str, theirs: Series, wheels: Series, latest: int) -> None:
+def _check(recording: Recording, what: str, theirs: Series, wheels: Series, latest: int) -> None:
     """Compares sizes, and likeness where the wheels may be fewer ticks late than `latest`."""
     if not len(theirs):
         return
@@ -53,12 +53,16 @@ def _check(name: str, what: str, theirs: Series, wheels: Series, latest: int) ->
     if max(size, rolled) < MOVES:
         return
     if not rolled / MOST < size < rolled * MOST:
+        columns = "give units in the columns' names, as left_wheel [rad/s]"
+        mend = "--topic chooses another topic" if recording.sources else columns
         raise UsageError(
-            f"{name}: {what} are {size:.3g} a second where the wheels' are {rolled:.3g} (in m or rad); "
-            "give units in the columns' names, as left_wheel [rad/s]"
+            f"{recording.name}: {what} are {size:.3g} (m or rad) a second where the wheels' are "
+            f"{rolled:.3g}; {mend}"
         )
     if not latest or min(theirs.std(), wheels.std()) < MOVES:
         return
     pairs = ((theirs[: len(theirs) - late], wheels[late:]) for late in range(0, latest, 5))
     if max(np.corrcoef(*pair)[0, 1] for pair in pairs) < LIKE:
-        raise UsageError(f"{name}: {what} and wheels do not go together; is a side or a sign swapped?")
+        raise UsageError(
+            f"{recording.name}: {what} and wheels do not go together; is a side or a sign swapped?"
+        )
