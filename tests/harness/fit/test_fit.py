@@ -93,11 +93,13 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
 
 def test_the_last_third_of_the_steps_is_not_fitted_to() -> None:
     rows = np.arange(0.0, 63.0, 0.1)[:, None] * np.ones(4)
-    fitted, held = split(Recording("made", commands=rows[:, :3], wheels=rows[:, :3], poses=rows))
+    changes = np.array([[0.0, 0.5, 0.1], [38.0, 0.4, 0.2], [50.0, 0.3, 0.3]])
+    fitted, held = split(Recording("made", commands=changes, wheels=rows[:, :3], poses=rows))
     assert held is not None
     assert held.steps[:, 0].tolist() == [42.0, 48.0, 54.0]
     assert max(series[-1, 0] for series in fitted.series.values()) < 42.0
     assert (fitted.steps[:, 1] <= 42.0).all()
+    assert held.commands.tolist() == [[41.5, 0.4, 0.2], [50.0, 0.3, 0.3]], "what was in force goes on"
 
 
 def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, capsys: Capsys) -> None:

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording
+from harness.recordings.recording import Recording, Series, at, moved
 from harness.recordings.tables import recordings_of
-from harness.robots import REAL, ROVERS, equipped
+from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.__main__ import main
-from harness.validate.real.commanded import response_times, step_ends
+from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.table import compare
 from harness.validate.real.windows import SPOT, STRAIGHT, effective_track, windows
 from harness.validate.replay import replay
@@ -88,6 +89,82 @@ def test_each_side_answers_from_its_own_speed_before() -> None:
         wheels=np.column_stack([t, 0.2 + moved, 0.8 - moved]),
     )
     assert response_times(made) == pytest.approx(-lag * np.log1p([-0.1, -0.63, -0.9]), abs=0.011)
+
+
+def closed_form(rover: RoverSpec, commands: Series, end: float, *, seed: int = 0) -> Recording:
+    """A rover by kinematics alone: sides 0.3 s late, a track of 1.2 m, 4 and 6 A, az of 0.4 m/s^2 sd."""
+    t = np.arange(0.01, end + 1e-9, 0.01)
+    v, w = at(commands, t - 0.3).T * (t >= 0.3)
+    half = 0.5 * rover.controller_separation * w
+    rate = 2.0 * half / 1.2
+    yaw = np.cumsum(rate) * 0.01
+    middle = yaw - 0.005 * rate
+    x, y = (np.cumsum(v * of(middle)) * 0.01 for of in (np.cos, np.sin))
+    zero, az = 0.0 * t, 9.8 + 0.4 * np.sqrt(2) * np.sin(2 * np.pi * (5.0 + seed) * t)
+    imu = np.column_stack([t, zero, zero, rate, zero, zero, az])
+    drawn = np.column_stack([t, zero + 4.0, zero + 6.0])
+    wheels, poses = np.column_stack([t, v - half, v + half]), np.column_stack([t, x, y, yaw])
+    return Recording("ours", commands=commands, wheels=wheels, currents=drawn, imu=imu, poses=poses)
+
+
+def test_a_table_is_that_of_two_rovers_in_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Theirs: 0.5 m/s^2 sd, a track of 1.1 m, 5 A; ours of `closed_form`."""
+    monkeypatch.setattr("harness.validate.real.table.replay", closed_form)
+    there = ((0.3, 0.3), (0.6, 0.6), (-0.25, 0.25), (0.2, 0.6))
+    checks, notes = compare(HUSKY, [steady(*sides) for sides in there])
+    assert notes == ["currents of ours are times 0.50, which is fitted to theirs"]
+    vibration = {"sd of az": (0.5, 0.4, "m/s2"), "share of 1 to 10 Hz": (1.0, 1.0, "")}
+    limits = {
+        "sd of az": lambda v: (v * np.exp(-0.3), v * np.exp(0.3)),
+        "share of 1 to 10 Hz": lambda v: (v - 0.15, v + 0.15),
+        "effective track": lambda v: (0.9 * v, 1.1 * v), "current": lambda v: (0.8 * v, 1.2 * v),
+    }  # fmt: skip
+    current = {"current": (5.0, 5.0, "A")}
+    turns = {"effective track": (1.1, 1.2, "m")} | current
+    groups = {
+        "straight at 0.30 m/s": vibration | current, "straight at 0.60 m/s": vibration | current,
+        "on the spot": turns, "in an arc": turns,
+    }  # fmt: skip
+    told = {one.quantity: one for one in checks}
+    expected = {f"flooring, {g}: {q}": (q, *v) for g, some in groups.items() for q, v in some.items()}
+    assert told.keys() == expected.keys()
+    for quantity, (kind, theirs, ours, unit) in expected.items():
+        check = told[quantity]
+        assert check.measured == pytest.approx(ours, rel=0.01), quantity
+        assert (check.expected.low, check.expected.high) == pytest.approx(limits[kind](theirs), rel=0.01)
+        assert (check.unit, "9 windows" in check.expected.source) == (unit, True)
+
+
+def test_commanded_steps_of_two_rovers_in_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Theirs is `closed_form` with poses beside the middle, which may be of twice the size."""
+    monkeypatch.setattr("harness.validate.real.commanded.replay", closed_form)
+    twists = np.array([(0.5, 0.0), (0.0, 0.6), (0.4, 0.4), (-0.5, 0.0), (0.3, -0.5), (0.6, 0.2)])
+    begins, span, mount = 4.0 + 5.0 * np.arange(len(twists)), 3.5, np.array([0.2, 0.1])
+    commands, steps = np.column_stack([begins - 1.0, twists]), np.column_stack([begins, begins + span])
+    driver = REAL_HUSKY.but(controller_separation=1.3)
+    own = closed_form(driver, moved(commands, -3.0), 30.0)
+    turned = Rotation.from_euler("z", own.poses[:, [3]]).as_matrix()[:, :2, :2]
+    beside = moved(own.poses, 3.0)
+    beside[:, 1:3] += turned @ mount
+    made = Recording("made", "flooring", commands=commands, wheels=moved(own.wheels, 3.0),
+                     poses=beside, steps=steps)  # fmt: skip
+    assert as_driven(REAL_HUSKY, made).controller_separation == pytest.approx(1.3, rel=1e-6)
+    *late, median, within = (check.measured for check in compare(REAL_HUSKY, [made])[0])
+    assert late == pytest.approx([0.3] * 3, abs=0.011)
+    assert median < 3e-3
+    assert within == 1.0
+
+    v, w = twists.T
+    swung = Rotation.from_euler("z", (w * span)[:, None]).as_matrix()[:, :2, :2] - np.eye(2)
+    radius = v / np.where(w, w, 1.0)
+    arcs = np.column_stack([radius * np.sin(w * span), radius * (1.0 - np.cos(w * span))])
+    arcs[w == 0.0, 0] = v[w == 0.0] * span
+    off = arcs + 2.0 * swung @ mount  # theirs, twice as large, less ours
+    place = np.linalg.lstsq(swung.reshape(-1, 2), off.ravel(), rcond=None)[0]
+    lengths = 2.0 * span * np.hypot(v - w * mount[1], w * mount[0])
+    expected = np.linalg.norm(off - swung @ place, axis=1) / np.maximum(lengths, 1.0)
+    larger = replace(made, poses=beside * [1.0, 2.0, 2.0, 1.0])
+    assert step_ends(driver, larger) == pytest.approx(expected, rel=0.03, abs=0.01)
 
 
 def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:
