@@ -61,12 +61,6 @@ def test_a_success_scores_by_barns_formula() -> None:
     assert result.shortest == pytest.approx(12.5007)
 
 
-def test_a_touch_ends_the_episode_without_a_score() -> None:
-    (result,) = driven("straight", "barn")
-    assert (result.ending, result.score, result.spl) == ("contact", 0.0, 0.0)
-    assert 0.0 < result.hazard_s <= 0.05
-
-
 def test_unseen_worlds_are_passable_and_of_the_same_kinds() -> None:
     shipped = [len(case.world.text) for case in Barn().cases(50)]  # type: ignore[union-attr]
     unseen = [Barn().unseen(seed) for seed in range(12)]

@@ -1,5 +1,7 @@
 """A fit against the rover that made its recording, and what a recording lacks or does not tell."""
 
+import json
+import re
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -16,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.fit.__main__ import main
 from harness.fit.estimate import of, with_values
-from harness.fit.ground import differences
+from harness.fit.ground import UNITS, differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.outcome import split
@@ -75,6 +77,7 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
 ) -> None:
     monkeypatch.setattr("harness.validate.replay.WHEELS", 1)  # a file that holds nothing back
     monkeypatch.setattr("harness.fit.ground.PLANE", (*PLANE, 0.5))
+    monkeypatch.setenv("COLUMNS", "200")
     true = with_values(HUSKY, HIDDEN.items())
     csv, out = write(driven(true), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
     words = [str(csv), "--robot", "husky", "--surface", "mud", "--out", str(out), "--jobs", "1"]
@@ -86,7 +89,28 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
         assert getattr(found, height) == pytest.approx(getattr(HUSKY, height) + grown, abs=2e-5)
     printed = " ".join(capsys.readouterr().out.split())
     assert "an IMU with six axes is missing" in printed
-    assert "friction" in (out / "fit.html").read_text()
+    for key, true_value in TRUE.items():
+        row = re.search(rf"{key} ([\d.]+) ([\d.]+) ([\d.]+) to ([\d.]+)", printed)
+        assert row, key
+        before, after, low, high = map(float, row.groups())
+        assert (before, after) == pytest.approx((of(HUSKY, key), of(found, key)), rel=2e-3), key
+        assert low < after < high
+        assert low - 0.05 * true_value < true_value < high + 0.05 * true_value, key
+    figures = json.loads(re.findall(r'id="figures">(.*?)</script>', (out / "fit.html").read_text())[0])
+    assert len(figures) == 2 + len(UNITS)
+    for named, figure in figures.items():
+        real, *ours = ({axis: np.array(one[axis], float) for axis in "xy"} for one in figure["data"])
+        if named.startswith("side"):
+            errors = [np.interp(real["x"], one["x"], one["y"]) - real["y"] for one in ours]
+
+        else:
+            errors = [one["y"] - one["x"] for one in ours]
+        was, now = (float(np.sqrt(np.mean(error**2))) for error in errors)
+        assert now < 0.5 * was, named
+        if (name := named.removeprefix("steady-")) in UNITS and name != "ahead":  # poses may be aside
+            row = re.search(rf"{name.replace('_', ' ')} {UNITS[name]} ([\d.]+) ([\d.]+)", printed)
+            assert row, name
+            assert [*map(float, row.groups())] == pytest.approx([was, now], rel=0.05, abs=2e-3), name
     assert find_rover(str(out)).tyres.friction is None, "only the surface was told"
     assert "exists already" in complaint(main, words, capsys)
 

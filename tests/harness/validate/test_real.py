@@ -17,7 +17,6 @@ from harness.validate.__main__ import main
 from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.table import compare
 from harness.validate.real.windows import SPOT, STRAIGHT, effective_track, windows
-from harness.validate.replay import replay
 from tests.support.complaint import complaint
 
 HUSKY = ROVERS["husky"]
@@ -60,24 +59,6 @@ def test_the_track_is_that_of_the_turns_and_one_that_is_held_tells_none() -> Non
     held = steady(-0.25, 0.25)
     held.imu[:, 3] *= 0.2
     assert np.isnan(effective_track(windows(held), 1.03))
-
-
-def test_a_replay_recovers_its_own_delay_and_ends_its_own_steps_where_they_ended() -> None:
-    # Three steps: where the poses' sensor sits, which is not known, explains the end of one alone.
-    steps = np.array([[1.0, 7.0], [9.0, 15.0], [17.0, 22.0]])
-    moves = zip(steps[:, 0], (0.5, 0.2, 0.4), (0.0, 0.4, -0.3), strict=True)
-    stops = [[t, 0.0, 0.0] for t in (0.0, *steps[:, 1], 24.0)]
-    commands = np.array(sorted([*map(list, moves), *stops]))
-    own = replay(REAL_HUSKY, commands, 24.0)
-    poses = own.poses + np.array([0.0, 7.0, 0.0, 2.0])  # wherever the frame of a recording lies
-    poses[:, 1:3] = poses[:, 1:3] @ [[np.cos(2.0), np.sin(2.0)], [-np.sin(2.0), np.cos(2.0)]]
-    recorded = Recording(
-        "own", "flooring", commands=commands, wheels=own.wheels, poses=poses, steps=steps
-    )  # fmt: skip
-    assert step_ends(REAL_HUSKY, recorded).max() < 1e-6
-    late = REAL_HUSKY.actuators.but(delay=0.33)  # type: ignore[union-attr]
-    slower = response_times(replay(REAL_HUSKY.but(actuators=late), commands, 24.0))
-    assert slower - response_times(own) == pytest.approx([0.25] * 3, abs=0.16)  # a sample of wheels
 
 
 def test_each_side_answers_from_its_own_speed_before() -> None:
