@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.course.task import Case
-from harness.course.tracks import TRACKS, find_track
+from harness.course.tracks import find_track
 from harness.course.tracks.dynabarn import key_frames
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
@@ -110,11 +110,14 @@ def test_an_episode_is_what_its_samples_say(entry: str, track: str, seed: int) -
     assert result.spl == pytest.approx(won * min(1.0, result.shortest / result.path), abs=2e-6)
 
 
-@pytest.mark.parametrize("track", [name for name in TRACKS if "barn" not in name])
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("track", ["rocky", "blind", "mission", "dunes", "marsyard"])
 def test_goals_of_a_ground_are_as_far_and_as_free_as_its_track_says(track: str, tmp_path: Path) -> None:
     """Beside the published ranges: room for the rover, its heading, and the length of the way."""
     ranges = {"mission": (5.0, 8.0)}
-    task = find_track(track).task(Case(track, 3), tmp_path)
+    if seed and track in ("dunes", "marsyard"):
+        return  # nothing but the ground is in the way
+    task = find_track(track).task(Case(track, seed), tmp_path)
     world, rover = world_of(task.run), find_rover(task.run.rover.robot)
     goals = [m.place for m in marks(task.run.plan.route, world.targets, Datum(*DEFAULT_DATUM))]  # type: ignore[arg-type]
     way = [(0.0, 0.0), *goals]

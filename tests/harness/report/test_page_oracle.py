@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,6 @@ from harness.report.recorder import RunRecorder
 from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from harness.world.obstacles import ObstacleKind
 from tests.support.pages import without_plotly
 
@@ -33,38 +31,21 @@ Spans = list[tuple[float, float]]
 
 @dataclass
 class Seen:
-    """A run, by its tenths of a second, and the figures of its page."""
+    """A run by its tenths of a second, its log, and the figures of its page.
 
-    batches: list[Batch]
+    Attributes:
+        felt: Least and largest |a| of each tenth [m/s^2].
+        touched: Whether a hazard was touched in it.
+    """
+
+    samples: list[list[Sample]]
+    times: NDArray[np.float64]
+    place: NDArray[np.float64]
+    way: NDArray[np.float64]
+    felt: tuple[NDArray[np.float64], NDArray[np.float64]]
+    touched: NDArray[np.bool_]
     rows: list[dict[str, str]]
     figures: dict[str, Any]
-
-    @cached_property
-    def tenths(self) -> list[list[Batch]]:
-        return [self.batches[n : n + 2] for n in range(0, len(self.batches), 2)]
-
-    @property
-    def ends(self) -> list[Truth]:
-        return [pair[-1].truth for pair in self.tenths]
-
-    @property
-    def samples(self) -> list[list[Sample]]:
-        return [[s for one in pair for tick in one.ticks for s in tick.samples] for pair in self.tenths]
-
-    @property
-    def times(self) -> NDArray[np.float64]:
-        return np.array([end.time_ns for end in self.ends]) / 1e9
-
-    @property
-    def felt(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Least and largest |a| of each tenth [m/s^2]."""
-        imus = [[s.linear_acceleration for s in some if isinstance(s, Imu)] for some in self.samples]
-        sizes = [np.linalg.norm(some, axis=1) for some in imus]
-        return np.array([some.min() for some in sizes]), np.array([some.max() for some in sizes])
-
-    @property
-    def touched(self) -> NDArray[np.bool_]:
-        return np.diff([end.hazard_contact_s for end in self.ends], prepend=0.0) > 0.0
 
     @property
     def contacts(self) -> Spans:
@@ -98,13 +79,24 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> Seen:
     (figures,) = re.findall(r'id="figures">(.*?)</script>', without_plotly(render(result, recorder)))
     assert result.log_path is not None
     rows = list(csv.DictReader(result.log_path.read_text().splitlines()))
-    return Seen(batches, rows, json.loads(figures))
+    pairs = [batches[n : n + 2] for n in range(0, len(batches), 2)]
+    samples = [[s for one in pair for tick in one.ticks for s in tick.samples] for pair in pairs]
+    sizes = [
+        [np.linalg.norm(s.linear_acceleration) for s in some if isinstance(s, Imu)] for some in samples
+    ]
+    times, place, way, contact = (
+        np.array([getattr(pair[-1].truth, name) for pair in pairs])
+        for name in ("time_ns", "position", "path_length", "hazard_contact_s")
+    )
+    felt = np.array([min(some) for some in sizes]), np.array([max(some) for some in sizes])
+    touched = np.diff(contact, prepend=0.0) > 0.0
+    return Seen(samples, times / 1e9, place, way, felt, touched, rows, json.loads(figures))
 
 
 def test_the_map_is_that_of_the_batches(seen: Seen) -> None:
     traces = seen.figures["map"]["data"]
     drawn = {one["name"]: [other for other in traces if other["name"] == one["name"]] for one in traces}
-    place, (low, high) = np.array([end.position for end in seen.ends]), seen.felt
+    place, (low, high) = seen.place, seen.felt
     line, marks = drawn["path"]
     assert np.column_stack([line["x"], line["y"]]) == pytest.approx(place[:, :2], abs=1e-4)
     rough = np.maximum(high - 9.8, 9.8 - low)
@@ -141,8 +133,7 @@ def test_the_map_is_that_of_the_batches(seen: Seen) -> None:
 
 def test_each_series_is_that_of_the_log_beside_the_batches(seen: Seen) -> None:
     names = [name for name in seen.rows[0] if name not in ("Timestamp", "Notes")]
-    stamps, times = [float(row["Timestamp"]) for row in seen.rows], seen.times
-    way = np.array([end.path_length for end in seen.ends])
+    stamps, times, way = [float(row["Timestamp"]) for row in seen.rows], seen.times, seen.way
     beside = {
         "Distance Traveled": [(times, way)],
         "Current Velocity": [(times[1:], np.diff(way) / np.diff(times))],

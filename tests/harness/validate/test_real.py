@@ -16,7 +16,7 @@ from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.__main__ import main
 from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.table import compare
-from harness.validate.real.windows import SPOT, STRAIGHT, effective_track, windows
+from harness.validate.real.windows import SPOT, effective_track, windows
 from tests.support.complaint import complaint
 
 HUSKY = ROVERS["husky"]
@@ -37,16 +37,6 @@ def steady(left: float, right: float, hertz: float = 5.0, sd: float = 0.5) -> Re
     return Recording(
         "made", "flooring", wheels=wheels, currents=wheels * [1, 0, 0] + [0, 2.0, 3.0], imu=imu
     )
-
-
-@pytest.mark.parametrize(("hertz", "share"), [(5.0, 1.0), (20.0, 0.0)])
-def test_windows_tell_vibration_band_and_current(hertz: float, share: float) -> None:
-    some = list(windows(steady(0.5, 0.5, hertz)))
-    assert len(some) == 9
-    assert {one.kind for one in some} == {STRAIGHT}
-    for one in some:
-        assert (one.speed, one.sd, one.current) == pytest.approx((0.5, 0.5, 5.0), rel=0.02)
-        assert one.share == pytest.approx(share, abs=0.03)
 
 
 def test_the_track_is_that_of_the_turns_and_one_that_is_held_tells_none() -> None:
@@ -91,8 +81,8 @@ def closed_form(rover: RoverSpec, commands: Series, end: float, *, seed: int = 0
 def test_a_table_is_that_of_two_rovers_in_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """Theirs: 0.5 m/s^2 sd, a track of 1.1 m, 5 A; ours of `closed_form`."""
     monkeypatch.setattr("harness.validate.real.table.replay", closed_form)
-    there = ((0.3, 0.3), (0.6, 0.6), (-0.25, 0.25), (0.2, 0.6))
-    checks, notes = compare(HUSKY, [steady(*sides) for sides in there])
+    there = ((0.3, 0.3), (0.6, 0.6, 20.0), (-0.25, 0.25), (0.2, 0.6))
+    checks, notes = compare(HUSKY, [steady(*driving) for driving in there])
     assert notes == ["currents of ours are times 0.50, which is fitted to theirs"]
     vibration = {"sd of az": (0.5, 0.4, "m/s2"), "share of 1 to 10 Hz": (1.0, 1.0, "")}
     limits = {
@@ -100,10 +90,11 @@ def test_a_table_is_that_of_two_rovers_in_closed_form(monkeypatch: pytest.Monkey
         "share of 1 to 10 Hz": lambda v: (v - 0.15, v + 0.15),
         "effective track": lambda v: (0.9 * v, 1.1 * v), "current": lambda v: (0.8 * v, 1.2 * v),
     }  # fmt: skip
+    high = vibration | {"share of 1 to 10 Hz": (0.0, 1.0, "")}
     current = {"current": (5.0, 5.0, "A")}
     turns = {"effective track": (1.1, 1.2, "m")} | current
     groups = {
-        "straight at 0.30 m/s": vibration | current, "straight at 0.60 m/s": vibration | current,
+        "straight at 0.30 m/s": vibration | current, "straight at 0.60 m/s": high | current,
         "on the spot": turns, "in an arc": turns,
     }  # fmt: skip
     told = {one.quantity: one for one in checks}
@@ -112,7 +103,9 @@ def test_a_table_is_that_of_two_rovers_in_closed_form(monkeypatch: pytest.Monkey
     for quantity, (kind, theirs, ours, unit) in expected.items():
         check = told[quantity]
         assert check.measured == pytest.approx(ours, rel=0.01), quantity
-        assert (check.expected.low, check.expected.high) == pytest.approx(limits[kind](theirs), rel=0.01)
+        assert (check.expected.low, check.expected.high) == pytest.approx(
+            limits[kind](theirs), rel=0.01, abs=2e-3
+        )
         assert (check.unit, "9 windows" in check.expected.source) == (unit, True)
 
 
