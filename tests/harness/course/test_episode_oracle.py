@@ -112,7 +112,9 @@ def test_an_episode_is_what_its_samples_say(entry: str, track: str, seed: int) -
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("track", ["rocky", "blind", "mission", "dunes", "marsyard"])
-def test_goals_of_a_ground_are_as_far_and_as_free_as_its_track_says(track: str, tmp_path: Path) -> None:
+def test_goals_of_a_ground_are_as_far_and_as_free_as_its_track_says(
+    track: str, seed: int, tmp_path: Path
+) -> None:
     """Beside the published ranges: room for the rover, its heading, and the length of the way."""
     ranges = {"mission": (5.0, 8.0)}
     if seed and track in ("dunes", "marsyard"):
