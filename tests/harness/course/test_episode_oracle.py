@@ -110,7 +110,7 @@ def test_an_episode_is_what_its_samples_say(entry: str, track: str, seed: int) -
     assert result.spl == pytest.approx(won * min(1.0, result.shortest / result.path), abs=2e-6)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("track", ["rocky", "blind", "mission", "dunes", "marsyard"])
 def test_goals_of_a_ground_are_as_far_and_as_free_as_its_track_says(
     track: str, seed: int, tmp_path: Path

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
+from ruamel.yaml import YAML
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
@@ -111,7 +112,16 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
             row = re.search(rf"{name.replace('_', ' ')} {UNITS[name]} ([\d.]+) ([\d.]+)", printed)
             assert row, name
             assert [*map(float, row.groups())] == pytest.approx([was, now], rel=0.05, abs=2e-3), name
-    assert find_rover(str(out)).tyres.friction is None, "only the surface was told"
+    files = (YAML(typ="safe").load(folder / "rover.yaml") for folder in (HUSKY.folder, out))
+    given, left = ({key: str(own[0]) for key, own in pd.json_normalize(file).items()} for file in files)
+    changed = {key for key, value in left.items() if given.get(key) != value} - {"model"}
+    heights = {"rest_height", "lidar_height", "clearance"} & given.keys()
+    of_mud = {f"surfaces.mud.{name}" for name in ("friction", "turning", "rolling", "drag")}
+    assert (
+        changed - of_mud
+        == {key for key in TRUE if key not in ("tyres.friction", "tyres.turning")} | heights
+    )
+    assert changed & of_mud >= {"surfaces.mud.friction", "surfaces.mud.turning"}
     assert "exists already" in complaint(main, words, capsys)
 
 
