@@ -285,7 +285,8 @@ def test_the_mount_of_an_imu_is_that_of_its_forces() -> None:
     w, dw = moves * np.sin(0.7 * (t - 10.0)), 0.7 * moves * np.cos(0.7 * (t - 10.0))
     force = np.column_stack([dv - w**2 * x - dw * y, v * w + dw * x - w**2 * y, np.full(t.size, 9.81)])
     turned = Rotation.from_euler("xyz", (roll, pitch, yaw)).inv()
-    rates = turned.apply(np.column_stack([0 * t, 0 * t, w]))
+    biased = np.column_stack([0 * t + 0.01, 0 * t - 0.02, w + 0.1])  # as gyros are
+    rates = turned.apply(biased)
     imu = np.column_stack([t, rates, turned.apply(force)])
     found = mount(HUSKY, Recording("made", wheels=np.column_stack([t, v - w / 2, v + w / 2]), imu=imu))
     told = {one.key: one.after for one in found}

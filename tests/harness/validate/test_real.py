@@ -16,7 +16,7 @@ from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.__main__ import main
 from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.table import compare
-from harness.validate.real.windows import SPOT, effective_track, windows
+from harness.validate.real.windows import SPOT, aligned, effective_track, windows
 from tests.support.complaint import complaint
 
 HUSKY = ROVERS["husky"]
@@ -140,6 +140,15 @@ def test_commanded_steps_of_two_rovers_in_closed_form(monkeypatch: pytest.Monkey
     expected = np.linalg.norm(off - swung @ place, axis=1) / np.maximum(lengths, 1.0)
     larger = replace(made, poses=beside * [1.0, 2.0, 2.0, 1.0])
     assert step_ends(driver, larger) == pytest.approx(expected, rel=0.03, abs=0.01)
+
+
+@pytest.mark.parametrize("late", [-0.6, 0.35])
+def test_an_imu_on_another_clock_is_put_on_that_of_the_wheels(late: float) -> None:
+    t = np.arange(0.0, 40.0, 0.02)
+    half, imu = 0.3 * np.sin(t) * np.sin(0.37 * t), np.zeros((t.size, 7))
+    imu[:, 0], imu[:, 3] = t + late, 2.0 * half / 1.1
+    drove = Recording("made", wheels=np.column_stack([t, -half, half]), imu=imu)
+    assert aligned(drove, 1.1).imu[:, 0] == pytest.approx(t, abs=0.051)
 
 
 def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:
