@@ -89,9 +89,8 @@ def run_options(given: argparse.Namespace, ros_args: Sequence[str]) -> RunOption
         frames=from_flags(FrameOptions, given),
     )
     _check_combination(given, run, ros, files)
-    settings = tuple(
-        _settings(given, run, number, rover.name or namespace) for number, rover in enumerate(run.rovers)
-    )
+    spaces = [rover.name or namespace for rover in run.rovers]
+    settings = tuple(_settings(given, run, number, spaces) for number in range(len(spaces)))
     return RunOptions(
         run=run,
         ros=ros,
@@ -120,10 +119,10 @@ def _run(given: argparse.Namespace) -> Run:
     return fleet(run, parse_rovers(given.rover, run.rover))
 
 
-def _settings(given: argparse.Namespace, run: Run, number: int, namespace: str) -> Settings:
-    """The settings of a rover's metrics, of whose node the namespace is."""
+def _settings(given: argparse.Namespace, run: Run, number: int, spaces: Sequence[str]) -> Settings:
+    """The settings of a rover's metrics, whose nodes are in these namespaces."""
     try:
-        values = read_values(given.params, namespace) if given.params else {}
+        values = read_values(given.params, spaces[number], spaces) if given.params else {}
     except ParameterError as error:
         raise UsageError(f"--params: {error}") from error
     values |= {"columns": given.columns} if given.columns else {}

@@ -85,7 +85,7 @@ def run_direct(
         if sinks:
             described = [each.description for each in episodes if each.description is not None]
             routes = _published(routes, logged, RunTopics(run, described, sinks, at_end))
-        batches = together(episodes, ahead=helm is None, awake=True)
+        batches = together(episodes, ahead=helm is None, awake=options.rate is None)
         if helm is not None:
             helm.metered = logged
             followers = [partial(follow, episode) for episode in episodes]

@@ -27,7 +27,8 @@ def together(
         ordered: Is asked once before each control period what is to be done at its beginning.
         ahead: Whether a second core may simulate a period while the one before is observed: then
             nobody but `ordered` may act on the episodes.
-        awake: Whether this process has a core to itself on which it may wait for that one awake.
+        awake: Whether the two cores wait for each other awake, as `Aside` has it: nothing else is to be
+            done meanwhile.
 
     Raises:
         RunFailed: A rover left the map or the simulation diverged; the ticks up to then have been

@@ -12,7 +12,7 @@ from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.response import difference, response
 from harness.fit.steady import Steady, kinds, steady
-from harness.recordings.recording import Recording
+from harness.recordings.recording import Recording, at, in_order
 from harness.robots import RoverSpec
 from harness.validate.real.commanded import step_ends
 from harness.workers import Workers
@@ -20,6 +20,7 @@ from harness.workers import Workers
 HELD_BACK = 1 / 3  # of the steps, the last ones
 STEP = 6.0  # [s] of what is judged as a step where the recording names none
 FEWEST = 3  # steps that are held back
+LEAD = 0.5  # [s] before the first of these that ours drives
 
 Pair = tuple[float, float]
 
@@ -97,7 +98,11 @@ def split(whole: Recording) -> tuple[Recording, Recording | None]:
     if count < FEWEST:
         return whole, None
     begin, stepped = float(steps[-count, 0]), replace(whole, steps=steps)
-    return stepped.within(-np.inf, begin), stepped.within(begin - 0.5, np.inf)
+    lead = np.array([begin - LEAD])
+    in_force = np.column_stack([lead, at(whole.commands, lead)])  # a log may have changes alone
+    held = stepped.within(begin - LEAD, np.inf)
+    commands = in_order(np.concatenate([in_force, held.commands]))
+    return stepped.within(-np.inf, begin), replace(held, commands=commands)
 
 
 def _drawn(recording: Recording, rover: RoverSpec) -> Recording:

@@ -34,7 +34,7 @@ _ACQUIRE, _RELEASE = (
 )
 _acquire = native(ctypes.c_void_p, ctypes.c_int)
 _release = native(ctypes.c_void_p)
-_others = native()
+_yield = native()
 _GIVE_WAY = 0  # the address of sched_yield
 if hasattr(os, "sched_yield"):  # not on Windows
     _GIVE_WAY = ctypes.cast(ctypes.CDLL(None).sched_yield, ctypes.c_void_p).value or 0
@@ -49,17 +49,17 @@ def has_second_core() -> bool:
 
 @kernel("void(int64[::1], boolean, int64)")
 def stay_awake(steps: NDArray[np.int64], is_under_way: bool, give_way: int) -> None:
-    """Returns when this is no longer so, or has been for so long that one may as well sleep.
+    """Waits until steps have landed or are launched, or for so long that one may as well sleep.
 
     Args:
         steps: As `serve` has them.
-        is_under_way: Whether they are to land; else to be launched.
+        is_under_way: Whether it is waited for steps under way to land; else for steps to be launched.
         give_way: Address of sched_yield.
     """
     for _ in range(LONGEST):
         if (steps[3] < 0) != is_under_way:
             return
-        _others(give_way, ())
+        _yield(give_way, ())
 
 
 @kernel(
@@ -123,7 +123,7 @@ class Aside:
         Args:
             steps: How many.
             per_tick: Steps of a tick.
-            goes_on: Whether it is worth to begin the step after them: who launches next waits for it.
+            goes_on: Whether to begin the step after them, too; the next launch waits until it is begun.
         """
         self._steps[:] = 0, steps, per_tick, GOES_ON if goes_on else UNDER_WAY
         _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
@@ -137,7 +137,7 @@ class Aside:
 
     @property
     def has_begun(self) -> bool:
-        """Whether the step after those that have landed is begun."""
+        """Whether the step after those that have landed is begun; False while they are under way."""
         return int(self._steps[3]) == 1
 
     def close(self) -> None:
@@ -178,6 +178,8 @@ class Ahead:
         self._span.fence, self._strongest = span.fence, self._contacts.watched[-1]
         self._aside: Aside | None = None
         self._awake = awake
+        # Its steps have no halves that could be taken one after the other.
+        self._goes_on = self._model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
 
     def launch(self, steps: int, per_tick: int) -> bool:
         """Begins to simulate steps under the commands of the span.
@@ -195,7 +197,7 @@ class Ahead:
             self._aside = Aside(self._span, self._contacts, awake=self._awake)
         self._span.commands[:] = self._shown[0].commands
         self._strongest[..., 0] = 0.0
-        self._aside.launch(steps, per_tick, goes_on=True)
+        self._aside.launch(steps, per_tick, goes_on=self._goes_on)
         return True
 
     def land(self) -> int:

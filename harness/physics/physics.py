@@ -201,7 +201,10 @@ class Physics:
             self._is_launched = True
 
     def halt(self) -> None:
-        """Takes back what another core has begun of the next step; friction may change only then."""
+        """Takes back what another core has begun of the next step, since friction is to change.
+
+        Nothing may be under way: it is for between `run` and `launch`.
+        """
         if self._ahead is not None:
             self._ahead.halt()
 

@@ -228,7 +228,7 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
 
 @inlined
 def begin_step(pointers: Pointers, state: tuple[Doubles, ...], obstacles: PassedOver) -> None:
-    """Does of the next step what needs no commands, three quarters of it; `advance` goes on from there.
+    """Does the half of the next step that needs no commands, mj_step1; `advance` goes on from there.
 
     Until then the friction of the model must stay as it is.
 

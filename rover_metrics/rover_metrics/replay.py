@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    parameters = Settings().updated(read_values(options.params) if options.params else {})
+    parameters = Settings().updated(read_values(options.params, None) if options.params else {})
     is_extended = options.extended or parameters.extended_columns
     session = MetricsSession(parameters.thresholds, parameters.extended if is_extended else None)
     code = 0

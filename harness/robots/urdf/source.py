@@ -86,8 +86,9 @@ def _expanded(path: Path, folders: Sequence[Path]) -> str:
         from xacrodoc import XacroDoc, packages  # noqa: PLC0415
     except ImportError as error:
         raise UsageError("--trust-xacro needs xacrodoc: pip install 'rover-harness[xacro]'") from error
-    # As of meshes, packages are looked for in the folders, and beside and above the file.
-    places = (*path.resolve().parents, *folders)
+    # As of meshes, packages are looked for in the folders, then beside and above the file: the last one
+    # in counts.
+    places = reversed((*folders, *path.resolve().parents))
     there = (file for place in places for file in place.glob("*/package.xml"))
     packages.update_package_cache({file.parent.name: file.parent for file in there})
     xacro.init_stacks(str(path.resolve()))  # by which it finds what is included beside the file

@@ -94,9 +94,13 @@ def step_ends(rover: RoverSpec, recording: Recording) -> Series:
 
 
 def _replayed(rover: RoverSpec, recording: Recording) -> Recording:
-    """What a rover of ours does under recorded commands, whose first is at 0 s."""
-    commands = moved(recording.commands, -recording.commands[0, 0])
-    return replay(rover, commands, commands[-1, 0])
+    """What a rover of ours does under recorded commands, whose first is at 0 s, until all have acted.
+
+    The last command holds until the wheels', and the steps', end: logs may have changes alone.
+    """
+    begin = recording.commands[0, 0]
+    ends = recording.commands[-1:, 0], recording.wheels[-1:, 0], recording.steps[-1:, 1] + AROUND
+    return replay(rover, moved(recording.commands, -begin), float(np.concatenate(ends).max() - begin))
 
 
 def _turned(poses: Series, begin: float, end: float) -> float:
@@ -130,8 +134,8 @@ def _displacement(poses: Series, begin: float, end: float) -> Series:
 
 
 def _length(poses: Series, begin: float, end: float) -> float:
-    """The way from second to second [m]."""
-    times = np.arange(begin, end + 1e-9, 1.0)
+    """The way from second to second, or nearly so that it reaches the end [m]."""
+    times = np.linspace(begin, end, max(1, round(end - begin)) + 1)
     ways = [_displacement(poses, a, b) for a, b in pairwise(times)]
     return float(sum(np.linalg.norm(way) for way in ways))
 

@@ -1,7 +1,7 @@
 """The parameters of metrics_node in a ROS parameter file (YAML), read without ROS."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +13,29 @@ NODE_NAME = "metrics_node"
 WILDCARDS = {"*": r"/\w+", "**": r"(?:/\w+)*"}  # as rcl has them
 
 
-def read_values(path: Path, namespace: str = "") -> dict[str, Any]:
+def read_values(path: Path, namespace: str | None = "", fleet: Sequence[str] = ()) -> dict[str, Any]:
     """Returns the parameters that a file sets, by name, all valid; else raises a ParameterError.
 
     Those sections count that ROS would give the node; later ones win. An empty list sets nothing.
 
     Args:
         path: The file.
-        namespace: The node's, without slashes around it; "" for the root.
+        namespace: The node's, without slashes around it; "" for the root, None for wherever the only
+            metrics_node of the file is.
+        fleet: Namespaces of all nodes that the file may be for; one of them must have a section.
     """
     try:
         document = read_yaml(path)
     except DocumentError as error:
         raise ParameterError(f"cannot read parameters from {path}: {error}") from error
     sections = list(_sections(document, ""))
-    node = f"/{namespace}/{NODE_NAME}" if namespace else f"/{NODE_NAME}"
+    there = dict.fromkeys(name for name, _ in sections if name.endswith(f"/{NODE_NAME}"))
+    node = _node(namespace)
+    if namespace is None and len(there) == 1:
+        (node,) = there
     own = [(name, section) for name, section in sections if _is_of(name, node)]
-    if not own:
-        others = ", ".join(name for name, _ in sections if name.endswith(f"/{NODE_NAME}"))
+    if not any(_is_of(name, _node(one)) for one in fleet for name, _ in sections) and not own:
+        others = ", ".join(there)
         hint = f"; it has {others}; '/**' holds in every namespace" if others else ""
         raise ParameterError(f"{path} has no section '{node}: ros__parameters:'{hint}")
     try:
@@ -44,6 +49,11 @@ def read_values(path: Path, namespace: str = "") -> dict[str, Any]:
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from error
     return values
+
+
+def _node(namespace: str | None) -> str:
+    """The full name of a node in a namespace."""
+    return f"/{namespace}/{NODE_NAME}" if namespace else f"/{NODE_NAME}"
 
 
 def _sections(node: Any, name: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:  # noqa: ANN401 - any YAML

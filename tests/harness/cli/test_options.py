@@ -207,10 +207,13 @@ def test_a_rovers_metrics_take_the_parameters_of_its_namespace(tmp_path: Path) -
     words = f"--terrain flat --extended --params '{file}'"
     fleet = parsed(f"{words} --rover leo:a --rover leo:b,x=2,y=0").settings
     assert [settings.extended.gravity for settings in fleet] == [8.0, 9.0]
+    fleet = parsed(f"{words} --rover leo:a --rover leo:c,x=2,y=0").settings
+    assert [settings.extended.gravity for settings in fleet] == [8.0, extended_settings(LEO).gravity]
     (alone,) = parsed(f"{words} --namespace b").settings
     assert alone.extended.gravity == 9.0
-    with pytest.raises(UsageError, match=r"no section '/metrics_node.*it has /a/metrics_node"):
-        parsed(words)
+    for nobodys in ("", "--rover leo:c --rover leo:d,x=2,y=0"):
+        with pytest.raises(UsageError, match=r"no section '.*/metrics_node.*it has /a/metrics_node"):
+            parsed(f"{words} {nobodys}")
 
 
 def test_several_rovers_have_logs_pages_and_settings_each() -> None:

@@ -4,22 +4,48 @@ from pathlib import Path
 
 import pytest
 
-from harness.course.attempt import attempt
+from harness.course import attempt as module
 from harness.course.drive import cases_of, drive_all
 from harness.course.entry import find_entry
 from harness.course.receipt import Receipt, receipt_of, write_receipt
+from harness.course.referee import Referee
 from harness.course.result import EpisodeResult
+from harness.course.task import Task
 from harness.course.tracks import find_track
+from harness.episode.batch import Batch
 from harness.workers import workers_of
+from harness.world.world import World
+
+
+class Witness(Referee):
+    """A referee that also keeps what it was shown until the episode was over."""
+
+    def __init__(self, task: Task, world: World) -> None:
+        super().__init__(task, world)
+        self.task, self.world, self.batches = task, world, list[Batch]()
+
+    def take(self, batch: Batch) -> None:
+        if not self.ending:
+            self.batches.append(batch)
+        super().take(batch)
 
 
 def driven(entry: str, track: str, seeds: Sequence[int] = (0,)) -> list[EpisodeResult]:
-    return [_driven(entry, track, seed) for seed in seeds]
+    return [witnessed(entry, track, seed)[0] for seed in seeds]
 
 
 @cache
-def _driven(entry: str, track: str, seed: int) -> EpisodeResult:
-    return attempt(find_track(track).cases(seed + 1)[seed], entry=find_entry(entry))
+def witnessed(entry: str, track: str, seed: int) -> tuple[EpisodeResult, Witness]:
+    witnesses = list[Witness]()
+
+    def made(task: Task, world: World) -> Witness:
+        witnesses.append(Witness(task, world))
+        return witnesses[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "Referee", made)
+        result = module.attempt(find_track(track).cases(seed + 1)[seed], entry=find_entry(entry))
+    return result, witnesses[-1]
 
 
 @pytest.fixture(scope="session")

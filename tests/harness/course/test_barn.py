@@ -15,7 +15,6 @@ from harness.course.tracks.barn import Barn, generated, is_passable
 from harness.course.tracks.barn_files import path_length, read_worlds
 from harness.episode.assembly import world_of
 from harness.world.world import World, terrain_hash
-from tests.harness.course.conftest import driven
 
 DATA = Path(__file__).parents[4] / "shared/data/barn"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="BARN's tables are not there")
@@ -51,20 +50,6 @@ def test_files_tables_and_what_ships_are_one_world(tmp_path: Path) -> None:
     assert places(world(file, tmp_path)) == places(world(shipped, tmp_path))
     lengths = [Barn().task(case, tmp_path).shortest for case in (table, shipped)]
     assert lengths[0] == pytest.approx(lengths[1], abs=1e-3)
-
-
-def test_a_success_scores_by_barns_formula() -> None:
-    (result,) = driven("goal", "barn", (1,))
-    assert result.is_success
-    best = result.shortest / 2.0
-    assert result.score == pytest.approx(best / np.clip(result.time, 2 * best, 8 * best), abs=1e-6)
-    assert result.shortest == pytest.approx(12.5007)
-
-
-def test_a_touch_ends_the_episode_without_a_score() -> None:
-    (result,) = driven("straight", "barn")
-    assert (result.ending, result.score, result.spl) == ("contact", 0.0, 0.0)
-    assert 0.0 < result.hazard_s <= 0.05
 
 
 def test_unseen_worlds_are_passable_and_of_the_same_kinds() -> None:

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from scipy.sparse import lil_array
 from scipy.sparse.csgraph import dijkstra
 
 from harness.course.referee import Drive
-from harness.course.score import penalty, score, spl
+from harness.course.score import penalty, score
 from harness.course.summary import difference, mean_of, summarise
 from harness.course.task import Rule, Task
 from harness.spec.run import Run
@@ -31,12 +30,6 @@ def test_score_is_the_share_of_the_optimal_time_within_its_limits(time: float, e
     assert score(TASK, replace(DRIVE, time=time), 1.0) == expected
 
 
-def test_what_is_not_reached_scores_nothing() -> None:
-    for ending in ("contact", "tipped", "time", "left the map"):
-        lost = replace(DRIVE, ending=ending)
-        assert score(TASK, lost, 1.0) == spl(TASK, lost) == 0.0
-
-
 def test_penalties_halve_the_score_and_multiply() -> None:
     assert penalty(TASK, DRIVE, weight=50.0) == 1.0
     touched = replace(DRIVE, truth=Truth(hazard_contact_s=1.0))
@@ -46,11 +39,6 @@ def test_penalties_halve_the_score_and_multiply() -> None:
     assert products == pytest.approx([0.5, 0.25, 0.125])
     free = replace(TASK, rule=Rule(penalties=False))
     assert penalty(free, wasteful, weight=50.0) == 1.0
-
-
-def test_spl_is_habitats() -> None:
-    assert spl(TASK, replace(DRIVE, truth=Truth(path_length=20.0))) == 0.5
-    assert spl(TASK, replace(DRIVE, truth=Truth(path_length=5.0))) == 1.0
 
 
 def test_intervals_are_scipys() -> None:
@@ -107,15 +95,6 @@ def test_ways_are_those_of_scipys_dijkstra() -> None:
     found = travel(cost, np.array([[3, 4]]), np.zeros(1), STEPS)
     reached = np.isfinite(cost)
     assert np.allclose(found[reached], expected[reached], rtol=1e-12)
-
-
-def test_tracks_are_driven_by_what_listeners_get() -> None:
-    straight, goal = driven("straight", "rocky", (1, 2)), driven("goal", "rocky", (1, 2))
-    for first, second in zip(straight, goal, strict=True):
-        assert first.world_hash == second.world_hash
-        assert first.shortest >= math.dist((0.0, 0.0), (0.0, 9.0))
-        assert first.optimal == second.optimal
-    assert all(a != b for a, b in pairwise([*straight, *goal]))
 
 
 def test_what_was_learned_beats_who_does_not_look() -> None:

@@ -1,8 +1,10 @@
 """A second core that simulates ahead: the same drive, whatever happens between two control periods."""
 
+import shutil
 import threading
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from unittest.mock import patch
 
 import pytest
@@ -13,6 +15,7 @@ from harness.episode.episode import Episode, episodes_of
 from harness.episode.together import together
 from harness.physics import physics
 from harness.physics.physics import Physics
+from harness.robots import ROVERS
 from harness.samples import Place
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
@@ -76,6 +79,18 @@ def test_a_drive_is_the_same_with_a_second_core(name: str) -> None:
     assert ahead == driven(RUNS[name], ahead=False)
     seen = name in ("people, who see where it is", "a soil")
     assert launched.call_count == 0 if seen else launched.call_count > 20
+
+
+def test_a_rover_whose_model_asks_for_rk4_is_not_stepped_by_halves(tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(ROVERS["husky"].folder, tmp_path / "husky"))
+    model = folder / "husky.xml"
+    model.write_text(model.read_text().replace('integrator="implicitfast"', 'integrator="RK4"'))
+    run = Run.of(robot=str(folder), **LIGHT)
+    assert (
+        driven(run, ahead=True)
+        == driven(run, ahead=False)
+        != driven(run.alone(robot="husky"), ahead=True)
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """A fit against the rover that made its recording, and what a recording lacks or does not tell."""
 
+import json
+import re
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -11,12 +13,13 @@ import pandas as pd
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
+from ruamel.yaml import YAML
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
 from harness.fit.__main__ import main
 from harness.fit.estimate import of, with_values
-from harness.fit.ground import differences
+from harness.fit.ground import UNITS, differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.outcome import split
@@ -75,6 +78,7 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
 ) -> None:
     monkeypatch.setattr("harness.validate.replay.WHEELS", 1)  # a file that holds nothing back
     monkeypatch.setattr("harness.fit.ground.PLANE", (*PLANE, 0.5))
+    monkeypatch.setenv("COLUMNS", "200")
     true = with_values(HUSKY, HIDDEN.items())
     csv, out = write(driven(true), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
     words = [str(csv), "--robot", "husky", "--surface", "mud", "--out", str(out), "--jobs", "1"]
@@ -86,18 +90,50 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
         assert getattr(found, height) == pytest.approx(getattr(HUSKY, height) + grown, abs=2e-5)
     printed = " ".join(capsys.readouterr().out.split())
     assert "an IMU with six axes is missing" in printed
-    assert "friction" in (out / "fit.html").read_text()
-    assert find_rover(str(out)).tyres.friction is None, "only the surface was told"
+    for key, true_value in TRUE.items():
+        row = re.search(rf"{key} ([\d.]+) ([\d.]+) ([\d.]+) to ([\d.]+)", printed)
+        assert row, key
+        before, after, low, high = map(float, row.groups())
+        assert (before, after) == pytest.approx((of(HUSKY, key), of(found, key)), rel=2e-3), key
+        assert low < after < high
+        assert low - 0.05 * true_value < true_value < high + 0.05 * true_value, key
+    figures = json.loads(re.findall(r'id="figures">(.*?)</script>', (out / "fit.html").read_text())[0])
+    assert len(figures) == 2 + len(UNITS)
+    for named, figure in figures.items():
+        real, *ours = ({axis: np.array(one[axis], float) for axis in "xy"} for one in figure["data"])
+        if named.startswith("side"):
+            errors = [np.interp(real["x"], one["x"], one["y"]) - real["y"] for one in ours]
+
+        else:
+            errors = [one["y"] - one["x"] for one in ours]
+        was, now = (float(np.sqrt(np.mean(error**2))) for error in errors)
+        assert now < 0.5 * was, named
+        if (name := named.removeprefix("steady-")) in UNITS and name != "ahead":  # poses may be aside
+            row = re.search(rf"{name.replace('_', ' ')} {UNITS[name]} ([\d.]+) ([\d.]+)", printed)
+            assert row, name
+            assert [*map(float, row.groups())] == pytest.approx([was, now], rel=0.05, abs=2e-3), name
+    files = (YAML(typ="safe").load(folder / "rover.yaml") for folder in (HUSKY.folder, out))
+    given, left = ({key: str(own[0]) for key, own in pd.json_normalize(file).items()} for file in files)
+    changed = {key for key, value in left.items() if given.get(key) != value} - {"model"}
+    heights = {"rest_height", "lidar_height", "clearance"} & given.keys()
+    of_mud = {f"surfaces.mud.{name}" for name in ("friction", "turning", "rolling", "drag")}
+    assert (
+        changed - of_mud
+        == {key for key in TRUE if key not in ("tyres.friction", "tyres.turning")} | heights
+    )
+    assert changed & of_mud >= {"surfaces.mud.friction", "surfaces.mud.turning"}
     assert "exists already" in complaint(main, words, capsys)
 
 
 def test_the_last_third_of_the_steps_is_not_fitted_to() -> None:
     rows = np.arange(0.0, 63.0, 0.1)[:, None] * np.ones(4)
-    fitted, held = split(Recording("made", commands=rows[:, :3], wheels=rows[:, :3], poses=rows))
+    changes = np.array([[0.0, 0.5, 0.1], [38.0, 0.4, 0.2], [50.0, 0.3, 0.3]])
+    fitted, held = split(Recording("made", commands=changes, wheels=rows[:, :3], poses=rows))
     assert held is not None
     assert held.steps[:, 0].tolist() == [42.0, 48.0, 54.0]
     assert max(series[-1, 0] for series in fitted.series.values()) < 42.0
     assert (fitted.steps[:, 1] <= 42.0).all()
+    assert held.commands.tolist() == [[41.5, 0.4, 0.2], [50.0, 0.3, 0.3]], "what was in force goes on"
 
 
 def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, capsys: Capsys) -> None:

@@ -1,5 +1,7 @@
 """Who drives a rover of a page: what keys and clicks order."""
 
+import math
+
 from harness.base.interrupt import StopRequest
 from harness.episode.helm import Helm, Order
 from harness.live.keys import HELD, STANDING, Keys
@@ -54,10 +56,10 @@ def test_a_key_of_turning_goes_with_one_of_driving_as_long_as_either_is_held() -
 def test_a_click_sends_it_there_and_who_gives_back_lets_it_drive_by_itself() -> None:
     helm = Told()
     wheel = Wheel(helm, 0, RoverSetup(robot="leo"))
-    goal = wheel.head_for(2.0, 0.0, (1.0, 0.0, 0.0))
+    goal = wheel.head_for(2.0, -3.0, (4.0, -1.0, 0.0))
     wheel.give_back()
     wheel.reset()
-    assert goal == Place(2.0, 0.0, 0.0)
+    assert goal == Place(2.0, -3.0, -0.75 * math.pi)
     sent, given, back = helm.orders
     assert (sent.driver, sent.goal) == ("goal", goal)
     assert (given, back) == (Order(driver=""), Order(reset=True))

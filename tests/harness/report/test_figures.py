@@ -12,7 +12,7 @@ from harness.report.hillshade import map_layout, shade
 from harness.report.log import Log
 from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned, varies
-from harness.report.terrain_map import map_figure, roughness
+from harness.report.terrain_map import map_figure
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
@@ -92,12 +92,6 @@ def test_the_map_of_a_run_that_diverged_shows_the_terrain() -> None:
     assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
 
 
-def test_a_path_is_as_rough_as_the_acceleration_is_off_gravity_either_way() -> None:
-    felt = ((9.8, 11.0), (3.0, 10.0), (0.0, -1.0))  # of the last nothing came
-    track = [Stretch(1.0, (0.0,) * 3, 0.0, lowest, highest) for lowest, highest in felt]
-    assert roughness(track, gravity=9.8) == pytest.approx([1.2, 6.8, 6.8])
-
-
 NAN, INF = math.nan, math.inf
 
 
@@ -135,13 +129,6 @@ def test_a_value_between_gaps_is_seen(values: list[float], mode: str) -> None:
     log = Log([float(n) for n in range(len(values))], {"Slip": values})
     (drawn,) = series_figure("Slip", log, DEFAULT_THRESHOLDS, [], [], gravity=9.8)["data"]
     assert drawn["mode"] == mode
-
-
-def test_the_true_speed_is_the_way_between_two_moments_over_their_time() -> None:
-    track = [Stretch(time, (0.0,) * 3, way) for time, way in ((1.0, 0.0), (2.0, 1.0), (4.0, 1.5))]
-    log, name = Log([1.0, 2.0], {"Current Velocity": [0.0, 1.0]}), "Current Velocity"
-    _, truth = series_figure(name, log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)["data"]
-    assert (truth["x"], truth["y"]) == ([2.0, 4.0], [1.0, 0.25])
 
 
 def test_a_long_series_is_thinned_without_losing_peaks_or_gaps() -> None:

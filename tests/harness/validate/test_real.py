@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording
+from harness.recordings.recording import Recording, Series, at, moved
 from harness.recordings.tables import recordings_of
-from harness.robots import REAL, ROVERS, equipped
+from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.__main__ import main
-from harness.validate.real.commanded import response_times, step_ends
+from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.table import compare
-from harness.validate.real.windows import SPOT, STRAIGHT, effective_track, windows
-from harness.validate.replay import replay
+from harness.validate.real.windows import SPOT, effective_track, windows
 from tests.support.complaint import complaint
 
 HUSKY = ROVERS["husky"]
@@ -39,16 +39,6 @@ def steady(left: float, right: float, hertz: float = 5.0, sd: float = 0.5) -> Re
     )
 
 
-@pytest.mark.parametrize(("hertz", "share"), [(5.0, 1.0), (20.0, 0.0)])
-def test_windows_tell_vibration_band_and_current(hertz: float, share: float) -> None:
-    some = list(windows(steady(0.5, 0.5, hertz)))
-    assert len(some) == 9
-    assert {one.kind for one in some} == {STRAIGHT}
-    for one in some:
-        assert (one.speed, one.sd, one.current) == pytest.approx((0.5, 0.5, 5.0), rel=0.02)
-        assert one.share == pytest.approx(share, abs=0.03)
-
-
 def test_the_track_is_that_of_the_turns_and_one_that_is_held_tells_none() -> None:
     turning = list(windows(steady(-0.25, 0.25)))
     assert {one.kind for one in turning} == {SPOT}
@@ -61,24 +51,6 @@ def test_the_track_is_that_of_the_turns_and_one_that_is_held_tells_none() -> Non
     assert np.isnan(effective_track(windows(held), 1.03))
 
 
-def test_a_replay_recovers_its_own_delay_and_ends_its_own_steps_where_they_ended() -> None:
-    # Three steps: where the poses' sensor sits, which is not known, explains the end of one alone.
-    steps = np.array([[1.0, 7.0], [9.0, 15.0], [17.0, 22.0]])
-    moves = zip(steps[:, 0], (0.5, 0.2, 0.4), (0.0, 0.4, -0.3), strict=True)
-    stops = [[t, 0.0, 0.0] for t in (0.0, *steps[:, 1], 24.0)]
-    commands = np.array(sorted([*map(list, moves), *stops]))
-    own = replay(REAL_HUSKY, commands, 24.0)
-    poses = own.poses + np.array([0.0, 7.0, 0.0, 2.0])  # wherever the frame of a recording lies
-    poses[:, 1:3] = poses[:, 1:3] @ [[np.cos(2.0), np.sin(2.0)], [-np.sin(2.0), np.cos(2.0)]]
-    recorded = Recording(
-        "own", "flooring", commands=commands, wheels=own.wheels, poses=poses, steps=steps
-    )  # fmt: skip
-    assert step_ends(REAL_HUSKY, recorded).max() < 1e-6
-    late = REAL_HUSKY.actuators.but(delay=0.33)  # type: ignore[union-attr]
-    slower = response_times(replay(REAL_HUSKY.but(actuators=late), commands, 24.0))
-    assert slower - response_times(own) == pytest.approx([0.25] * 3, abs=0.16)  # a sample of wheels
-
-
 def test_each_side_answers_from_its_own_speed_before() -> None:
     t, lag = np.arange(0.0, 12.0, 0.01), 0.15
     moved = 0.4 * -np.expm1(-np.maximum(t - 6.0, 0.0) / lag)
@@ -88,6 +60,86 @@ def test_each_side_answers_from_its_own_speed_before() -> None:
         wheels=np.column_stack([t, 0.2 + moved, 0.8 - moved]),
     )
     assert response_times(made) == pytest.approx(-lag * np.log1p([-0.1, -0.63, -0.9]), abs=0.011)
+
+
+def closed_form(rover: RoverSpec, commands: Series, end: float, *, seed: int = 0) -> Recording:
+    """A rover by kinematics alone: 0.3 s late, a track of 1.2 m, 0.4 m/s^2 sd, more current in turns."""
+    t = np.arange(0.01, end + 1e-9, 0.01)
+    v, w = at(commands, t - 0.3).T * (t >= 0.3)
+    half = 0.5 * rover.controller_separation * w
+    rate = 2.0 * half / 1.2
+    yaw = np.cumsum(rate) * 0.01
+    middle = yaw - 0.005 * rate
+    x, y = (np.cumsum(v * of(middle)) * 0.01 for of in (np.cos, np.sin))
+    zero, az = 0.0 * t, 9.8 + 0.4 * np.sqrt(2) * np.sin(2 * np.pi * (5.0 + seed) * t)
+    imu = np.column_stack([t, zero, zero, rate, zero, zero, az])
+    drawn = np.column_stack([t, 4.0 + 8.0 * np.abs(half), zero + 6.0])
+    wheels, poses = np.column_stack([t, v - half, v + half]), np.column_stack([t, x, y, yaw])
+    return Recording("ours", commands=commands, wheels=wheels, currents=drawn, imu=imu, poses=poses)
+
+
+def test_a_table_is_that_of_two_rovers_in_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Theirs: 0.5 m/s^2 sd, a track of 1.1 m, 5 A; ours of `closed_form`."""
+    monkeypatch.setattr("harness.validate.real.table.replay", closed_form)
+    there = ((0.3, 0.3), (0.6, 0.6, 20.0), (-0.25, 0.25), (0.2, 0.6))
+    checks, notes = compare(HUSKY, [steady(*driving) for driving in there])
+    constant = 5.0 / np.sqrt(10.0 * 11.6)  # of 10, 10, 12 and 11.6 A the median of logarithms
+    assert notes == [f"currents of ours are times {constant:.2f}, which is fitted to theirs"]
+    vibration = {"sd of az": (0.5, 0.4, "m/s2"), "share of 1 to 10 Hz": (1.0, 1.0, "")}
+    limits = {
+        "sd of az": lambda v: (v * np.exp(-0.3), v * np.exp(0.3)),
+        "share of 1 to 10 Hz": lambda v: (v - 0.15, v + 0.15),
+        "effective track": lambda v: (0.9 * v, 1.1 * v), "current": lambda v: (0.8 * v, 1.2 * v),
+    }  # fmt: skip
+    high = vibration | {"share of 1 to 10 Hz": (0.0, 1.0, "")}
+    spot, arc, on = ({"current": (5.0, constant * ours, "A")} for ours in (12.0, 11.6, 10.0))
+    turns = {"effective track": (1.1, 1.2, "m")}
+    groups = {
+        "straight at 0.30 m/s": vibration | on, "straight at 0.60 m/s": high | on,
+        "on the spot": turns | spot, "in an arc": turns | arc,
+    }  # fmt: skip
+    told = {one.quantity: one for one in checks}
+    expected = {f"flooring, {g}: {q}": (q, *v) for g, some in groups.items() for q, v in some.items()}
+    assert told.keys() == expected.keys()
+    for quantity, (kind, theirs, ours, unit) in expected.items():
+        check = told[quantity]
+        assert check.measured == pytest.approx(ours, rel=0.01), quantity
+        assert (check.expected.low, check.expected.high) == pytest.approx(
+            limits[kind](theirs), rel=0.01, abs=2e-3
+        )
+        assert (check.unit, "9 windows" in check.expected.source) == (unit, True)
+
+
+def test_commanded_steps_of_two_rovers_in_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Theirs is `closed_form` with poses beside the middle, which may be of twice the size."""
+    monkeypatch.setattr("harness.validate.real.commanded.replay", closed_form)
+    twists = np.array([(0.5, 0.0), (0.0, 0.6), (0.4, 0.4), (-0.5, 0.0), (0.3, -0.5), (0.6, 0.2)])
+    begins, span, mount = 4.0 + 5.0 * np.arange(len(twists)), 3.5, np.array([0.2, 0.1])
+    commands, steps = np.column_stack([begins - 1.0, twists]), np.column_stack([begins, begins + span])
+    driver = REAL_HUSKY.but(controller_separation=1.3)
+    own = closed_form(driver, moved(commands, -3.0), 30.0)
+    turned = Rotation.from_euler("z", own.poses[:, [3]]).as_matrix()[:, :2, :2]
+    beside = moved(own.poses, 3.0)
+    beside[:, 1:3] += turned @ mount
+    made = Recording("made", "flooring", commands=commands, wheels=moved(own.wheels, 3.0),
+                     poses=beside, steps=steps)  # fmt: skip
+    assert as_driven(REAL_HUSKY, made).controller_separation == pytest.approx(1.3, rel=1e-6)
+    *late, median, within = (check.measured for check in compare(REAL_HUSKY, [made])[0])
+    assert late == pytest.approx([0.3] * 3, abs=0.011)
+    assert median < 3e-3
+    assert within == 1.0
+
+    v, w = twists.T
+    swung = Rotation.from_euler("z", (w * span)[:, None]).as_matrix()[:, :2, :2] - np.eye(2)
+    radius = v / np.where(w, w, 1.0)
+    arcs = np.column_stack([radius * np.sin(w * span), radius * (1.0 - np.cos(w * span))])
+    arcs[w == 0.0, 0] = v[w == 0.0] * span
+    off = arcs + 2.0 * swung @ mount  # theirs, twice as large, less ours
+    place = np.linalg.lstsq(swung.reshape(-1, 2), off.ravel(), rcond=None)[0]
+    lengths = 2.0 * span * np.hypot(v - w * mount[1], w * mount[0])
+    expected = np.linalg.norm(off - swung @ place, axis=1) / np.maximum(lengths, 1.0)
+    larger = replace(made, poses=beside * [1.0, 2.0, 2.0, 1.0])
+    assert step_ends(driver, larger) == pytest.approx(expected, rel=0.03, abs=0.01)
 
 
 def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:

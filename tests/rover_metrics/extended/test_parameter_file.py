@@ -70,7 +70,7 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
     everybodys = section("robot_radius: 0.3", "gravity: 9.8", name="/**")
     file.write_text(f"{everybodys}ns:\n  metrics_node:\n    ros__parameters:\n      fsync: true\n")
     assert read_values(file) == {"gravity": 9.8}
-    assert read_values(file, "ns") == {"gravity": 9.8, "fsync": True}
+    assert read_values(file, "ns") == read_values(file, None) == {"gravity": 9.8, "fsync": True}
 
 
 @pytest.mark.parametrize(

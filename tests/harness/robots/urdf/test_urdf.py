@@ -377,6 +377,10 @@ def test_xacro_finds_what_it_includes_beside_it_and_in_packages(tmp_path: Path, 
         about = f"<package format='3'><name>{package.name}</name></package>"
         (package / "package.xml").write_text(about)
         (package / "urdf" / "all.xacro").write_text(ROVER_4WD_LIKE)
+        farther = tmp_path / package.name  # of the same name, where anybody may have put it
+        (farther / "urdf").mkdir(parents=True)
+        (farther / "package.xml").write_text(about)
+        (farther / "urdf" / "all.xacro").write_text("<robot>${of_a_stranger}</robot>")
     file = tmp_path / "src/a_description/urdf/robot.urdf.xacro"
     include = f'<xacro:include filename="{of}all.xacro"/>'
     file.write_text(f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
