@@ -1,41 +1,55 @@
 """Whether the series of a recording can be of one rover: their sizes and signs beside its wheels'."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series, at
+from harness.recordings.recording import Recording, Series, at, empty
 from harness.robots import RoverSpec
 
-TICK, WINDOW = 0.05, 20  # [s]; ticks over which motions are compared
+TICK, WINDOW = 0.05, 20  # [s]; ticks, of a second, over which motions are compared
 MOST = 4.0  # times the wheels' motion, and its inverse: less is slip, or a driver's limit
 MOVES = 0.1  # [m], [rad] rms in a window that says something
 LIKE = 0.3  # least correlation of what tells of the same motion
+LIMITED = 20.0  # times the wheels' motion that a rover's limit explains; degrees are 57 times theirs,
+ALIKE = 0.7  # from which correlation on
 LATEST = 30  # ticks that wheels may be late by
 
 
-def check_likely(recording: Recording, rover: RoverSpec) -> None:
-    """Checks what commands and poses tell of motion beside what the wheels do.
+def likely(recording: Recording, rover: RoverSpec) -> Recording:
+    """Returns a recording without poses that do not go with the wheels, which its problems then say.
 
     Args:
         recording: Has commands and wheels on one clock.
         rover: That drove.
 
     Raises:
-        UsageError: They are of another size, as in other units, or do not go with the wheels.
+        UsageError: Commands are of another size than the wheels, as in other units, or do not go
+            with them; or the wheels alone do not go with the others.
     """
     there = [recording.commands, recording.wheels, *([recording.poses] if len(recording.poses) else [])]
     begin, end = max(v[0, 0] for v in there), min(v[-1, 0] for v in there)
     times = np.arange(begin, end, TICK)
     left, right = at(recording.wheels, times).T
     ahead, turned = _moved((left + right) / 2), _moved((right - left) / rover.controller_separation)
-    v, w = at(recording.commands, times).T
-    _check(recording, "cmd_v", _moved(v), ahead, LATEST)
-    _check(recording, "cmd_w", _moved(w), turned, LATEST)
+    v, w = (_moved(rates) for rates in at(recording.commands, times).T)
+    problems = _unlike_commands(recording, "commanded speed", "m/s", v, ahead)
+    problems += _unlike_commands(recording, "commanded yaw rate", "rad/s", w, turned)
     if len(recording.poses):
         x, y, yaw = (values[WINDOW:] - values[:-WINDOW] for values in at(recording.poses, times).T)
-        _check(recording, "yaw", yaw, turned, 1)
         straight = np.abs(turned) < MOVES  # poses may be of a place beside the middle
-        _check(recording, "x, y", np.hypot(x, y)[straight], np.abs(ahead[straight]), 0)
+        reasons = (
+            _unlike("the poses' yaw rate", "rad/s", yaw, turned, 1),
+            _unlike("the poses' speed", "m/s", np.hypot(x, y)[straight], np.abs(ahead[straight]), 0),
+        )
+        if reason := next(filter(None, reasons), ""):
+            if _likeness(w, yaw, LATEST) > max(ALIKE, _likeness(turned, yaw, LATEST)):
+                raise _refused(recording, "wheels turn otherwise than commands and poses, as if swapped")
+            problems += (f"{recording.name}: {reason}; the poses are left out",)
+            sources = {name: topic for name, topic in recording.sources.items() if name != "poses"}
+            recording = replace(recording, poses=empty(4), sources=sources)
+    return replace(recording, problems=recording.problems + problems)
 
 
 def _moved(rates: Series) -> Series:
@@ -45,24 +59,44 @@ def _moved(rates: Series) -> Series:
     return windows
 
 
-def _check(recording: Recording, what: str, theirs: Series, wheels: Series, latest: int) -> None:
-    """Compares sizes, and likeness where the wheels may be fewer ticks late than `latest`."""
-    if not len(theirs):
-        return
-    size, rolled = (float(np.sqrt((values**2).mean())) for values in (theirs, wheels))
+def _unlike_commands(
+    recording: Recording, what: str, unit: str, theirs: Series, wheels: Series
+) -> tuple[str, ...]:
+    """Checks commands; returns a line where a limit of the rover explains that they are larger."""
+    reason = _unlike(what, unit, theirs, wheels, LATEST)
+    if not reason:
+        return ()
+    is_larger = _size(wheels) < _size(theirs) < LIMITED * _size(wheels)
+    if is_larger and _likeness(theirs, wheels, LATEST) > ALIKE:
+        return (f"{recording.name}: {reason}; that is taken for a limit of the rover",)
+    raise _refused(recording, reason)
+
+
+def _refused(recording: Recording, reason: str) -> UsageError:
+    columns = "give sides and units in the columns' names, as left_wheel [rad/s]"
+    mend = "--topic chooses another topic" if recording.sources else columns
+    return UsageError(f"{recording.name}: {reason}; {mend}")
+
+
+def _unlike(what: str, unit: str, theirs: Series, wheels: Series, latest: int) -> str:
+    """How much sizes differ, or that motions do; "" if not."""
+    size, rolled = _size(theirs), _size(wheels)
     if max(size, rolled) < MOVES:
-        return
+        return ""
     if not rolled / MOST < size < rolled * MOST:
-        columns = "give units in the columns' names, as left_wheel [rad/s]"
-        mend = "--topic chooses another topic" if recording.sources else columns
-        raise UsageError(
-            f"{recording.name}: {what} are {size:.3g} (m or rad) a second where the wheels' are "
-            f"{rolled:.3g}; {mend}"
-        )
+        return f"{what} is {size:.2f} {unit}, the wheels' {rolled:.2f} {unit}"
+    if _likeness(theirs, wheels, latest) < LIKE:
+        return f"{what} and the wheels' do not go together, as if a side or a sign were swapped"
+    return ""
+
+
+def _size(moved: Series) -> float:
+    return float(np.sqrt((moved**2).mean())) if len(moved) else 0.0
+
+
+def _likeness(theirs: Series, wheels: Series, latest: int) -> float:
+    """The largest correlation where wheels are fewer ticks late than `latest`; NaN if nothing varies."""
     if not latest or min(theirs.std(), wheels.std()) < MOVES:
-        return
+        return float("nan")
     pairs = ((theirs[: len(theirs) - late], wheels[late:]) for late in range(0, latest, 5))
-    if max(np.corrcoef(*pair)[0, 1] for pair in pairs) < LIKE:
-        raise UsageError(
-            f"{recording.name}: {what} and wheels do not go together; is a side or a sign swapped?"
-        )
+    return float(max(np.corrcoef(*pair)[0, 1] for pair in pairs))

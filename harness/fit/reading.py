@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from harness.base.errors import UsageError
-from harness.fit.likely import check_likely
+from harness.fit.likely import likely
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import APART, Recording, in_order, lag, moved
 from harness.recordings.tables import recording_of
@@ -18,7 +18,8 @@ NEEDED = "commands", "wheels"
 LONG, MOST_LOST = 1.0, 0.2  # [s] without a sample is a gap; share of the time that gaps may take
 SHORTEST = 10.0  # [s] that the series have in common
 FEWEST = 50  # samples of the wheels
-STANDS = 0.02  # [m/s] of wheels that stand
+STANDS = 0.02  # [m/s] that wheels which stand do not reach,
+SLOWED = 0.2  # nor this share of the speed that the command brought
 PERIOD = 0.05  # [s] for which a command counts at least
 SINCE = 0.3  # [s] before the next command by which they do, if the rover stops without commands
 TIMEOUT = 0.5  # [s] of a rover whose folder names none
@@ -52,8 +53,7 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
         recording = recording_of_bag(paths[0], rover, topics)
     _check(recording, rover)
     recording = _stopped(_aligned(recording, rover), rover)
-    check_likely(recording, rover)
-    return _begun(recording)
+    return _begun(likely(recording, rover))
 
 
 def _check(recording: Recording, rover: RoverSpec) -> None:
@@ -109,14 +109,19 @@ def _stopped(recording: Recording, rover: RoverSpec) -> Recording:
     """
     commands, wheels = recording.commands, recording.wheels
     timeout = (rover.actuators and rover.actuators.command_timeout) or TIMEOUT
-    moves = np.abs(wheels[:, 1:]).max(axis=1) > STANDS
+    times, speeds = wheels[:, 0], np.abs(wheels[:, 1:]).max(axis=1)
+    wanted = np.abs(commands[:, 1:]) @ [1.0, rover.controller_separation / 2]
     whole, stops = np.full(len(wheels), True), list[float]()
-    ends = np.append(commands[1:, 0], wheels[-1, 0])
-    for last, end in np.column_stack([commands[:, 0], ends])[ends - commands[:, 0] > LONG]:
-        before = (wheels[:, 0] > end - SINCE) & (wheels[:, 0] <= end)
-        if before.any() and not moves[before].any():
+    ends = np.append(commands[1:, 0], times[-1])
+    rows = np.column_stack([commands[:, 0], ends, wanted])
+    for last, end, most in rows[ends - commands[:, 0] > LONG]:
+        after = (times > last) & (times <= end)
+        before = after & (times > end - SINCE)
+        brought = min(most, speeds[after].max(initial=0.0))
+        stands = speeds < min(STANDS, SLOWED * brought)
+        if before.any() and stands[before].all():
             stops.append(last + min(timeout, LONG))
-            whole &= ~(moves & (wheels[:, 0] > last + PERIOD) & (wheels[:, 0] < end))
+            whole &= ~(~stands & (times > last + PERIOD) & (times < end))
     added = np.column_stack([stops, np.zeros((len(stops), 2))])
     commands = in_order(np.concatenate([commands, added]))
     return replace(recording, commands=commands, wheels=wheels[whole])

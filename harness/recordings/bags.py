@@ -8,7 +8,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series, in_order, moved
+from harness.recordings.recording import Recording, Series, in_order
 from harness.robots import RoverSpec
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
@@ -112,11 +112,8 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
         raise UsageError(f"{path}: {error}") from error
     if untold := [name for name in chosen or {} if name not in rows]:
         raise UsageError(f"{path}: no {untold[0]} can be read of {sources[untold[0]]}")
-    series = {name: _timed(some) for name, some in rows.items()}
     late = _lateness(rows["wheels"]) if "wheels" in rows else 0.0
-    series |= {
-        name: moved(series[name], -late) for name, some in rows.items() if np.isnan(some[0][0]) and late
-    }
+    series = {name: _timed(some, late) for name, some in rows.items()}
     if "poses" in series:
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
     sources = {name: topic for name, topic in sources.items() if name in series}
@@ -154,16 +151,16 @@ def _rows(
 
 def _lateness(rows: list[Row]) -> float:
     """How much later the recorder's clock is than stamps [s]; 0 where those are of another clock."""
-    table = np.array(rows)
-    late = float(np.median(table[:, 1] - table[:, 0]))
-    return late if abs(late) < APART else 0.0
+    late = np.array([recorded - stamp for stamp, recorded, *_ in rows])
+    near = np.abs(late) < APART
+    return float(np.median(late[near])) if near.mean() > 0.5 else 0.0
 
 
-def _timed(rows: list[Row]) -> Series:
-    """Values by their stamps, or where those are of another clock by when they were recorded."""
+def _timed(rows: list[Row], late: float) -> Series:
+    """Values by their stamps, or where those are of another clock by their recording less `late`."""
     table = np.array(rows)
     stamps, recorded = table[:, 0], table[:, 1]
     near = np.abs(stamps - recorded) < APART
-    times = stamps if near.mean() > 0.5 else recorded
+    times = stamps if near.mean() > 0.5 else recorded - late
     whole = np.column_stack([times, table[:, 2:]])
     return in_order(whole[np.isfinite(whole).all(axis=1) & (near if times is stamps else True)])

@@ -400,7 +400,10 @@ def test_a_recording_without_a_whole_message_is_said_to_be_cut_off(
 ) -> None:
     file = write_mcap(tmp_path / "bag.mcap", drive(90.5), chunk_size=2**24)
     file.write_bytes(file.read_bytes()[:200])
-    assert "mcap recover" in complaint(main, [str(file), "-o", str(tmp_path / "rows.csv")], capsys)
+    told = complaint(main, [str(file), "-o", str(tmp_path / "rows.csv")], capsys)
+    assert "before its first message" in told
+    assert "mcap recover" in told
+    assert "was read" not in told
 
 
 def test_bad_messages_and_files_are_left_out(tmp_path: Path, capsys: Capsys) -> None:
@@ -432,7 +435,7 @@ def test_bad_messages_and_files_are_left_out(tmp_path: Path, capsys: Capsys) -> 
         (b"Timestamp,Total Collisions\r\n", "neither MCAP nor sqlite3"),
         (b"#ROSBAG V2.0\n", "rosbags-convert"),
         (b"SQLite format 3\0 and no more", "not readable as a rosbag2 database"),
-        (b"\x89MCAP0\r\n", "no message can be read"),
+        (b"\x89MCAP0\r\n", "ends before its first message"),
     ],
 )
 def test_file_that_is_no_recording_is_refused(

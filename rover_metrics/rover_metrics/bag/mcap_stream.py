@@ -18,6 +18,7 @@ from rover_metrics.errors import RoverMetricsError
 from rover_metrics.timing import NANOSECONDS
 
 LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
+_CUT_OFF = "as when a recording is killed or cut off"
 
 # What reading damaged bytes as MCAP raises; lz4 has no better type than RuntimeError.
 _DAMAGE = (
@@ -77,10 +78,7 @@ class McapFile:
             except (EndOfFile, struct.error):
                 file.seek(whole)
                 yield from _records_of_a_cut_chunk(file.read(LARGEST_RECORD))
-                problems.append(
-                    f"{name} has no end, as when a recording is killed or cut off; what is there was "
-                    f"read (to mend the file: mcap recover {name} -o mended.mcap)"
-                )
+                problems.append(f"{name} has no end, {_CUT_OFF}; what is there was read {_mend(name)}")
             except _DAMAGE as error:
                 problems.append(
                     f"{name} is damaged before byte {file.tell()} ({error}); what follows is lost"
@@ -118,6 +116,9 @@ class McapFile:
                 channel = channels[record.channel_id]
                 topics[channel.topic] = _type(channel, schemas)
         if problems and not topics:
+            if all(_CUT_OFF in problem for problem in problems):
+                mend = _mend(self._path.name)
+                raise BagError(f"it ends before its first message, {_CUT_OFF} {mend}")
             raise BagError(f"no message can be read; {'; '.join(problems)}")
         return topics
 
@@ -135,6 +136,10 @@ def _records_of_a_cut_chunk(rest: bytes) -> Iterator[records.McapRecord]:
             yield from StreamReader(io.BytesIO(data), skip_magic=True).records
     except _DAMAGE:
         return
+
+
+def _mend(name: str) -> str:
+    return f"(to mend the file: mcap recover {name} -o mended.mcap)"
 
 
 def _type(channel: records.Channel, schemas: dict[int, records.Schema]) -> str:

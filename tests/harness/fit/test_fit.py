@@ -154,14 +154,12 @@ def lacking(*columns: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
             lambda t: t.assign(left_speed=6 * t.left_speed, right_speed=6 * t.right_speed),
             "as left_wheel",
         ),
-        (lambda t: t.assign(cmd_w=np.degrees(t.cmd_w)), "cmd_w are"),
-        (lambda t: t.assign(cmd_v=1000 * t.cmd_v), "cmd_v are"),
-        (lambda t: t.assign(x=1000 * t.x, y=1000 * t.y), "x, y are"),
-        (lambda t: t.assign(yaw=-t.yaw), "yaw and wheels"),
-        (lambda t: t.assign(right_speed=-t.right_speed), "swapped?"),
+        (lambda t: t.assign(cmd_w=np.degrees(t.cmd_w)), "commanded yaw rate is"),
+        (lambda t: t.assign(cmd_v=1000 * t.cmd_v), "commanded speed is"),
+        (lambda t: t.assign(right_speed=-t.right_speed), "swapped"),
         (
             lambda t: t.rename(columns={"left_speed": "right_speed", "right_speed": "left_speed"}),
-            "swapped?",
+            "swapped",
         ),
     ],
 )
@@ -170,7 +168,41 @@ def test_a_series_in_other_units_or_with_another_sign_is_one_line(
 ) -> None:
     csv = write(driven(HUSKY), tmp_path / "drive.csv", change)
     with pytest.raises(UsageError, match=said) if said else nullcontext():
-        read([csv], HUSKY, {})
+        assert read([csv], HUSKY, {}).problems == ()
+
+
+def noisy_and_late(table: pd.DataFrame) -> pd.DataFrame:
+    """Poses as of a GNSS without a heading."""
+    away = np.random.default_rng(1).normal(0.0, 0.05, (2, len(table)))
+    return table.assign(x=table.x.shift(20) + away[0], y=table.y.shift(20) + away[1], yaw=0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (noisy_and_late, "the poses' yaw rate is"),
+        (lambda t: t.assign(yaw=-t.yaw), "the poses' yaw rate and the wheels'"),
+        (lambda t: t.assign(x=1000 * t.x, y=1000 * t.y), "the poses' speed is"),
+    ],
+)
+def test_poses_that_do_not_go_with_the_wheels_are_left_out(
+    change: Callable[[pd.DataFrame], pd.DataFrame], said: str, tmp_path: Path
+) -> None:
+    found = read([write(driven(HUSKY), tmp_path / "drive.csv", change)], HUSKY, {})
+    assert "poses" not in found.series
+    (problem,) = found.problems
+    assert said in problem
+
+
+def test_commands_above_a_limit_of_the_rover_are_not_of_other_units(tmp_path: Path) -> None:
+    def slow(table: pd.DataFrame) -> pd.DataFrame:
+        v, wheels = np.sign(table.cmd_v), table.cmd_v.shift(4).clip(-0.15, 0.15)
+        table = table.assign(cmd_v=v, cmd_w=0.0, left_speed=wheels, right_speed=wheels)
+        return table.drop(columns=["x", "y", "yaw"])
+
+    csv = write(driven(HUSKY), tmp_path / "drive.csv", slow)
+    (problem,) = read([csv], HUSKY, {}).problems
+    assert "limit" in problem
 
 
 @pytest.mark.parametrize(
@@ -241,6 +273,17 @@ def test_a_driver_who_lets_go_of_a_joystick_has_stopped(tmp_path: Path) -> None:
     assert found["actuators.delay"] == pytest.approx(TRUE["actuators.delay"], abs=0.03)
     assert found["actuators.lag"] == pytest.approx(TRUE["actuators.lag"], abs=0.03)
     assert found["controller_separation"] == pytest.approx(TRUE["controller_separation"], rel=0.03)
+
+
+@pytest.mark.parametrize("speed", [0.015, 0.4])
+def test_a_command_that_is_latched_is_not_followed_by_a_stop(speed: float, tmp_path: Path) -> None:
+    noise = np.random.default_rng(2).uniform(-0.003, 0.003, 1600)
+    t, signs = np.arange(1600) / 20, np.arange(1600) // 80 % 2 * 2 - 1
+    table = pd.DataFrame({"t": t, "v_left": signs * speed + noise, "v_right": signs * speed + noise})
+    news = np.where(np.arange(1600) % 80, np.nan, 1.0)
+    table["cmd_v"], table["cmd_w"] = news * signs * speed, news * 0.0
+    table.to_csv(tmp_path / "latched.csv", index=False)
+    assert len(read([tmp_path / "latched.csv"], HUSKY, {}).commands) == 20
 
 
 def test_a_steady_window_goes_ahead_by_its_arc_and_not_by_its_chord() -> None:
@@ -357,21 +400,30 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     assert other.commands[0, 1] == pytest.approx(0.7)
 
 
-def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(tmp_path: Path, capsys: Capsys) -> None:
+@pytest.mark.parametrize("stamps", ["none", "of another clock", "all but the first"])
+def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(
+    stamps: str, tmp_path: Path, capsys: Capsys
+) -> None:
     """Commands named otherwise, on the clock of a recorder that is 0.4 s ahead of the rover's."""
     store = get_typestore(Stores.LATEST)
     types, bag, begin, late = store.types, tmp_path / "bag", 1_700_000_000, 0.4
     twist, joints = "geometry_msgs/msg/Twist", "sensor_msgs/msg/JointState"
+    twist = twist if stamps == "none" else "geometry_msgs/msg/TwistStamped"
     vector = types["geometry_msgs/msg/Vector3"]
     with Writer(bag, version=8, storage_plugin=StoragePlugin.MCAP) as writer:
         commands = writer.add_connection("/drive", twist, typestore=store)
         states = writer.add_connection("/joint_states", joints, typestore=store)
         for n in range(300):
             recorded, speed = round((begin + 0.05 * n + late) * 1e9), float(n >= 150)
-            said = types[twist](vector(speed, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+            said = types["geometry_msgs/msg/Twist"](vector(speed, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+            time = types["builtin_interfaces/msg/Time"]
+            own = recorded - round(late * 1e9)
+            header = types["std_msgs/msg/Header"](time(*divmod(own, 10**9)), "")
+            if stamps != "none":
+                own = own - 1_000 * 10**9 if stamps == "of another clock" else own * (n > 0)
+                own_header = types["std_msgs/msg/Header"](time(*divmod(own, 10**9)), "")
+                said = types[twist](own_header, said)
             writer.write(commands, recorded, store.serialize_cdr(said, twist))
-            stamp = types["builtin_interfaces/msg/Time"](*divmod(recorded - round(late * 1e9), 10**9))
-            header = types["std_msgs/msg/Header"](stamp, "")
             four = np.full(4, speed / HUSKY.controller_radius)
             state = types[joints](header, [*HUSKY.wheel_joints], np.zeros(4), four, np.zeros(4))
             writer.write(states, recorded, store.serialize_cdr(state, joints))

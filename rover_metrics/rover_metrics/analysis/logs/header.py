@@ -1,6 +1,8 @@
 """The first line of a log, and what is wrong with a file that cannot be a log."""
 
 import csv
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,11 +56,28 @@ def separator_of(text: str) -> str:
     return next((each for each in _SEPARATORS if each in text and "," not in text), ",")
 
 
-def as_logged(line: str, separator: str) -> str:
-    """Returns a line with commas between its cells, without quotes, its numbers with decimal points."""
-    mark = ";" if separator == "," else "."
-    cells = next(csv.reader([line], delimiter=separator), [])
-    return ",".join(cell.replace(",", mark).strip() for cell in cells) + "\n"
+def comma_in_cells(rows: Iterable[bytes], separator: str) -> str:
+    """Returns what a comma within a cell is to become: a decimal point, unless numbers have points."""
+    if separator == ",":
+        return ";"
+    end = f' *"? *(?:{separator}|[\r\n]|$)'
+    number = re.compile(rf'(?:^|{separator}) *"? *[-+]?[\d,]*\.\d+(?:[eE][-+]?\d+)?{end}'.encode())
+    return ";" if any(map(number.search, rows)) else "."
+
+
+def as_logged(line: str, separator: str, comma: str) -> str:
+    """Returns a line with commas between its cells, without quotes; as it is if it cannot be read.
+
+    Args:
+        line: Of a log that another program wrote anew.
+        separator: What stands between its cells.
+        comma: What a comma within a cell becomes.
+    """
+    try:
+        cells = next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:  # a cell too long; a NUL on Python 3.10
+        return line
+    return ",".join(cell.replace(",", comma).strip() for cell in cells) + "\n"
 
 
 def first_line(path: Path) -> tuple[str, bool]:

@@ -17,7 +17,14 @@ from typing import BinaryIO, TextIO
 import numpy as np
 import pandas as pd
 
-from rover_metrics.analysis.logs.header import UnreadableLog, as_logged, first_line, separator_of, shown
+from rover_metrics.analysis.logs.header import (
+    UnreadableLog,
+    as_logged,
+    comma_in_cells,
+    first_line,
+    separator_of,
+    shown,
+)
 from rover_metrics.analysis.metric import METRIC_COLUMNS, NOTES, STAMP
 from rover_metrics.errors import counted
 
@@ -88,9 +95,12 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     """
     table = Table(cells={name: Tally() for name in wanted}, infinite={name: Tally() for name in wanted})
     try:
+        separator = separator_of(first_line(path)[0])
+        with path.open("rb") as file:
+            file.readline()
+            comma = comma_in_cells(file, separator)
         with path.open(encoding="utf-8", errors="replace", newline="") as text:
-            separator = separator_of(first_line(path)[0])
-            chunks = _chunks(_Narrow(text, len(header) + 1, separator), header)
+            chunks = _chunks(_Narrow(text, len(header) + 1, separator, comma), header)
             table.rows = pd.concat([_usable(chunk, table) for chunk in chunks])
         with path.open("rb") as file:
             file.readline()
@@ -116,15 +126,15 @@ def _last_line_is_cut(file: BinaryIO, fields: int, separator: bytes) -> bool:
 class _Narrow(io.TextIOBase):
     """A text with commas between cells, a line cut after some; pandas refuses more than it has names."""
 
-    def __init__(self, file: TextIO, fields: int, separator: str) -> None:
-        self._file, self._fields, self._separator = file, fields, separator
+    def __init__(self, file: TextIO, fields: int, separator: str, comma: str) -> None:
+        self._file, self._fields, self._separator, self._comma = file, fields, separator, comma
 
     def read(self, size: int | None = -1) -> str:
         """Returns whole lines of about `size` characters; all there are without a size."""
         lines = self._file.readlines(-1 if size is None else size)
         for place, line in enumerate(lines):
             if self._separator != "," or line.startswith('"'):
-                lines[place] = line = as_logged(line, self._separator)  # noqa: PLW2901
+                lines[place] = line = as_logged(line, self._separator, self._comma)  # noqa: PLW2901
             if line.count(",") >= self._fields:
                 lines[place] = ",".join(line.split(",", self._fields)[: self._fields]) + "\n"
         return "".join(lines)

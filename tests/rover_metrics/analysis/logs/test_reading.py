@@ -132,6 +132,31 @@ def test_a_log_that_a_spreadsheet_or_pandas_wrote_anew_is_read_as_before(
     assert described(after) == described(before)
 
 
+def test_a_comma_is_no_decimal_point_where_other_numbers_have_points(
+    write_log: WriteLog, row: Row
+) -> None:
+    cell = '"1,234"'
+    path = write_log(lines=[*map(row, range(5)), row(5, Distance_Traveled=cell)])
+    for separator in ";", "\t":
+        anew = path.read_text().replace(cell, "1^234").replace(",", separator).replace("^", ",")
+        path.with_name("anew.csv").write_text(anew)
+        log = read_log(path.with_name("anew.csv"))
+        assert np.isnan(log.columns["Distance Traveled"][5])
+        assert any("Distance Traveled" in finding for finding in log.findings)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_line_that_is_too_long_is_left_out_alone(
+    write_log: WriteLog, row: Row, separator: str
+) -> None:
+    path = write_log(lines=[*map(row, range(5)), "@", row(6)])
+    text = path.read_text().replace(",", separator).replace("@", '"' + "7" * 140_000)
+    path.write_text(text)
+    log = read_log(path)
+    assert list(log.stamps) == [100, 101, 102, 103, 104, 106]
+    assert "(line 7)" in log.findings[0]
+
+
 @pytest.mark.parametrize("extra", [",7", ",7,7", ",7" * 500])
 @pytest.mark.parametrize("chunk", [2, 200_000])
 def test_a_row_with_any_number_of_fields_too_many_is_left_out_alike(
