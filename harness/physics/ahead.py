@@ -9,6 +9,7 @@ import ctypes
 import os
 import threading
 from collections.abc import Sequence
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -21,6 +22,7 @@ from harness.physics.scene import Scene
 from harness.physics.stepping import Span, Stepping
 from harness.physics.steps_kernel import advance, begin_step, is_wrong
 
+CPU_MAX = Path("/sys/fs/cgroup/cpu.max")  # microseconds of all cores in a period of so many, or max
 OVER = -1  # instead of where to end: the thread is to end
 LONGEST = 10_000  # times that a core is offered to others before one sleeps: some milliseconds
 UNDER_WAY, GOES_ON = -1, -2  # instead of whether a step is begun: nothing has landed
@@ -42,9 +44,15 @@ _wait = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int)(_ACQUIRE)  # witho
 
 
 def has_second_core() -> bool:
-    """Returns whether this process may use more than one core."""
+    """Returns whether this process may use two cores: by its affinity, and by its container's limit."""
     usable = getattr(os, "sched_getaffinity", None)  # not on macOS, nor on Windows
-    return (os.cpu_count() or 1 if usable is None else len(usable(0))) > 1
+    if (os.cpu_count() or 1 if usable is None else len(usable(0))) == 1:
+        return False
+    try:
+        most, period = CPU_MAX.read_text().split()
+    except (OSError, ValueError):
+        return True  # nothing limits it
+    return most == "max" or int(most) >= 2 * int(period)
 
 
 @kernel("void(int64[::1], boolean, int64)")

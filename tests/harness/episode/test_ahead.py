@@ -13,7 +13,7 @@ from harness.base.errors import RunFailed
 from harness.episode.assembly import fleet
 from harness.episode.episode import Episode, episodes_of
 from harness.episode.together import together
-from harness.physics import physics
+from harness.physics import ahead, physics
 from harness.physics.physics import Physics
 from harness.robots import ROVERS
 from harness.samples import Place
@@ -109,6 +109,19 @@ def test_what_is_ordered_between_two_periods_comes_into_effect_there(
     assert ahead == driven(run, ahead=False, act=act)
     assert ahead[:20] == driven(run, ahead=True)[:20]
     assert ahead != driven(run, ahead=True)
+
+
+@pytest.mark.parametrize(
+    ("limit", "may"),
+    [("max 100000", True), ("200000 100000", True), ("150000 100000", False), ("", True)],
+)
+def test_a_container_may_use_a_second_core_if_its_limit_allows_both(
+    limit: str, may: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "cpu.max").write_text(limit)
+    monkeypatch.setattr(ahead, "CPU_MAX", tmp_path / "cpu.max")
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1}, raising=False)
+    assert ahead.has_second_core() is may
 
 
 def test_nothing_goes_on_when_a_drive_is_left_early() -> None:
