@@ -12,8 +12,8 @@ TICK, WINDOW = 0.05, 20  # [s]; ticks, of a second, over which motions are compa
 MOST = 4.0  # times the wheels' motion, and its inverse: less is slip, or a driver's limit
 MOVES = 0.1  # [m], [rad] rms in a window that says something
 LIKE = 0.3  # least correlation of what tells of the same motion
-LIMITED = 20.0  # times the wheels' motion that a rover's limit explains; degrees are 57 times theirs,
-ALIKE = 0.7  # from which correlation on
+LIMITED = 20.0  # times the wheels' motion that a rover's limit may explain; degrees are 57 times radians
+ALIKE = 0.7  # least correlation of commands with wheels that follow them up to a limit
 LATEST = 30  # ticks that wheels may be late by
 
 
@@ -79,7 +79,7 @@ def _refused(recording: Recording, reason: str) -> UsageError:
 
 
 def _unlike(what: str, unit: str, theirs: Series, wheels: Series, latest: int) -> str:
-    """How much sizes differ, or that motions do; "" if not."""
+    """What of a motion differs from the wheels', its size or its course; "" if nothing does."""
     size, rolled = _size(theirs), _size(wheels)
     if max(size, rolled) < MOVES:
         return ""

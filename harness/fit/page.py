@@ -5,6 +5,7 @@ from math import isfinite
 import numpy as np
 
 from harness.base.version import __version__
+from harness.fit.estimate import Estimate
 from harness.fit.ground import UNITS
 from harness.fit.outcome import Outcome
 from harness.fit.response import controlled
@@ -21,10 +22,7 @@ def tables(outcome: Outcome) -> list[Sheet]:
     """Returns what was found, what is left of the differences, and what is not known and why."""
     known = [one for one in outcome.estimates if one.is_known]
     rows = [
-        (
-            *(one.name, one.unit, one.key or NONE, _number(one.before), _number(one.after)),
-            " to ".join(map(_number, (one.after - one.half, one.after + one.half))),
-        )
+        (one.name, one.unit, one.key or NONE, *map(_number, (one.before, one.after)), _interval(one))
         for one in known
     ]
     left = [(*named, *map(_number, pair)) for named, pair in outcome.residuals.items()]
@@ -42,6 +40,10 @@ def tables(outcome: Outcome) -> list[Sheet]:
         Sheet.of(unknown, "What the recording does not tell"),
     ]
     return [sheet for sheet in sheets if sheet.rows]
+
+
+def _interval(one: Estimate) -> str:
+    return f"{_number(one.after - one.half)} to {_number(one.after + one.half)}"
 
 
 def _number(value: float) -> str:

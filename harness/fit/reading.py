@@ -18,11 +18,11 @@ NEEDED = "commands", "wheels"
 LONG, MOST_LOST = 1.0, 0.2  # [s] without a sample is a gap; share of the time that gaps may take
 SHORTEST = 10.0  # [s] that the series have in common
 FEWEST = 50  # samples of the wheels
-STANDS = 0.02  # [m/s] that wheels which stand do not reach,
-SLOWED = 0.2  # nor this share of the speed that the command brought
+STANDS = 0.02  # [m/s]: wheels that stand are slower,
+SLOWED = 0.2  # and slower than this share of the speed that the last command brought
 PERIOD = 0.05  # [s] for which a command counts at least
-SINCE = 0.3  # [s] before the next command by which they do, if the rover stops without commands
-TIMEOUT = 0.5  # [s] of a rover whose folder names none
+SINCE = 0.3  # [s] before the next command for which wheels stand, where a rover stops without commands
+TIMEOUT = 0.5  # [s] until a rover stops without commands, where its folder names no time
 FASTEST = 50.0  # [m/s] of wheels that are in the units that they are said to be
 
 

@@ -132,7 +132,8 @@ def _records_of_a_cut_chunk(rest: bytes) -> Iterator[records.McapRecord]:
             chunk = records.Chunk.read(stream)  # its data as far as they go
             data = chunk.data if chunk.compression in ("", "zstd") else b""
             if chunk.compression:
-                data = zstandard.ZstdDecompressor().decompressobj().decompress(data)
+                most = min(chunk.uncompressed_size, LARGEST_RECORD)
+                data = zstandard.ZstdDecompressor().stream_reader(data).read(most)
             yield from StreamReader(io.BytesIO(data), skip_magic=True).records
     except _DAMAGE:
         return

@@ -34,7 +34,8 @@ def read_values(path: Path, namespace: str | None = "", fleet: Sequence[str] = (
     if namespace is None and len(there) == 1:
         (node,) = there
     own = [(name, section) for name, section in sections if _is_of(name, node)]
-    if not any(_is_of(name, _node(one)) for one in fleet for name, _ in sections) and not own:
+    nodes = [node, *map(_node, fleet)]
+    if not any(_is_of(name, one) for one in nodes for name, _ in sections):
         others = ", ".join(there)
         hint = f"; it has {others}; '/**' holds in every namespace" if others else ""
         raise ParameterError(f"{path} has no section '{node}: ros__parameters:'{hint}")
