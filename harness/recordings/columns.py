@@ -74,8 +74,8 @@ def read_columns(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as o
             if name in NAMES:
                 raise UsageError(f"{path}: {column}: {unknown('unit', unit, UNITS)}")
             unit = None
-        if name in ("left", "right") and unit in OF_TURNING:
-            name += "_turn"
+        if unit and (side := name.removesuffix("_turn")) in ("left", "right"):
+            name = f"{side}_turn" if unit in OF_TURNING else side
         if name in columns:
             continue
         columns[name] = (

@@ -2,7 +2,6 @@
 
 import gzip
 import io
-import re
 import warnings
 import zlib
 from pathlib import Path
@@ -12,6 +11,7 @@ import pandas as pd
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
+from rover_metrics.analysis.logs.header import comma_in_cells
 
 MOST_BYTES = 2**30
 
@@ -28,7 +28,7 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
         content = read_bytes(path, largest)
         content = gzip.decompress(content) if path.suffix == ".gz" else content
         separator = max(b",", b";", b"\t", key=content.partition(b"\n")[0].count)
-        has_decimal_commas = separator != b"," and re.search(rb"\d,\d", content)
+        are_decimal = comma_in_cells(content.splitlines()[1:], separator.decode()) == "."
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table: pd.DataFrame = pd.read_csv(
@@ -36,7 +36,8 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
                 encoding="utf-8-sig",
                 skipinitialspace=True,
                 sep=separator.decode(),
-                decimal="," if has_decimal_commas else ".",
+                decimal="," if are_decimal else ".",
+                thousands=None if are_decimal or separator == b"," else ",",
                 index_col=False,  # rows longer than the header would be shifted
                 **how,
             )

@@ -150,7 +150,7 @@ def _driver_beside(path: Path, driver: str) -> str:
 
 def _params(path: Path, name: str | None) -> dict[str, Any]:
     try:
-        return {} if name is None else read_values(_beside(path, name))
+        return {} if name is None else read_values(_beside(path, name), None)
     except ParameterError as error:
         raise UsageError(f"params: {error}") from error
 

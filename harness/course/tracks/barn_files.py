@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
@@ -91,7 +92,8 @@ def _rows(file: Path, *columns: str) -> list[tuple[int, list[Any]]]:
     try:
         rows = read_csv(file, LARGEST).rename(columns=str.lower)
         rows = rows.sort_values("i", kind="stable") if "i" in rows else rows
-        values = rows.assign(radius=rows.get("radius", RADIUS))[["world", *columns]].astype(float)
+        radius = pd.Series(rows.get("radius"), rows.index, float).fillna(RADIUS)
+        values = rows.assign(radius=radius)[["world", *columns]].astype(float)
     except (ValueError, KeyError) as error:
         raise UsageError(f"{file} is no table with the columns world, x, y: {error}") from error
     if not np.isfinite(values.to_numpy()).all():

@@ -55,8 +55,7 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025
     option.gravity = [0.0, 0.0, -GRAVITY]
-    for joint in map(spec.joint, joints.backwards):
-        joint.axis, joint.range = -np.array(joint.axis), -np.array(joint.range)[::-1]
+    _turn(spec, joints.backwards)
     for joint in map(spec.joint, joints.wheels):
         if np.ptp(joint.range) > 0.0:  # it rolls on
             joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
@@ -75,6 +74,17 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
             place = "5 cm over the highest point" if name == "lidar" else "in the root link's origin"
             equipment.guesses[name] = f"no link is called so; {place}"
     return equipment
+
+
+def _turn(spec: mujoco.MjSpec, backwards: tuple[str, ...]) -> None:
+    """Lets joints turn the other way, and those that mimic them or that they mimic as before."""
+    for joint in map(spec.joint, backwards):
+        joint.axis, joint.range = -np.array(joint.axis), -np.array(joint.range)[::-1]
+    for tie in spec.equalities:
+        if tie.type == mujoco.mjtEq.mjEQ_JOINT:
+            of_mimic = -1.0 if tie.name1 in backwards else 1.0
+            of_mimicked = [1.0, -1.0, 1.0, -1.0, 1.0] if tie.name2 in backwards else [1.0] * 5
+            tie.data[:5] *= np.multiply(of_mimic, of_mimicked)  # of the powers of what it mimics
 
 
 class _Workshop:

@@ -17,6 +17,7 @@ SUFFIXES = (".ply", ".las", ".laz")
 MOST_POINTS = 50_000_000
 FEWEST_POINTS = 64
 FINEST, COARSEST = 0.05, 10.0  # [m] of a cell that is chosen
+MOST_DEGREES = 1.0  # along a side, of a cloud in longitudes and latitudes
 A_CELL = 4.0  # points that a cell is to have
 WKT, GEO_KEYS, GEO_TEXTS = 2112, 34735, 34737  # records of LAS
 Points = NDArray[np.float64]  # x, y, z [m], shape (n, 3)
@@ -108,6 +109,11 @@ def gridded(points: Points, cell: float | None) -> tuple[Field, float, tuple[str
     """
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     width, depth = (high - low).tolist()
+    if max(width, depth) < MOST_DEGREES:
+        message = (
+            f"its points lie within {width:.3g} x {depth:.3g} m; if they are in degrees, give metres"
+        )
+        raise UsageError(f"{message}, as in UTM (pdal, las2las)")
     if cell is None:
         spacing = math.sqrt(max(width * depth, FINEST**2) * A_CELL / len(points))
         cell = float(f"{min(max(spacing, FINEST), COARSEST):.2g}")

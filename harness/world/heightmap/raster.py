@@ -101,7 +101,10 @@ def _kind(path: Path) -> str:
     for magic, kind in FORMATS.items():
         if start.startswith(magic):
             return kind
-    raise UsageError(f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, PLY, LAS, LAZ")
+    raise UsageError(
+        f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, PLY, LAS, LAZ; gdal_translate "
+        "IN OUT.tif makes a TIFF of grids of other kinds (.asc, .hgt, .xyz, ...)"
+    )
 
 
 def _of_cloud(path: Path, cell: float | None) -> Raster:

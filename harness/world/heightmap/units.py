@@ -1,8 +1,7 @@
 """Lengths of the units in which surveys are: by EPSG's numbers, by name, in names of CRSs and in WKT.
 
 Where a GeoTIFF names its CRS by EPSG's number alone (as GDAL does of one with heights), its unit stands
-nowhere but in the CRS's name: `NAD83 / New York Long Island (ftUS) + NAVD88 height (ftUS)`; that of
-older ones (NAD27's state planes, grids of yards, links and chains) not even there.
+nowhere else; of a CRS without a number it may stand in the name: `State plane, Long Island (ftUS)`.
 """
 
 import re
@@ -33,21 +32,35 @@ HEIGHTS = {  # EPSG's numbers of vertical CRSs whose unit is known: all in feet,
     **dict.fromkeys((6130, 6131, 6132, 8050, 8228), FOOT),
     5703: METRE,
 }
-OLD_UNITS = {  # EPSG's first and last numbers of projected CRSs whose names do not say their unit
+# EPSG's numbers of projected CRSs by their unit, FIRST-LAST/STEP; all others are in metres (PROJ 9.5).
+PROJECTED = {
     US_FOOT: (
-        *((2155, 2155), (2194, 2194), (2204, 2204), (2964, 2964), (3102, 3102), (3561, 3565)),
-        *((3991, 3992), (4455, 4456), (5623, 5625), (6200, 6202), (6966, 6966), (7057, 7070)),
-        *((8518, 8529), (8531, 8531), (8533, 8536), (8538, 8540), (10481, 10481), (26729, 26760)),
-        *((26766, 26787), (26791, 26799), (26801, 26803), (26811, 26813), (32001, 32003)),
-        *((32005, 32031), (32033, 32058), (32074, 32077), (32099, 32099)),
+        "2155 2194 2204 2225-2250 2254-2263/3 2255-2287/4 2258-2264 2268-2277/3 2272-2278/2 2284-2289 "
+        "2870-2895 2899-2919/4 2900-2928/4 2902-2908 2917-2920 2925-2930 2964-2968 3089-3091/2 3102 "
+        "3363-3365/2 3404 3417-3438 3441-3446 3451-3459 3485-3487/2 3490-3512/2 3515-3553/2 3560-3570 "
+        "3582-3586/2 3598-3600/2 3608-3632/2 3640-3642/2 3650-3662/4 3652 3660-3672/4 3670-3674/2 "
+        "3677-3686/3 3688-3700/4 3690 3698 3728-3739 3753-3760 3991-3992 4217 4399-4413 4418-4433 "
+        "4438-4457 5623-5625 5646 5654-5655 6200-6202 6411-6413/2 6416-6438/2 6441-6479/2 6484-6492/2 "
+        "6501-6507/2 6510 6517-6543/2 6549-6555/2 6563-6565/2 6568-6576/4 6574-6590/4 6584-6590/2 "
+        "6593-6609/2 6612-6618/2 6625-6627 6633 6880 6923-6925/2 6966 6997 7057-7070 7128-7368/4 "
+        "7258-7370/2 7587-7645 8035-8036 8091-8093/2 8096-8182/2 8177-8189/3 8185-8197/4 8200-8210/2 "
+        "8213-8216/3 8220-8226/3 8224 8380-8384/2 8387 8518-8540 9748-9749 10481-10516 10622 "
+        "23301-23333 26729-26813 26847-26870 32001-32058 32064-32077 32099 32164-32167 32664-32667"
     ),
-    FOOT: ((3080, 3080), (5588, 5588), (6128, 6129), (6141, 6141), (6391, 6391)),
+    FOOT: (
+        "2222-2224 2251-2253 2256 2265-2273/4 2266-2270/4 2280-2282 2867-2869 2896-2898 2901 "
+        "2909-2910 2913-2914 2921-2923 2992-2994/2 3080 3359-3361/2 3479-3483/2 3588-3590/2 3593 3605 "
+        "3634-3636/2 3644-3648/2 3656 3676-3682/3 5588 6128-6141 6391 6405-6409/2 6494-6496/2 6499 "
+        "6515 6545-6547/2 6557-6561/2 6570 6785-6863/2 6868 6885-6887/2 7119-7127 8065-8068 "
+        "8312-8348/2 20050"
+    ),
+    9036: "22300",
     OTHER: (
-        *((2066, 2066), (2136, 2136), (2159, 2160), (2314, 2314), (3139, 3140), (3167, 3167)),
-        *((3407, 3407), (5472, 5472), (5589, 5589), (22300, 22300), (24100, 24100), (24370, 24374)),
-        *((24382, 24382), (24571, 24571), (27291, 27292), (29871, 29872), (30200, 30200)),
+        "2066 2136 2159-2160 2314 3139-3140 3167 3407 5472 5589 24100 24370-24374 24382 24571 "
+        "27291-27292 29871-29872 30200"
     ),
 }
+RANGE = re.compile(r"(\d+)(?:-(\d+))?(?:/(\d+))?")
 MARK = re.compile(r"\(ft(US)?\)")  # in EPSG's names of CRSs
 WKT_UNIT = re.compile(r'UNIT\["[^"]*", *([0-9.eE+-]+)')
 WKT_VERTICAL = re.compile(r"VERT_?CR?S|VERTICALCRS")
@@ -58,8 +71,15 @@ def horizontal_unit(keys: Mapping[str, Any]) -> int:
     name = str(keys.get("PCSCitationGeoKey") or keys.get("GTCitationGeoKey") or "").partition(" + ")[0]
     mark, crs = MARK.search(name), keys.get("ProjectedCSTypeGeoKey", 0)
     named = METRE if mark is None else US_FOOT if mark[1] else FOOT
-    old = (unit for unit, all_of in OLD_UNITS.items() for first, last in all_of if first <= crs <= last)
-    return int(keys.get("ProjLinearUnitsGeoKey", next(old, named)))
+    numbered = (unit for unit, ranges in PROJECTED.items() if _is_in(ranges, crs))
+    return int(keys.get("ProjLinearUnitsGeoKey", next(numbered, named)))
+
+
+def _is_in(ranges: str, number: int) -> bool:
+    return any(
+        int(first) <= number <= int(last or first) and (number - int(first)) % int(step or 1) == 0
+        for first, last, step in RANGE.findall(ranges)
+    )
 
 
 def height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:

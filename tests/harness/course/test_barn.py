@@ -69,6 +69,9 @@ def test_a_table_may_have_other_cases_and_spaces_and_is_refused_in_millimetres(t
     (tmp_path / "cylinders.csv").write_text("World, X, Y\n7, -1.5, 6.0\n7, -3.0, 6.0\n")
     (case,) = Barn().cases(50, tmp_path)
     assert Barn().task(case, tmp_path).shortest == pytest.approx(10.0, abs=0.2)
+    (tmp_path / "cylinders.csv").write_text("world,x,y,radius\n7,-1.5,6.0,0.3\n7,-3.0,6.0,\n")
+    text = read_worlds(tmp_path)[0].text.decode()
+    assert text.count("<radius>0.3<") == text.count("<radius>0.075<") > 0
     fence = "".join(f"7,{-3.25 + 0.4 * n},6.0\n" for n in range(6))  # whose gaps are too narrow
     (tmp_path / "cylinders.csv").write_text(f"world,x,y\n{fence}")
     (case,) = Barn().cases(50, tmp_path)

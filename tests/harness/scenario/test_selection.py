@@ -124,8 +124,9 @@ def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
     make_cases: MakeCases, tmp_path: Path
 ) -> None:
     near = "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
-    cases = cases_with(make_cases, tmp_path, near)
-    assert [case.params for case in cases] == [{"collision_threshold": 5.0}, {}]
+    for file in (f"my_rover: {{{near}}}", near):  # wherever the only metrics_node is
+        cases = cases_with(make_cases, tmp_path, file)
+        assert [case.params for case in cases] == [{"collision_threshold": 5.0}, {}]
     assert [case.name for case in cases] == ["two[near.yaml-0]", "two[None-0]"]
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
         cases_with(make_cases, tmp_path, near.replace("old", "ol"))

@@ -219,6 +219,16 @@ def test_a_file_is_read_whatever_separates_its_numbers(
     assert one.wheels == pytest.approx(np.array(rows, float))
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_commas_beside_decimal_points_are_of_thousands(separator: str, tmp_path: Path) -> None:
+    rows = [(999.0 + 0.5 * n, 1234.0 * n, 1234.5 * n) for n in range(9)]
+    lines = [separator.join((f"{t:,.1f}", f"{left:,.0f}", f"{right:,.1f}")) for t, left, right in rows]
+    head = separator.join(("t [s]", "left_speed [mm/s]", "right_speed [mm/s]"))
+    (tmp_path / "ice_1.csv").write_text("\n".join([head, *lines]))
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.wheels == pytest.approx(np.array(rows) * [1.0, 1e-3, 1e-3])
+
+
 @pytest.mark.parametrize("hertz", [0.5, 1.0, 1.5])
 def test_slow_rows_without_a_unit_are_seconds_or_dates(hertz: float, tmp_path: Path) -> None:
     t = 1.7e9 + np.arange(0.0, 300.0, 1 / hertz)
@@ -250,6 +260,10 @@ def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path
     (one,) = recordings_of(tmp_path, 0.1)
     assert one.ground == "asphalt"
     assert one.wheels[0, 1:] == pytest.approx([0.1 * np.pi * 2, 0.1 * np.pi])
+    of_rims = head.replace("_speed [rpm]", "_wheel [m/s]")  # whatever they are called
+    (tmp_path / "07.csv").write_text(f"{of_rims}\n{rows}")
+    assert recordings_of(tmp_path, 0.1)[0].wheels[0, 1:].tolist() == [60.0, 30.0]
+    (tmp_path / "07.csv").write_text(f"{head}\n{rows}")
     assert set(one.imu[:, 6]) == {1.0, 2.0}  # a unit that is told is not guessed
     (tmp_path / "runs.csv").write_text("run,ground\n07,ice\n")
     assert recordings_of(tmp_path, 0.1)[0].ground == "ice"

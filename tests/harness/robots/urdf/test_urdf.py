@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
@@ -270,6 +271,22 @@ def test_a_wheel_that_is_named_rolls_on_beyond_the_limits_of_its_joint(tmp_path:
     model = read_model(made.rover).compile()
     assert not any(model.jnt_limited[model.joint(name).id] for name in HUSKY.left + HUSKY.right)
     assert sum("rolls on" in note for note in made.notes) == 4
+
+
+@pytest.mark.parametrize("backwards", [HUSKY.left, HUSKY.left[:1], HUSKY.right[1:]])
+def test_wheels_that_mimic_others_turn_as_these_do_whichever_way_their_axes_point(
+    backwards: tuple[str, ...], tmp_path: Path
+) -> None:
+    tree = ET.fromstring(HUSKY.urdf)  # noqa: S314 - it is ours
+    for hinge in tree.iter("joint"):
+        if (name := hinge.attrib["name"]) in backwards:
+            hinge.find("axis").attrib["xyz"] = "0 -1 0"  # type: ignore[union-attr]  # of a wheel
+        if name.startswith("rear"):
+            front = name.replace("rear", "front")
+            sign = "1" if (name in backwards) == (front in backwards) else "-1"
+            ET.SubElement(hinge, "mimic", joint=front, multiplier=sign)
+    model = read_model(written(tmp_path, ET.tostring(tree, "unicode")).rover).compile()
+    assert model.eq_data[:, :5].tolist() == [[0.0, 1.0, 0.0, 0.0, 0.0]] * 2
 
 
 def test_the_namespace_of_xacro_alone_is_none(tmp_path: Path) -> None:

@@ -124,6 +124,7 @@ def test_a_cell_is_chosen_by_the_density_of_the_points(tmp_path: Path) -> None:
         (np.zeros((8, 3)), "it has 8 points; 64 to "),
         (np.full((99, 3), np.nan), "it has 0 points; 64 to "),
         (cloud()[:200], "pixels are too few"),
+        (cloud() * [1e-5, 1e-5, 1.0], "degrees"),
     ],
 )
 def test_a_cloud_that_is_no_ground_is_told_in_a_line(

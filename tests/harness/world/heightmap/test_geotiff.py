@@ -155,22 +155,27 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
 def test_a_crs_that_is_named_alone_has_the_units_of_its_name_and_number(
     tmp_path: Path, name: str, metres: float, heights: int, height: float
 ) -> None:
-    """As GDAL writes one with heights: no unit, but the numbers of both CRSs and their names."""
+    """As one with heights that has no number: no unit, but the CRSs' names."""
     keys = {MODEL_TYPE: 1, CITATION: f"{name} + NAVD88 height (ftUS)", VERTICAL: heights}
-    raster = read(tmp_path, scale=(2, 3, 0), keys={**keys, PROJECTED: 2263})
+    raster = read(tmp_path, scale=(2, 3, 0), keys=keys)
     assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
     np.testing.assert_allclose(raster.values, VALUES * height)
 
 
 @pytest.mark.parametrize(
     ("number", "metres"),
-    [(26729, US_FOOT), (26803, US_FOOT), (2964, US_FOOT), (32058, US_FOOT), (3080, FOOT), (32618, 1.0)],
+    [
+        *((number, US_FOOT) for number in (26729, 26803, 2964, 32058, 2263, 2287, 3089, 6539, 8528)),
+        *((number, FOOT) for number in (3080, 2256, 2266, 6557, 6823)),
+        *((number, 1.0) for number in (32618, 26985, 3090, 6538, 6558, 6824, 29371)),
+    ],
 )
-def test_an_old_crs_that_is_named_by_its_number_alone_has_the_unit_that_epsg_gives_it(
-    tmp_path: Path, number: int, metres: float
+@pytest.mark.parametrize("named", [{CITATION: "NAD27 / X + NAVD88 height"}, {}])
+def test_a_crs_that_is_named_by_its_number_has_the_unit_that_epsg_gives_it(
+    tmp_path: Path, number: int, metres: float, named: dict[int, Any]
 ) -> None:
-    """The units are those that pyproj has of these numbers; their names do not say them."""
-    keys = {MODEL_TYPE: 1, CITATION: "NAD27 / X + NAVD88 height", VERTICAL: 5703, PROJECTED: number}
+    """The units are those that pyproj has of these numbers; GeoTIFF 1.1 has no names beside them."""
+    keys = {MODEL_TYPE: 1, **named, VERTICAL: 5703, PROJECTED: number}
     raster = read(tmp_path, scale=(2, 3, 0), keys=keys)
     assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
 
