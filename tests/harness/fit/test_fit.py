@@ -171,6 +171,15 @@ def test_a_series_in_other_units_or_with_another_sign_is_one_line(
         assert read([csv], HUSKY, {}).problems == ()
 
 
+def test_a_response_under_a_load_that_is_known_is_that_of_the_controller_alone() -> None:
+    true = with_values(HUSKY, HIDDEN.items())
+    twists = np.array([(0.0, 0.6, 0.0), (2.0, 0.0, 0.9), (4.0, -0.5, -0.6)])
+    found = response(HUSKY, replay(true, twists, 6.0, course=flat(*PLANE, 0.3)), loaded=true)
+    told = {one.key: one.after for one in found if one.is_known}
+    assert told == pytest.approx({key: of(true, key) for key in told}, abs=1e-3)
+    assert len(told) == 3
+
+
 def noisy_and_late(table: pd.DataFrame) -> pd.DataFrame:
     """Poses as of a GNSS without a heading."""
     away = np.random.default_rng(1).normal(0.0, 0.05, (2, len(table)))
