@@ -43,7 +43,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     nothing of others.
 
     What arrived and what was left out is in the account `reception`, by resolved name; `clocks` counts
-    the messages of /clock.
+    the messages of /clock that told a time.
     """
 
     def __init__(self, name: str, **options: Any) -> None:  # noqa: ANN401 - rclpy's
@@ -104,11 +104,11 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         message = decoded("rosgraph_msgs/msg/Clock", Clock, data)
         try:
             if is_time(message.clock):
+                self.clocks += 1
                 callback(message)
             else:
                 self.reception.reject(self.resolve_topic_name(topic), NO_TIME)
         finally:
-            self.clocks += 1
             self.time_has_come()
 
     def _answer(self, name: str, callback: Handler, request: Message, response: Message) -> Message:
