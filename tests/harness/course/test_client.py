@@ -1,6 +1,8 @@
 """What a client knows of where it is."""
 
 import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.course.client import Client
 from harness.drivers.base import Observation
@@ -8,7 +10,7 @@ from harness.episode.assembly import injector
 from harness.episode.episode import Episode
 from harness.episode.loop import Route, drive
 from harness.episode.together import together
-from harness.samples import Sample, Twist
+from harness.samples import GoalPose, Sample, Tick, Twist
 from harness.spec.run import Run
 
 
@@ -19,6 +21,10 @@ class Places:
 
     def __init__(self) -> None:
         self.seen = list[tuple[float, float]]()
+        self.goals = list[tuple[float, float, float]]()
+
+    def head_for(self, x: float, y: float, yaw: float) -> None:
+        self.goals.append((x, y, yaw))
 
     def command(self, observation: Observation) -> Twist:
         self.seen.append((observation.x, observation.y))
@@ -34,3 +40,19 @@ def test_a_client_is_where_it_was_last_told_to_be_while_its_poses_are_no_numbers
     assert len(driver.seen) == 40
     assert np.isfinite(driver.seen).all()
     assert driver.seen[-1][0] > 0.2
+
+
+def test_a_client_is_given_the_goals_that_are_published_with_their_headings() -> None:
+    run = Run.of(terrain="flat", driver="cmd_vel", duration=3.0, route="0.5,0/-1,2:radius=0.4")
+    episode, driver = Episode(run), Places()
+    client, told = Client(driver, episode), list[tuple[float, float, float]]()  # type: ignore[arg-type] # as above
+
+    def hear(tick: Tick, sent: Tick) -> None:
+        for goal in (one for one in sent.samples if isinstance(one, GoalPose)):
+            told.append((*goal.position[:2], Rotation.from_quat(goal.orientation).as_euler("zyx")[0]))
+        client.hear(tick, sent)
+
+    for _ in drive(together((episode,)), (Route(injector(run), hear, (client,)),)):
+        pass
+    assert np.array(driver.goals) == pytest.approx(np.array(told))
+    assert len({yaw for *_, yaw in told}) == len(told) == 2

@@ -44,8 +44,10 @@ def test_a_figure_that_was_changed_is_found(
 
 
 def test_a_score_that_is_not_of_its_episodes_is_refused(kept: Path, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="figures of track barn"):
-        read_receipt(changed(kept, tmp_path, {"score": 1.0}))
+    for figure in ("score", "spl", "time", "risk_s", "tilt_p95"):
+        value = 0.1 if figure == "time" else 1.0
+        with pytest.raises(UsageError, match="figures of track barn"):
+            read_receipt(changed(kept, tmp_path, {figure: value, "goals": 1, "ending": "reached"}))
     (path := tmp_path / "other.json").write_text(
         json.dumps(json.loads(kept.read_text()) | {"score": 1.0})
     )

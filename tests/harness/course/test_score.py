@@ -10,13 +10,16 @@ from scipy.ndimage import distance_transform_edt
 from scipy.sparse import lil_array
 from scipy.sparse.csgraph import dijkstra
 
+from harness.course.planner import Planner
 from harness.course.referee import Drive
 from harness.course.score import penalty, score
 from harness.course.summary import difference, mean_of, summarise
 from harness.course.task import Rule, Task
+from harness.robots import find_rover
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from harness.world.grid import STEPS, distances, travel
+from harness.world.world import build_world
 from tests.harness.course.conftest import driven
 
 TASK = Task(run=Run(), shortest=10.0, optimal=20.0, rule=Rule())
@@ -100,3 +103,11 @@ def test_ways_are_those_of_scipys_dijkstra() -> None:
 def test_what_was_learned_beats_who_does_not_look() -> None:
     learned, straight = (driven(entry, "rocky", (1, 2)) for entry in ("learned", "straight"))
     assert sum(one.score for one in learned) > 2 * 0.1 + sum(one.score for one in straight)
+
+
+def test_a_place_lies_in_the_cell_whose_middle_is_nearest() -> None:
+    world = build_world("rolling", 1)
+    planner, rng = Planner(world, find_rover("jackal")), np.random.default_rng(1)
+    for x, y in rng.uniform(-0.9, 0.9, (200, 2)) * world.ground.half_size:
+        middle = planner.middle(*planner.cell((x, y)))
+        assert max(abs(middle[0] - x), abs(middle[1] - y)) < 0.0501
