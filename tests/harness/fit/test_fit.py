@@ -138,7 +138,10 @@ def test_the_last_third_of_the_steps_is_not_fitted_to() -> None:
     assert held.commands.tolist() == [[41.5, 0.4, 0.2], [50.0, 0.3, 0.3]], "what was in force goes on"
 
 
-def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, capsys: Capsys) -> None:
+def test_commands_that_never_hold_tell_of_the_controller_alone(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.fit.estimate.ROUNDS", 1)
     csv, out = write(driven(HUSKY, 1.0), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
     assert main([str(csv), "--robot", "husky", "--out", str(out), "--jobs", "1"]) == 0
     assert "one command held for 3.5 s is missing" in " ".join(capsys.readouterr().out.split())
