@@ -5,7 +5,6 @@ from pathlib import Path
 
 MEGABYTE = 1e6
 MINUTE = 60  # rows: one per simulated second
-LAST_ROWS = 5  # not looked at: the simulation is ahead of the rows, and is over before they are
 
 Sizes = dict[str, float]  # resident memory [bytes] by process
 
@@ -30,7 +29,7 @@ class Growth:
 
     def look(self, harness: int) -> None:
         """Takes down what the processes hold; `harness` is the number of the run's."""
-        if MINUTE <= rows_in(self._logs) < self._seconds - LAST_ROWS:
+        if MINUTE <= rows_in(self._logs) < self._seconds:
             self.end = _sizes(harness, self._others) or self.end
             self.minute = self.minute or self.end
 
@@ -41,13 +40,9 @@ class Growth:
 
 
 def _sizes(harness: int, others: Mapping[str, int]) -> Sizes:
-    """Memory of the harness, its largest child (the simulation) and others; empty if one is gone."""
+    """Memory of the harness and of others; empty if one is gone."""
     try:
-        children = Path(f"/proc/{harness}/task/{harness}/children").read_text().split()
-        found = {
-            "harness": resident(harness),
-            "simulation": max((resident(int(child)) for child in children), default=0.0),
-        } | {name: resident(number) for name, number in others.items()}
+        found = {name: resident(number) for name, number in {"harness": harness, **others}.items()}
     except OSError:
         return {}
     return found if all(found.values()) else {}

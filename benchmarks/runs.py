@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table, against
 from harness.episode.episode import Episode, episodes_of
-from harness.episode.stream import EpisodeProcess
+from harness.episode.stream import EpisodeStream
 from harness.episode.together import together
 from harness.robots import ROVERS
 from harness.ros import session
@@ -46,7 +46,7 @@ def _rows(run: Run, effort: Effort) -> list[tuple[str, ...]]:
 
     def without_transforms() -> float:
         with patch.object(
-            session, "EpisodeProcess", lambda run, _, **how: EpisodeProcess(run, None, **how)
+            session, "EpisodeStream", lambda run, _, **how: EpisodeStream(run, None, **how)
         ):
             return through_ros()
 

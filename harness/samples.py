@@ -6,9 +6,8 @@ and units follow REP-103: metres, radians, seconds, x forward, y left, z up; qua
 (x, y, z, w).
 """
 
-from dataclasses import dataclass, fields
-from operator import attrgetter
-from typing import Any, ClassVar, Literal, Protocol, TypeVar, dataclass_transform
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,24 +39,7 @@ def source(sample: Sample) -> Source:
     return getattr(sample, "sensor", type(sample))
 
 
-@dataclass_transform(frozen_default=True)
-def plain_value(cls: type[T]) -> type[T]:
-    """Makes a class of two fields or more a frozen dataclass that is pickled as a constructor's call.
-
-    The way that dataclasses with slots bring along costs twice as much, for every sample of a run:
-    harness.episode.stream sends them from one process to another.
-    """
-    made = dataclass(frozen=True, slots=True)(cls)
-    values = attrgetter(*(item.name for item in fields(made)))  # type: ignore[arg-type]  # a dataclass
-
-    def reduce(value: T) -> tuple[type[T], tuple[Any, ...]]:
-        return made, values(value)
-
-    made.__reduce__ = reduce  # type: ignore[assignment]  # narrower than object's
-    return made
-
-
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Twist:
     """A body-frame velocity: linear.x in m/s (forward) and angular.z in rad/s (left)."""
 
@@ -65,7 +47,7 @@ class Twist:
     angular: float = 0.0
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Place:
     """A position [m] and heading [rad] in the world, seen from above."""
 
@@ -74,7 +56,7 @@ class Place:
     yaw: float
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class LaserScan:
     """One lidar revolution in the lidar's frame; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
 
@@ -82,7 +64,7 @@ class LaserScan:
     ranges: NDArray[np.float32]
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Imu:
     """Means over the sensor's window: specific force (gravity included) and rate, in imu frame."""
 
@@ -92,7 +74,7 @@ class Imu:
     linear_acceleration: Vector3
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Pose:
     """Pose of the model frame in the world; `empty` stands for an array without it (a fault)."""
 
@@ -102,7 +84,7 @@ class Pose:
     empty: bool = False
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Odometry:
     """Planar pose in the odom frame and body-frame twist, as wheel encoders tell it."""
 
@@ -113,7 +95,7 @@ class Odometry:
     twist: Twist
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class GroundTruth:
     """The true planar pose and the true body-frame velocity."""
 
@@ -125,7 +107,7 @@ class GroundTruth:
     angular_velocity: Vector3
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class JointStates:
     """Position [rad], velocity [rad/s] and effort [N m] of the joints named by the rover's spec."""
 
@@ -135,7 +117,7 @@ class JointStates:
     effort: tuple[float, ...]
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class GoalPose:
     """A goal for who drives over topics: the next way point of a route, in the world."""
 
@@ -144,7 +126,7 @@ class GoalPose:
     orientation: Quaternion
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class ActorPoses:
     """Middles [m] and attitudes of the people in the world, in the order of its actors."""
 
@@ -153,7 +135,7 @@ class ActorPoses:
     orientation: tuple[Quaternion, ...]
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Transforms:
     """Poses of frames in their parents, in the order of harness.frames.tree.Description."""
 
@@ -162,7 +144,7 @@ class Transforms:
     rotation: tuple[float, ...]  # quaternion (x, y, z, w) of each frame, one after the other
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class SoilState:
     """What soil does to each wheel now, in the order of RoverSpec.wheel_joints."""
 
@@ -183,7 +165,7 @@ class SoilState:
         return (*self.sinkage, *self.slip_angle, *self.pull, *self.side_force, self.stuck)
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class TruthState:
     """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone."""
 
@@ -211,7 +193,7 @@ class TruthState:
         return (*touched, self.speed, self.path_length, *self.slip, self.roughness, *soil)
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Tick:
     """All samples that fall on one clock tick, in publishing order."""
 
@@ -224,7 +206,7 @@ class Tick:
         return next((sample for sample in self.samples if isinstance(sample, kind)), None)
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class PlacedScan:
     """A scan and the pose of the model frame at the very tick of the scan."""
 

@@ -11,14 +11,8 @@ from hypothesis import HealthCheck, settings
 
 from harness.ros.network import reserved_domain
 from tests.support.browser import CHROMIUM, FLAGS, WEBGL
-from tests.support.forking import ForkedSimulations
 from tests.support.ros import Ros
 from tests.support.surroundings import receive_signals, settle_environment
-
-try:
-    from harness.episode import stream
-except ImportError:  # rover_metrics alone: on Python 3.10, or without MuJoCo
-    stream = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -40,14 +34,6 @@ def pytest_collection_finish() -> None:
 
 def pytest_unconfigure() -> None:
     shutil.rmtree(ROS_LOG, ignore_errors=True)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _forked_simulations() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:  # of a module that is there: an import would cost here
-        if stream is not None:
-            patch.setattr(stream, "multiprocessing", ForkedSimulations())
-        yield
 
 
 @pytest.fixture

@@ -168,9 +168,9 @@ class Scenery(NamedTuple):
     members: tuple[Member, ...]
 
 
-def scenery(run: Run, world: World | None = None) -> Scenery:
-    """Returns the world of a run, unless it has been built already, and who starts where in it."""
-    world = world_of(run) if world is None else world
+def scenery(run: Run) -> Scenery:
+    """Returns the world of a run, and who starts where in it."""
+    world = world_of(run)
     starts = [world.start if r.start is None else starting_at(world, r.start).start for r in run.rovers]
     return Scenery(
         world,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from harness.samples import Place, Tick, plain_value
+from harness.samples import Place, Tick
 from harness.truth.traversal import ContactEvent, Truth
 from harness.world.world import Start
 
@@ -31,7 +31,7 @@ class EpisodeInfo:
     targets: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Batch:
     """The ticks of one control period and the truth at their end.
 

@@ -19,11 +19,12 @@ from harness.drivers import sensed_by
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
 from harness.episode.diagnostics import Diagnostics
-from harness.episode.episode import Episode, episodes_of
-from harness.episode.helm import Helm, follow
+from harness.episode.episode import Episode
+from harness.episode.helm import Helm
 from harness.episode.loop import Observer, Pacer, Route, drive
 from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
+from harness.episode.stream import EpisodeStream
 from harness.episode.together import together
 from harness.episode.topics import RunTopics
 from harness.faults.injector import FaultInjector
@@ -65,7 +66,9 @@ def run_direct(
     started = time.monotonic()
     with ExitStack() as at_end:
         sinks = sinks_of(options, at_end)
-        episodes = episodes_of(run, options.frames if sinks else None)
+        frames = options.frames if sinks else None
+        stream = EpisodeStream(run, frames, prompt=helm is not None, awake=options.rate is None)
+        episodes = stream.begin()
         logged, routes = list[LoggedRun](), list[Route]()
         for episode, output in zip(episodes, outputs, strict=True):
             begun = RunResult(run=run, number=episode.number, mode="direct, no ROS", info=episode.info)
@@ -85,11 +88,10 @@ def run_direct(
         if sinks:
             described = [each.description for each in episodes if each.description is not None]
             routes = _published(routes, logged, RunTopics(run, described, sinks, at_end))
-        batches = together(episodes, ahead=helm is None, awake=options.rate is None)
+        batches = stream.batches()
         if helm is not None:
             helm.metered = logged
-            followers = [partial(follow, episode) for episode in episodes]
-            batches = helm.steered(batches, followers, lambda: episodes[0].simulation.time_ns)
+            batches = helm.steered(batches, [r.give for r in stream.rovers], lambda: stream.next_ns)
         pacer = Pacer(options.rate, sleep=stop.sleep) if helm is None else helm
         why = _driven(drive(batches, routes, stop), pacer, stop)
         recording = options.record if options.record is not None and options.record.exists() else None

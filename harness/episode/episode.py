@@ -30,7 +30,7 @@ from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
 from harness.world.berths import berth, overlaps
-from harness.world.world import World, terrain_hash
+from harness.world.world import terrain_hash
 
 
 class Episode:
@@ -202,32 +202,28 @@ class Episode:
         return place if free is None else Place(*free)
 
 
-def episodes_of(
-    run: Run, frame_options: FrameOptions | None = None, world: World | None = None
-) -> tuple[Episode, ...]:
+def episodes_of(run: Run, frame_options: FrameOptions | None = None) -> tuple[Episode, ...]:
     """Returns the episodes of a run's rovers, which `together` drives.
 
     Args:
         run: All rovers but the first have a start.
         frame_options: As of an Episode.
-        world: From a process that has built it; None to build it here.
 
     Raises:
         UsageError: A value is not valid, or two rovers would touch at the start.
     """
-    made = enumerate(_simulated(run, world))
+    made = enumerate(_simulated(run))
     return tuple(
         Episode(run, number, frame_options=frame_options, simulation=simulation)
         for number, simulation in made
     )
 
 
-def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:
+def _simulated(run: Run) -> tuple[Simulation, ...]:
     """The rovers of a run in its world, settled at their starts."""
-    if world is None:
-        check(run)
-        check_world(run)
-    scenes = build_scenes(*scenery(run, world), run.timestep)
+    check(run)
+    check_world(run)
+    scenes = build_scenes(*scenery(run), run.timestep)
     chosen = [scene for scene, rover in zip(scenes, run.rovers, strict=True) if rover.start is not None]
     for scene in chosen:
         check_room(scene, scenes)

@@ -178,6 +178,7 @@ class Panel:
     def _choose(self, rover: int) -> None:
         self._rover = rover
         self._stage.following = rover if self._follow.value else None
+        self._stage.draw(self._watches)  # also while the run is paused and nothing moves
 
     def _press(self, forward: float, left: float, _: viser.CommandEvent) -> None:
         self._wheel.press(forward, left)

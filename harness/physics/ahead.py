@@ -8,6 +8,7 @@ would wait for the thread that reads.
 import ctypes
 import os
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from harness.physics.steps_kernel import advance, begin_step, is_wrong
 CPU_MAX = Path("/sys/fs/cgroup/cpu.max")  # microseconds of all cores in a period of so many, or max
 OVER = -1  # instead of where to end: the thread is to end
 LONGEST = 10_000  # times that a core is offered to others before one sleeps: some milliseconds
+TAKEN_NS = 20_000  # from one offer to the next: others have taken the core, and want it
 UNDER_WAY, GOES_ON = -1, -2  # instead of whether a step is begun: nothing has landed
 
 _api = ctypes.pythonapi
@@ -36,10 +38,15 @@ _ACQUIRE, _RELEASE = (
 )
 _acquire = native(ctypes.c_void_p, ctypes.c_int)
 _release = native(ctypes.c_void_p)
-_yield = native()
-_GIVE_WAY = 0  # the address of sched_yield
+_yield, _tell_time = native(), native(ctypes.c_int, ctypes.c_void_p)
+CLOCK = getattr(time, "CLOCK_MONOTONIC", 0)
+_SYSTEM = 0, 0  # the addresses of sched_yield and clock_gettime
 if hasattr(os, "sched_yield"):  # not on Windows
-    _GIVE_WAY = ctypes.cast(ctypes.CDLL(None).sched_yield, ctypes.c_void_p).value or 0
+    _C = ctypes.CDLL(None)
+    _SYSTEM = (
+        ctypes.cast(_C.sched_yield, ctypes.c_void_p).value or 0,
+        ctypes.cast(_C.clock_gettime, ctypes.c_void_p).value or 0,
+    )
 _wait = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int)(_ACQUIRE)  # without the interpreter's lock
 
 
@@ -55,34 +62,46 @@ def has_second_core() -> bool:
     return most == "max" or int(most) >= 2 * int(period)
 
 
-@kernel("void(int64[::1], boolean, int64)")
-def stay_awake(steps: NDArray[np.int64], is_under_way: bool, give_way: int) -> None:
-    """Waits until steps have landed or are launched, or for so long that one may as well sleep.
+@kernel("void(int64[::1], boolean, UniTuple(int64, 2))")
+def stay_awake(steps: NDArray[np.int64], is_under_way: bool, system: tuple[int, int]) -> None:
+    """Waits until steps have landed or are launched, others want the core, or one may as well sleep.
 
     Args:
         steps: As `serve` has them.
         is_under_way: Whether it is waited for steps under way to land; else for steps to be launched.
-        give_way: Address of sched_yield.
+        system: Addresses of sched_yield and clock_gettime.
     """
-    for _ in range(LONGEST):
+    clock = np.zeros(2, np.int64)  # seconds and nanoseconds
+    before = np.int64(0)
+    for tries in range(LONGEST):
         if (steps[3] < 0) != is_under_way:
             return
-        _yield(give_way, ())
+        _yield(system[0], ())
+        _tell_time(system[1], (CLOCK, clock.ctypes.data))
+        now = clock[0] * 1_000_000_000 + clock[1]
+        if tries and now - before > TAKEN_NS:
+            return
+        before = now
 
 
 @kernel(
-    "void(UniTuple(int64, 5), int64[::1], Tuple((UniTuple(int64, 6),"
+    "void(UniTuple(int64, 4), UniTuple(int64, 2), int64[::1], Tuple((UniTuple(int64, 6),"
     "Tuple((float64[::1], int64[::1], float64[:,::1])), Tuple((int32[:], float64[:,::1])),"
     "Tuple((float64[::1], float64[:,::1])), Tuple((UniTuple(float64[::1], 3),"
     "UniTuple(float64[:,::1], 3))), Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
     f"Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])), {SIGNATURE})))"
 )
-def serve(locks: tuple[int, int, int, int, int], steps: NDArray[np.int64], stepping: Stepping) -> None:
+def serve(
+    locks: tuple[int, int, int, int],
+    system: tuple[int, int],
+    steps: NDArray[np.int64],
+    stepping: Stepping,
+) -> None:
     """Advances whenever the first lock is released, then releases the second; ends at OVER.
 
     Args:
-        locks: The two locks, and the addresses of what takes and what releases them, and of sched_yield
-            to wait awake; 0 to sleep.
+        locks: The two locks, and the addresses of what takes and what releases them.
+        system: As `stay_awake` has it, to wait awake; zeros to sleep.
         steps: Where to begin and to end, and steps of a tick, as `advance` has them; GOES_ON to begin
             the step after them, too, if all is well, or else UNDER_WAY. Afterwards where it ended comes
             first, and last 1 if that step is begun, or else 0.
@@ -101,8 +120,8 @@ def serve(locks: tuple[int, int, int, int, int], steps: NDArray[np.int64], stepp
         _release(locks[3], (locks[1],))
         if is_begun:  # meanwhile somebody decides what is commanded
             begin_step(pointers, recorded[0], obstacles)
-            if locks[4]:
-                stay_awake(steps, False, locks[4])
+            if system[0]:
+                stay_awake(steps, False, system)
 
 
 class Aside:
@@ -120,8 +139,9 @@ class Aside:
         self._locks = tuple(_api.PyThread_allocate_lock() for _ in range(2))
         for lock in self._locks:
             _wait(lock, 1)
-        self._give_way = _GIVE_WAY if awake else 0
-        args = (*self._locks, _ACQUIRE, _RELEASE, self._give_way), self._steps, span.arguments(contacts)
+        self._system = _SYSTEM if awake else (0, 0)
+        locks = (*self._locks, _ACQUIRE, _RELEASE)
+        args = locks, self._system, self._steps, span.arguments(contacts)
         self._thread = threading.Thread(target=serve, args=args, daemon=True)
         self._thread.start()
 
@@ -138,8 +158,8 @@ class Aside:
 
     def land(self) -> int:
         """Waits for what was launched; returns where it ended, as `Span.advance`."""
-        if self._give_way:
-            stay_awake(self._steps, is_under_way=True, give_way=self._give_way)
+        if self._system[0]:
+            stay_awake(self._steps, is_under_way=True, system=self._system)
         _wait(self._locks[1], 1)
         return int(self._steps[0])
 

@@ -46,7 +46,8 @@ class Channel:
         message = self.fill(sample)
         if message is None:
             return
-        self.publisher.publish(message if self.record is None else self.record(message))
+        data = message if self.record is None else self.record(message)
+        self.publisher.handle.publish_raw(data)  # rclpy's own `publish` looks at the kind each time
         self.published += 1
 
 

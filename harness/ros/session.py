@@ -1,4 +1,4 @@
-"""A run through ROS 2: child simulation -> bridges -> topics -> MetricsNodes, in lock-step.
+"""A run through ROS 2: episodes -> bridges -> topics -> MetricsNodes, in lock-step.
 
 Each rover of the run has a bridge and a MetricsNode, in the namespace of its name if there are several.
 The first one's bridge publishes /clock, when all have sent the samples of a tick.
@@ -19,7 +19,7 @@ from harness.episode.batch import Batch
 from harness.episode.helm import Helm
 from harness.episode.loop import Pacer, Route, drive
 from harness.episode.result import Outputs, RunAccount, RunResult, Show
-from harness.episode.stream import EpisodeProcess
+from harness.episode.stream import EpisodeStream
 from harness.messages.sinks import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
 from harness.ros.context import SPIN_TIMEOUT, make_executor, ros_context, spin_until
@@ -32,6 +32,7 @@ from harness.ros.rover_nodes import RoverNodes
 from harness.ros.tap import Tap
 from harness.samples import Tick
 from harness.spec.ros import RosOptions
+from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
@@ -61,8 +62,7 @@ def run_through_ros(
     started = time.monotonic()
     with ExitStack() as at_end:
         sinks = sinks_of(options, at_end)
-        source = at_end.enter_context(EpisodeProcess(run, options.frames, prompt=helm is not None))
-        session = _Session(run, outputs, options, source, at_end)
+        session = _Session(run, outputs, options, at_end, steered=helm is not None)
         tap = Tap(*sinks)
         for rover in session.rovers if sinks else ():
             metrics = rover.hosted.node.publisher if rover.hosted else None
@@ -78,10 +78,15 @@ class _Session:
         run: Run,
         outputs: Sequence[Outputs],
         options: RosOptions,
-        source: EpisodeProcess,
         at_end: ExitStack,
+        *,
+        steered: bool,
     ) -> None:
-        self._run, self._outputs, self._options, self._source = run, outputs, options, source
+        self._run, self._outputs, self._options = run, outputs, options
+        prompt = steered or any(rover.driver == CMD_VEL for rover in run.rovers)
+        # Nodes elsewhere want a core, too.
+        awake = options.rate is None and not (options.wait_for or options.wait_for_topic)
+        self._source = source = EpisodeStream(run, options.frames, prompt=prompt, awake=awake)
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
@@ -118,20 +123,20 @@ class _Session:
         self, stop: StopRequest, show: Show | None, started: float, helm: Helm | None
     ) -> tuple[RunResult, ...]:
         """Publishes the episodes tick by tick until their end, a failure or a stop request."""
-        begun = self._source.begin()  # waits for the world: other runs are discovered by then
+        episodes = self._source.begin()  # builds the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
-        for rover, (_, description) in zip(self.rovers, begun, strict=True):
-            rover.begin(description)
+        for rover, episode in zip(self.rovers, episodes, strict=True):
+            rover.begin(episode.description)
         accounts = [
             RunAccount(
-                RunResult(run=self._run, number=rover.number, mode=self._mode(), info=info),
+                RunResult(run=self._run, number=rover.number, mode=self._mode(), info=episode.info),
                 started,
                 None if rover.number else show,
                 topics=rover.topics,
                 rows=rover.rows,
                 paused_s=lambda: self._controls.held_s + (helm.held_s if helm else 0.0),
             )
-            for rover, (info, _) in zip(self.rovers, begun, strict=True)
+            for rover, episode in zip(self.rovers, episodes, strict=True)
         ]
         failure, interrupted = None, None
         try:

@@ -1,6 +1,7 @@
 """Barometer: the pressure of the standard atmosphere at the sensor's height."""
 
-from harness.samples import plain_value
+from dataclasses import dataclass
+
 from harness.sensors.chips import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
 
@@ -16,7 +17,7 @@ BAROMETERS = {
 }
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Pressure:
     """Static pressure; names are those of sensor_msgs/FluidPressure."""
 

@@ -5,6 +5,7 @@ full to empty, and by the battery's own resistance times its current.
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,6 @@ from numpy.typing import NDArray
 from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.robots import RoverSpec
-from harness.samples import plain_value
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 from harness.spec.value import Length, Share
 
@@ -24,7 +24,7 @@ HOUR = 3600.0  # [s]
 TICK = TICK_NS / NANOSECONDS  # [s]
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Battery:
     """State of charge; names are those of sensor_msgs/BatteryState."""
 

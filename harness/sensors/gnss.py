@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.samples import plain_value
 from harness.sensors.chips import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
 from harness.sensors.optional import Rate
@@ -18,7 +17,7 @@ UNKNOWN, DIAGONAL_KNOWN = 0, 2  # sensor_msgs/NavSatFix: COVARIANCE_TYPE_...
 FIX, GROUND_BASED = 0, 2  # sensor_msgs/NavSatStatus: STATUS_FIX, STATUS_GBAS_FIX
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class GnssFix:
     """Position of the antenna on WGS-84; names and codes are those of sensor_msgs/NavSatFix."""
 

@@ -7,6 +7,7 @@ those of what is met first from above; moving obstacles are where they are now.
 import math
 from collections.abc import Mapping
 from copy import copy
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final, Literal, Self
 
 import numpy as np
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from harness.robots import FrameRow, RoverSpec
-from harness.samples import plain_value
 from harness.sensors.optional import Installation, OptionalSensor, Rate, SensorOptions
 from harness.spec.value import Length
 
@@ -28,7 +28,7 @@ MOST_CELLS = 250_000
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class HeightScan:
     """Heights around the rover; x, y, z is the grid's middle in the world [m]."""
 

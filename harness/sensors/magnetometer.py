@@ -1,5 +1,6 @@
 """Magnetometer: the Earth's magnetic field at the datum, in the sensor's axes."""
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
 from harness.base.errors import UsageError
-from harness.samples import Vector3, plain_value
+from harness.samples import Vector3
 from harness.sensors.chips import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors
 from harness.sensors.optional import Rate
@@ -27,7 +28,7 @@ COMPASSES = {
 }
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class MagneticField:
     """Flux density in the sensor's axes; names are those of sensor_msgs/MagneticField."""
 

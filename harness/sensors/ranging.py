@@ -4,13 +4,13 @@ Importing this loads neither MuJoCo nor compiled kernels: processes that publish
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from harness.samples import plain_value
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 from harness.spec.value import Length, NotNegative
@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # the table of sensors does without MuJoCo
 MOST_RAYS = 500_000  # in a reading
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class RangeReading:
     """What an optional lidar or depth camera has read at once, in its frame."""
 

@@ -1,9 +1,11 @@
 """What only the simulator knows of a drive: contact events, and totals over an episode."""
 
-from harness.samples import ContactKind, Vector3, plain_value
+from dataclasses import dataclass
+
+from harness.samples import ContactKind, Vector3
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class ContactEvent:
     """Contacts of one kind, none of them more than half a second after the one before."""
 
@@ -22,7 +24,7 @@ class ContactEvent:
     point: Vector3  # where on the rover, in its model frame [m]
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Truth:
     """Totals from the start of the episode."""
 

@@ -67,7 +67,7 @@ def test_nothing_is_lost_and_nothing_grows(
     outcome = scenario(PLAN, reference, tmp_path)
     assert outcome.complaints == ()
     assert outcome.messages > 250 * outcome.seconds
-    assert set(outcome.grown) == ({"harness", "simulation"} if outcome.seconds == PLAN.long else set())
+    assert set(outcome.grown) == ({"harness"} if outcome.seconds == PLAN.long else set())
 
 
 def test_outcome_complains_of_each_harm() -> None:

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.support.forking import Forked
 from tests.support.waiting import PATIENCE
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
@@ -29,7 +28,7 @@ from rosbags.highlevel import AnyReader
 from std_srvs.srv import Trigger
 
 from harness.base.interrupt import StopRequest
-from harness.episode import assembly, stream
+from harness.episode import assembly
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
 from harness.episode.result import Outputs, RunResult
@@ -182,7 +181,6 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         patch.setattr(assembly, "_terrain_world", lambda _: stage(spec))
-        patch.setattr(stream, "multiprocessing", Forked())  # so that the child has that world too
         patch.setattr(Bridge, "refuse_other_publishers", join)
         patch.setattr(RoverOrders, "command", note)
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))

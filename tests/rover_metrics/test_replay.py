@@ -20,7 +20,6 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
-from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.extended.metrics import EXTENDED_HEADER
@@ -199,8 +198,9 @@ def test_every_kind_of_folder_gives_its_rows(
     assert "compression_mode: message" in told or compression is not CompressionMode.MESSAGE
     metadata.write_text(told.replace("mode: message", "mode: MESSAGE"))  # as rosbag2 itself writes it
     assert replay(bag) == cells(expected_rows())
-    (file,) = set(bag.iterdir()) - {metadata}  # bare it is a recording too
-    assert replay(file) == cells(expected_rows())
+    if compression is CompressionMode.NONE:
+        (file,) = set(bag.iterdir()) - {metadata}  # bare it is a recording too
+        assert replay(file) == cells(expected_rows())
 
 
 def test_files_are_read_in_the_order_of_their_numbers(tmp_path: Path, capsys: Capsys) -> None:
@@ -550,8 +550,6 @@ def test_of_many_jumps_five_are_told_and_types_may_lack_msg(tmp_path: Path, caps
         notes = [line for line in capsys.readouterr().err.splitlines() if " note: " in line]
         assert notes[0] == "replay: note: time jumps from 2.00 s to 100.00 s"
         assert notes[5:] == ["replay: note: 1 more jumps of time"] * more
-    with Bag(tmp_path / "bag.mcap") as bag:  # as every reader of bags has them
-        assert bag.topics == {"/imu/data": TYPES["/imu/data"]}
 
 
 NOT_READABLE = Path("/proc/self/mem")  # whose first byte is an EIO

@@ -1,8 +1,8 @@
 """No pickle, no eval, no shell, no YAML that makes objects: nothing in the code could, so no input can.
 
-What the two processes of a run send each other is pickled by multiprocessing, over a pipe that they
-inherit (harness/episode/stream.py): nobody else can write into it. ruamel's own default loader makes no
-objects.
+What the painter of a run, a vector's processes and a sweep's workers send each other is pickled by
+multiprocessing, over pipes that they inherit: nobody else can write into them. ruamel's own default
+loader makes no objects.
 """
 
 import ast

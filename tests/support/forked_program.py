@@ -5,16 +5,14 @@ tests/e2e/test_two_processes.py starts, lets drive and stops with Ctrl-C.
 """
 
 import importlib
-import multiprocessing
 import os
 import signal
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
 
 from tests.support.forking import ForkedSimulations
 
@@ -87,7 +85,8 @@ class ForkedProgram:
     def send_signal(self, number: int) -> None:
         """To this process alone, if it runs."""
         if self.returncode is None:
-            os.kill(self.pid, number)
+            with suppress(ProcessLookupError):  # the fork server has seen its end before this process
+                os.kill(self.pid, number)
 
     def terminate(self) -> None:
         """Asks it to end."""
@@ -123,37 +122,8 @@ def _begin(
     os.chdir(inherited.folder)
     os.sched_setaffinity(0, inherited.cores)
     main = importlib.import_module(program).main if isinstance(program, str) else program
-    vars(importlib.import_module("harness.episode.stream"))["multiprocessing"] = _Fork()
     if isinstance(program, str) and program.startswith("harness."):
         importlib.import_module("harness.base.edge").begin_program(program)
     ready.send(None)
     ready.close()
     raise SystemExit(main(words))
-
-
-class _Fork:
-    """Stands where a forked program looks for `multiprocessing`: its simulation is its own child."""
-
-    def __init__(self) -> None:
-        self._context = multiprocessing.get_context("fork")
-
-    def get_context(self, _: str) -> "_Fork":
-        return self
-
-    def Pipe(self) -> tuple[Any, Any]:  # noqa: N802 - as the one it stands for
-        self._near, remote = self._context.Pipe()
-        return self._near, remote
-
-    def Process(  # noqa: N802 - as the one it stands for
-        self, *, target: Callable[..., None], args: tuple[Any, ...], daemon: bool
-    ) -> BaseProcess:
-        def simulate(*args: Any) -> None:  # noqa: ANN401 - whatever is simulated
-            # As in a spawned child: only its own end, or it would not learn that the other is gone,
-            # and no handler of the program's.
-            self._near.close()
-            signal.signal(signal.SIGINT, signal.default_int_handler)
-            for number in (signal.SIGTERM, signal.SIGHUP):
-                signal.signal(number, signal.SIG_DFL)
-            target(*args)
-
-        return self._context.Process(target=simulate, args=args, daemon=daemon)

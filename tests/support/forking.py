@@ -2,7 +2,7 @@
 
 import multiprocessing
 from multiprocessing import forkserver, util
-from multiprocessing.context import ForkContext, ForkServerContext
+from multiprocessing.context import ForkServerContext
 
 _LOADED = "tests.support.loaded"
 
@@ -23,12 +23,3 @@ class ForkedSimulations:
         context.set_forkserver_preload([_LOADED])
         forkserver.ensure_running()
         return context
-
-
-class Forked:
-    """Stands there too: children are copies of this process, with all that a test has changed in it."""
-
-    def get_context(self, method: str) -> ForkContext:
-        """The context of forked children."""
-        assert method == "spawn"
-        return multiprocessing.get_context("fork")

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from harness.robots import FrameRow, RoverSpec
-from harness.samples import Quaternion, Vector3, plain_value
+from harness.samples import Quaternion, Vector3
 from harness.sensors.camera.lens import LENSES, Lens
 from harness.sensors.depth import OPTICAL_RPY, optical_frame
 from harness.sensors.optional import OptionalSensor, SensorOptions
@@ -19,7 +20,7 @@ VISIBLE_STATE = 1 << 1 | 1 << 10 | 1 << 11  # of mjtState: QPOS, MOCAP_POS, MOCA
 MOUNTS = ("camera_link", "camera_frame")  # of rovers that have a place for a camera, x ahead
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class CameraState:
     """What an image is drawn from."""
 

@@ -42,12 +42,13 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     negative seconds, of a parameter whose type does not exist. Timers are not guarded: they handle
     nothing of others.
 
-    What arrived and what was left out is in the account `reception`, by resolved name.
+    What arrived and what was left out is in the account `reception`, by resolved name; `clocks` counts
+    the messages of /clock that told a time.
     """
 
     def __init__(self, name: str, **options: Any) -> None:  # noqa: ANN401 - rclpy's
         """Joins the graph; raises a ParameterError if the command line sets one to what it cannot be."""
-        self.reception = Reception(self._tell)
+        self.reception, self.clocks = Reception(self._tell), 0
         try:
             super().__init__(name, **options)
         except ParameterException as error:  # of a parameter that rclpy declares, all of them switches
@@ -103,6 +104,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         message = decoded("rosgraph_msgs/msg/Clock", Clock, data)
         try:
             if is_time(message.clock):
+                self.clocks += 1
                 callback(message)
             else:
                 self.reception.reject(self.resolve_topic_name(topic), NO_TIME)

@@ -65,6 +65,16 @@ def test_every_message_is_handled_before_time_goes_on(nodes: Nodes) -> None:
     assert set(nodes.hosted.lost.values()) == {0}
 
 
+def test_nothing_is_given_up_that_came_while_the_process_was_stopped(
+    nodes: Nodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hosted, "PATIENCE", 0.0)
+    for number in range(1, 6):
+        nodes.advance(tick(number))
+    assert nodes.hosted.received()["/imu/data"] == 5
+    assert set(nodes.hosted.lost.values()) == {0}
+
+
 def test_simulation_time_cannot_be_taken_from_a_node_that_a_run_waits_for(nodes: Nodes) -> None:
     (told,) = nodes.metrics.set_parameters([Parameter("use_sim_time", value=False)])
     assert (told.successful, "stays true" in told.reason) == (False, True)
@@ -107,6 +117,7 @@ def test_a_clock_that_never_arrives_is_given_up_and_counted(
     nodes: Nodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(hosted, "PATIENCE", 0.1)
+    nodes.bridge.clock_channel.published += 1  # one that DDS swallowed
     nodes.hosted.wait_for_clock(7 * TICK_NS)
     assert nodes.hosted.lost["/clock"] == 1
     assert nodes.hosted.received()["/clock"] == 0
