@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.cli.console import RunProgress, counted, print_summary
+from harness.cli.console import Heartbeat, RunProgress, counted, print_summary
 from harness.episode.result import CommandCount, RunResult, TopicCount
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
@@ -63,3 +63,17 @@ def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
         assert "3/7" in text
     else:
         assert text.strip() == ""
+
+
+def test_in_a_pipe_steady_work_is_told_to_last_as_long_as_it_will(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now, whole = 50.0, 90.0  # [s] of wall time, of which the work takes so many
+    monkeypatch.setattr("harness.cli.console.time.monotonic", lambda: now)
+    heartbeat = Heartbeat(Console(file=io.StringIO()), "sweep")
+    for passed in range(0, 100, 3):
+        now = 50.0 + passed
+        heartbeat.tell(4.0 * passed, 4.0 * whole, "")
+    told = [[*map(float, re.findall(r"[\d.]+", line))] for line in capsys.readouterr().err.splitlines()]
+    assert len(told) == 7
+    assert [done / 4.0 + left for done, _, left in told] == pytest.approx([whole] * 7, abs=0.6)

@@ -82,6 +82,20 @@ def test_a_table_may_have_other_cases_and_spaces_and_is_refused_in_millimetres(t
         Barn().task(case, tmp_path)
 
 
+def test_worlds_of_a_folder_come_by_their_numbers_each_with_its_own_path(tmp_path: Path) -> None:
+    (tmp_path / "path_files").mkdir()
+    for number in range(11):
+        (tmp_path / f"world_{number}.world").write_text(f"<sdf>{number}</sdf>")
+        cells = [(15, 5 + row) for row in range(40)] + [(15 + number, 45)]
+        np.save(tmp_path / "path_files" / f"path_{number}.npy", cells)
+    worlds = read_worlds(tmp_path)
+    assert [one.text for one in worlds] == [f"<sdf>{number}</sdf>".encode() for number in range(11)]
+    lengths = [one.length for one in worlds]
+    assert None not in lengths
+    assert lengths == sorted(lengths)  # type: ignore[type-var] # not None
+    assert lengths[-1] > lengths[0] + 1.0  # type: ignore[operator]
+
+
 def test_a_path_is_as_long_in_whatever_order_its_points_stand(tmp_path: Path) -> None:
     (tmp_path / "cylinders.csv").write_text("x;y;world\n-1,5;6,0;7\n")  # and with decimal commas
     for rows in ("7,0,-2.5,5\n7,1,-2.0,8\n", "7,1,-2.0,8\n7,0,-2.5,5\n"):

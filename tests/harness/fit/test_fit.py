@@ -78,6 +78,8 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
 ) -> None:
     monkeypatch.setattr("harness.validate.replay.WHEELS", 1)  # a file that holds nothing back
     monkeypatch.setattr("harness.fit.ground.PLANE", (*PLANE, 0.5))
+    monkeypatch.setattr("harness.fit.ground.MEASURED", 0.5)  # [s]: what is driven 30 times has no noise
+    monkeypatch.setattr("harness.fit.estimate.ROUNDS", 1)
     monkeypatch.setenv("COLUMNS", "200")
     true = with_values(HUSKY, HIDDEN.items())
     csv, out = write(driven(true), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"

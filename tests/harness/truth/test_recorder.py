@@ -181,3 +181,13 @@ def test_contacts_up_to_the_gap_apart_are_one_event_and_farther_ones_are_two() -
     assert events.take_closed() == ()
     events.observe((12 + 3 * gap) * TICK_NS, {})
     assert len(events.take_closed()) == 1, "although nothing is touched any more"
+
+
+def test_the_place_of_a_contact_is_told_on_the_rover_however_it_stands_then() -> None:
+    events, stood = ContactEvents(str), Rotation.from_euler("ZYX", [2.0, 0.3, -0.5])
+    x, y, z, w = stood.as_quat()
+    on_rover, rover = np.array([0.2, -0.3, 0.1]), np.array([4.0, -7.0, 0.5])
+    touched = (stood.apply(on_rover) + rover).tolist()
+    events.observe(TICK_NS, {"rock": Touch(5.0, 1, 2, touched, [*rover, w, x, y, z])})
+    (event,) = events.open
+    assert event.point == pytest.approx(on_rover)

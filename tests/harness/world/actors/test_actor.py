@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import kstest
 
 from harness.base.errors import UsageError
 from harness.samples import Place
@@ -109,6 +110,14 @@ def test_who_has_nowhere_to_go_stays_or_goes_back() -> None:
     assert [walk.point(index) for index in (4, 5, 6)] == [begin, away, begin]
     stuck = RandomWalk("a", space, (0.0, 0.0), OPTIONS, np.random.default_rng(0))
     assert RandomWalker(stuck, 1.0, 0.0).place(9.0).x == begin[0]
+
+
+def test_way_points_are_spread_evenly_over_their_disc() -> None:
+    space = FreeSpace(BARE.ground, ())
+    walk = RandomWalk("a", space, (0.0, 0.0), ActorOptions(within=8.0), np.random.default_rng(5))
+    x, y = np.array([walk.point(index) for index in range(400)]).T
+    for even in ((x**2 + y**2) / 8.0**2, np.arctan2(y, x) / (2.0 * np.pi) + 0.5):
+        assert kstest(even, "uniform").pvalue > 1e-3
 
 
 @pytest.mark.parametrize("loops", [True, False])

@@ -8,14 +8,21 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.episode.assembly import actor_names, people
-from harness.spec.actor import ActorOptions
+from harness.spec.actor import ActorOptions, parse_actor
 from harness.spec.run import Run
 from harness.world.actors.people import Trajectory, of_terrain, read_trajectories
 from tests.support.words import parse_actors
 
+FILES = "people.sdf", "anna=people.sdf", "anna=people.sdf:speed=2,radius=0.3", "people.sdf:delay=3"
 POINT = "<waypoint><time>{}</time><pose>{} 0 0 0</pose></waypoint>"
 LINE = POINT.format(1.5, "1 2 3") + POINT.format(4.0, "4 5 6")
 WAY = ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
+
+
+@pytest.mark.parametrize("text", FILES)
+def test_people_of_a_file_that_lies_elsewhere_are_those_of_its_text(text: str) -> None:
+    elsewhere = text.replace("people.sdf", "there/p.sdf")
+    assert parse_actor(text).in_file("there/p.sdf") == parse_actor(elsewhere)
 
 
 def written(folder: Path, text: str, name: str = "inspect_diag.sdf") -> Path:
