@@ -5,6 +5,7 @@ import platform
 import re
 from contextlib import suppress
 from dataclasses import asdict
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
         {
             "arguments": _arguments(result),
             "mode": result.mode,
-            "versions": _versions(),
+            "versions": dict(_versions()),
             "world": None if result.info is None else _stated(asdict(result.info)),
             "outcome": _outcome(result),
             "simulated_s": result.simulated_s,
@@ -121,6 +122,7 @@ def _event(event: ContactEvent) -> dict[str, Any]:
     }
 
 
+@cache
 def _versions() -> dict[str, str | None]:
     own = {"rover-harness": __version__, "python": platform.python_version()}
     installed: dict[str, str | None] = dict.fromkeys(PACKAGES)

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -31,7 +32,9 @@ def fill(name: str, content: Mapping[str, Any], package: str) -> str:
     )
 
 
+@cache
 def _environment(package: str) -> Environment:
+    """What compiles each template of a package once."""
     environment = Environment(
         loader=ChoiceLoader([PackageLoader(folder, ASSETS) for folder in (package, SHARED)]),
         autoescape=True,  # names come from users

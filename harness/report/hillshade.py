@@ -37,7 +37,7 @@ class Hillshade:
     def data_uri(self) -> str:
         """Returns the picture as a PNG in a data URI."""
         png = io.BytesIO()
-        Image.fromarray(self.pixels).save(png, "png", optimize=True)
+        Image.fromarray(self.pixels).save(png, "png")
         return "data:image/png;base64," + base64.b64encode(png.getvalue()).decode("ascii")
 
 

@@ -84,9 +84,9 @@ class _Session:
     ) -> None:
         self._run, self._outputs, self._options = run, outputs, options
         prompt = steered or any(rover.driver == CMD_VEL for rover in run.rovers)
-        # Nodes elsewhere want a core, too.
-        awake = options.rate is None and not (options.wait_for or options.wait_for_topic)
-        self._source = source = EpisodeStream(run, options.frames, prompt=prompt, awake=awake)
+        self._source = source = EpisodeStream(
+            run, options.frames, prompt=prompt, awake=options.rate is None
+        )
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):

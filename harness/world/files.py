@@ -8,7 +8,7 @@ from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, MESH
 from harness.world.heightmap.cloud import SUFFIXES as CLOUDS
 from harness.world.heightmap.cloud import is_cloud
 from harness.world.solids.mesh_file import SUFFIXES as MESHES
-from harness.world.solids.mesh_file import UP
+from harness.world.solids.mesh_file import UP, is_mesh
 from harness.world.terrains import TERRAINS
 from harness.world.world import RoverNeeds, World
 
@@ -25,7 +25,8 @@ def is_terrain_file(name: str) -> bool:
 
 def is_heightmap(file: str) -> bool:
     """Returns whether a file is neither an SDF world nor a mesh."""
-    return Path(file).suffix.lower() not in (*WORLDS, *MESHES)
+    path = Path(file)
+    return path.suffix.lower() not in WORLDS and not is_mesh(path)
 
 
 def check_terrain(spec: WorldSpec) -> None:
@@ -37,7 +38,7 @@ def check_terrain(spec: WorldSpec) -> None:
     else:
         kind = find_named("terrain", spec.terrain, TERRAINS).name
     for name, valid in FILE_FIELDS.items():
-        if name == "terrain_cell" and is_cloud(Path(spec.terrain)):
+        if name == "terrain_cell" and kind == HEIGHTMAPS and is_cloud(Path(spec.terrain)):
             continue
         if kind != valid and getattr(spec, name) not in (None, (), ""):
             flag, terrain = name.replace("_", "-"), Path(spec.terrain).name

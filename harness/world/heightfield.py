@@ -101,7 +101,9 @@ def finer(ground: Heightfield, parts: int) -> Heightfield:
     left, right, low, high = ground.bounds()
     x = np.linspace(left, right, parts * (columns - 1) + 1)
     y = np.linspace(low, high, parts * (rows - 1) + 1)
-    return Heightfield(ground.heights_at(*np.meshgrid(x, y)), ground.cell / parts, ground.middle)
+    return Heightfield(
+        ground.heights_at(*np.meshgrid(x, y, sparse=True)), ground.cell / parts, ground.middle
+    )
 
 
 def fractal(

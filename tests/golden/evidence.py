@@ -55,12 +55,13 @@ class Evidence:
         direct: Without ROS.
         recorded: What was recorded then, if there is ROS.
         extra: The sensor of a second run, which nobody records.
-        with_extra: That run, without ROS.
+        with_extra: That run, without ROS; empty where it is not thorough.
         ros: Through ROS 2; empty where it is not installed, and so are the rest.
         messages: What was recorded there, in the order of the file.
         replayed: The logs that the recording gives.
         files: All files of the run through ROS.
-        recordings: Of a fleet driven twice through ROS, byte for byte; none where a camera draws.
+        recordings: Of a fleet driven twice through ROS, byte for byte; none where a camera draws or it
+            is not thorough.
     """
 
     run: GoldenRun
@@ -103,7 +104,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
         options=options,
         direct=drive_direct(run, files, folder / "direct", recording=without_ros if with_ros else None),
         extra=extra,
-        with_extra=drive_direct(run, files, folder / "extra", extra),
+        with_extra=drive_direct(run, files, folder / "extra", extra) if run.is_thorough else (),
     )
     if not with_ros:
         return evidence
@@ -112,7 +113,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     replayed = [replay(bag, *log, folder / "replayed") for log in logs]
     later = {"ros": ros, "messages": list(read(bag)), "replayed": replayed, "files": files_below(live)}
     later["recorded"] = list(read(without_ros))
-    if run.is_fleet and "camera" not in run.sensors:  # to draw takes longer than all else
+    if run.is_fleet and run.is_thorough and "camera" not in run.sensors:  # drawing takes longest
         once_more = folder / "again.mcap"
         drive_through_ros(run, files, folder / "ros_again", once_more)
         later["recordings"] = [each.read_bytes() for each in (bag, once_more)]

@@ -33,7 +33,7 @@ def test_a_scenario_drives_as_the_run_does(run: GoldenRun, tmp_path: Path) -> No
     file = tmp_path / "a.scenario.yaml"
     expect = {"truth.path_length": [bounds]}
     file.write_text(json.dumps({"about": run.name, **keys, **times, "expect": expect}))
-    assert scenario([str(file), "--out", str(tmp_path / "out")]) == 0
+    assert scenario([str(file), "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
 
 
 @pytest.mark.parametrize("identifier", IDS)

@@ -102,8 +102,8 @@ def _kind(path: Path) -> str:
         if start.startswith(magic):
             return kind
     raise UsageError(
-        f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, PLY, LAS, LAZ; gdal_translate "
-        "IN OUT.tif makes a TIFF of grids of other kinds (.asc, .hgt, .xyz, ...)"
+        f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, PLY, LAS, LAZ, meshes as .obj, "
+        ".stl, .dae, .ply; gdal_translate IN OUT.tif makes a TIFF of other grids (.asc, .hgt, .xyz, ...)"
     )
 
 

@@ -1,4 +1,4 @@
-"""Triangles from DAE, OBJ and STL files, by trimesh: in metres, z up.
+"""Triangles from DAE, OBJ, STL and PLY files, by trimesh: in metres, z up.
 
 Nothing in a file is trusted: its size is checked before it is decoded, XML with entities is refused, and
 no other file that it names (materials, pictures) is looked at.
@@ -6,6 +6,7 @@ no other file that it names (materials, pictures) is looked at.
 
 import hashlib
 import io
+import re
 import warnings
 from dataclasses import dataclass
 from functools import lru_cache
@@ -22,9 +23,10 @@ from harness.spec.world import MESH_UNITS
 from harness.world.sdf.reader import DEEPEST, parse_xml
 from rover_metrics.number import number
 
-SUFFIXES = (".dae", ".obj", ".stl")
+SUFFIXES = (".dae", ".obj", ".stl", ".ply")
 MOST_BYTES = 128 * 2**20
 MOST_TRIANGLES = 500_000
+PLY_HEADER = 4096  # bytes that hold its counts
 MOST_SHAPES = 5_000  # of a scene, each as often as it stands there
 # What axis is up in a file -> R_world_file, as COLLADA defines its three.
 UP = {
@@ -33,6 +35,15 @@ UP = {
     "x": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]),
 }
 SIMPLER = "simplify it first (Blender: Decimate; MeshLab: Quadric Edge Collapse)"
+
+
+def is_mesh(path: Path) -> bool:
+    """Returns whether a file holds triangles by its suffix or, of PLY, as many as are read."""
+    if path.suffix.lower() != ".ply" or not path.is_file():
+        return path.suffix.lower() in SUFFIXES[:3]
+    with path.open("rb") as file:
+        faces = re.search(rb"element face (\d{1,12})", file.read(PLY_HEADER))
+    return faces is not None and 0 < int(faces[1]) <= MOST_TRIANGLES
 
 
 @dataclass(frozen=True, eq=False)

@@ -78,6 +78,8 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
 ) -> None:
     monkeypatch.setattr("harness.validate.replay.WHEELS", 1)  # a file that holds nothing back
     monkeypatch.setattr("harness.fit.ground.PLANE", (*PLANE, 0.5))
+    monkeypatch.setattr("harness.fit.ground.MEASURED", 0.5)  # [s]: what is driven 30 times has no noise
+    monkeypatch.setattr("harness.fit.estimate.ROUNDS", 1)
     monkeypatch.setenv("COLUMNS", "200")
     true = with_values(HUSKY, HIDDEN.items())
     csv, out = write(driven(true), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
@@ -136,7 +138,10 @@ def test_the_last_third_of_the_steps_is_not_fitted_to() -> None:
     assert held.commands.tolist() == [[41.5, 0.4, 0.2], [50.0, 0.3, 0.3]], "what was in force goes on"
 
 
-def test_commands_that_never_hold_tell_of_the_controller_alone(tmp_path: Path, capsys: Capsys) -> None:
+def test_commands_that_never_hold_tell_of_the_controller_alone(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.fit.estimate.ROUNDS", 1)
     csv, out = write(driven(HUSKY, 1.0), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
     assert main([str(csv), "--robot", "husky", "--out", str(out), "--jobs", "1"]) == 0
     assert "one command held for 3.5 s is missing" in " ".join(capsys.readouterr().out.split())

@@ -106,7 +106,7 @@ def test_whichever_way_the_command_ends_no_process_and_no_memory_is_left(
         assert len(children) == count
         for pid in (process.pid, *(children if number == signal.SIGINT else ())):  # as a terminal does
             os.kill(pid, number)
-        assert process.wait(10.0) != 0
+        assert process.wait(PATIENCE) != 0
     wait_until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in children))
     left = {path for path in (shared.glob("*") if shared.exists() else ()) if path not in before}
     assert not any(path.name.startswith(("psm_", "pym-")) for path in left)

@@ -24,42 +24,38 @@ def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # 
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize(
     ("count", "workers"),
-    [
-        (1, {"threads": 0}),
-        (3, {"threads": 1}),
-        (3, {"threads": 2}),
-        (3, {"threads": 8}),
-        (3, {"processes": 2}),
-    ],
+    [(1, [{"threads": 0}]), (3, [{"threads": 1}, {"threads": 2}, {"threads": 8}, {"processes": 2}])],
 )
 def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
-    small: dict[str, Any], mode: AutoresetMode, count: int, workers: dict[str, int]
+    small: dict[str, Any], mode: AutoresetMode, count: int, workers: list[dict[str, int]]
 ) -> None:
     options = {**small, **SHORT, "randomisation": {"payload": (0.0, 4.0)}}
     named = mode.name if count == 1 else mode.value
-    ours = vector(options, count, autoreset_mode=named, **workers)
+    ours = [vector(options, count, autoreset_mode=named, **each) for each in workers]
     plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * count, autoreset_mode=mode)
-    assert ours.observation_space == plain.observation_space
-    assert ours.action_space == plain.action_space
-    assert ours.metadata == {**plain.metadata, "autoreset_mode": mode}
-    both, endings = (ours, plain), set()
-    assert_alike(ours.reset(seed=np.int64(5)), plain.reset(seed=5))
+    for envs in ours:
+        assert envs.observation_space == plain.observation_space
+        assert envs.action_space == plain.action_space
+        assert envs.metadata == {**plain.metadata, "autoreset_mode": mode}
+    every, endings = [plain, *ours], set()
+    assert_all_alike([envs.reset(seed=np.int64(5) if envs in ours else 5) for envs in every])
     for n, actions in enumerate(np.random.default_rng(0).uniform(-1.0, 1.0, (16, count, 2))):
-        stepped, expected = (envs.step(actions.astype("f4")) for envs in both)
-        assert_alike(stepped, expected)
+        stepped, *_ = steps = [envs.step(actions.astype("f4")) for envs in every]
+        assert_all_alike(steps)
         endings |= set(zip(stepped[2].tolist(), stepped[3].tolist(), strict=True))
         if mode is AutoresetMode.DISABLED and (mask := stepped[2] | stepped[3]).any():
-            assert_alike(*(envs.reset(options={"reset_mask": mask.copy()}) for envs in both))
+            assert_all_alike([envs.reset(options={"reset_mask": mask.copy()}) for envs in every])
         if n % 7 == 3:
             mask = np.arange(count) % 2 == 0
             seeds = [n, *[None] * (count - 1)]
-            again = [envs.reset(seed=seeds, options={"reset_mask": mask.copy()}) for envs in both]
-            assert_alike(*again)
+            assert_all_alike(
+                [envs.reset(seed=seeds, options={"reset_mask": mask.copy()}) for envs in every]
+            )
         if n % 5 == 4:  # also where one has just ended
-            assert_alike(*(envs.reset(seed=n if n > 9 else None) for envs in both))
+            assert_all_alike([envs.reset(seed=n if n > 9 else None) for envs in every])
     assert len(endings) == 3 or count == 1
-    ours.close()
-    plain.close()
+    for envs in every:
+        envs.close()
 
 
 def test_an_episode_that_ends_and_begins_in_one_step_counts_once_for_the_curriculum() -> None:
@@ -79,6 +75,12 @@ def test_every_environment_is_registered_with_its_vector(name: str, kind: type) 
     assert [type(env) for env in envs.envs] == [kind, kind]
     assert type(gymnasium.make(name).unwrapped) is kind
     envs.close()
+
+
+def assert_all_alike(expected_and_ours: list[Any]) -> None:
+    expected, *ours = expected_and_ours
+    for one in ours:
+        assert_alike(one, expected)
 
 
 def assert_alike(one: Any, other: Any) -> None:  # noqa: ANN401 - what steps and resets return

@@ -66,7 +66,7 @@ def test_too_few_seeds_are_told_once(tmp_path: Path) -> None:
 def test_an_experiment_is_one_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x.scenario.yaml").write_text(TEXT.format(seeds=2))
-    words = ["--keep", "--runs", "runs.csv", "--latex", "t.tex", "--plot", "box.png"]
+    words = ["--jobs", "1", "--keep", "--runs", "runs.csv", "--latex", "t.tex", "--plot", "box.png"]
     assert main(["x.scenario.yaml", *words]) == 0
     with (tmp_path / "runs.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -21,8 +21,10 @@ from sensor_msgs.msg import Image, Imu, LaserScan
 from std_msgs.msg import Float64
 
 from harness.base.errors import RunFailed, UsageError
+from harness.sensors.camera import painter
 from harness.spec.run import Run
 from harness.testing import Trial
+from tests.support.forking import ForkedSimulations
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -140,7 +142,8 @@ def test_rover_obeys_the_test_and_then_the_node() -> None:
         assert one.truth.resets == 1
 
 
-def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on() -> None:
+def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(painter, "multiprocessing", ForkedSimulations())
     config = {"terrain": "rocky", "driver": "wander", "noise": "white", "lidar_beams": 8}
     config["sensors"] = "camera=small"
 

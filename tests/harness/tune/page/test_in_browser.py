@@ -54,18 +54,16 @@ def test_drag_zooms_a_figure_and_a_double_click_shows_all_of_it(visit: Visit) ->
     assert visit.said == []
 
 
-def test_the_button_copies_or_selects_the_file(
-    visit: Visit, browser: "Browser", page_file: Path
-) -> None:
-    page, other = visit.page, Visit(browser, page_file).page
+def test_the_button_copies_or_selects_the_file(visit: Visit) -> None:
+    page, copied = visit.page, ""
     visit.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    other.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
-    for at, robot, done in ((page, "leo", "Copied"), (other, "rover_zero4wd", "Selected")):
-        at.locator(f"button[data-copies=file-{robot}]").click()
-        wait_for(at, f"document.querySelector('[data-copies=file-{robot}]').textContent === '{done}'")
-    copied, file = page.evaluate("navigator.clipboard.readText()"), page.locator("#file-leo")
-    assert copied == file.text_content()
-    selected, file = other.evaluate("getSelection().toString()"), other.locator("#file-rover_zero4wd")
+    for robot, done in (("leo", "Copied"), ("rover_zero4wd", "Selected")):
+        page.locator(f"button[data-copies=file-{robot}]").click()
+        wait_for(page, f"document.querySelector('[data-copies=file-{robot}]').textContent === '{done}'")
+        copied = copied or page.evaluate("navigator.clipboard.readText()")
+        page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
+    assert copied == page.locator("#file-leo").text_content()
+    selected, file = page.evaluate("getSelection().toString()"), page.locator("#file-rover_zero4wd")
     assert selected.strip() == (file.text_content() or "").strip()
     assert "ros__parameters:" in copied + selected
 

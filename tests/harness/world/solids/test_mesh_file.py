@@ -23,7 +23,7 @@ def volume(mesh: Mesh) -> float:
     return float(np.linalg.det(mesh.corners).sum() / 6.0)
 
 
-@pytest.mark.parametrize("name", ["a.stl", "a.OBJ"])
+@pytest.mark.parametrize("name", ["a.stl", "a.OBJ", "a.ply"])
 def test_a_box_is_read_with_its_vertices_shared(tmp_path: Path, name: str) -> None:
     path = write_mesh(tmp_path / name, BOX)
     mesh, digest = read_mesh(path)

@@ -13,6 +13,7 @@ from harness.spec.world import WorldSpec
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
 from harness.world.solids.assembly import BUILT
+from harness.world.solids.mesh_file import Mesh
 from harness.world.world import ORIGIN, RoverNeeds, World
 from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
 
@@ -47,6 +48,19 @@ def world_of(folder: Path, body: str, **fields: Any) -> World:  # noqa: ANN401 -
 
 def kinds(world: World) -> list[str]:
     return [obstacle.kind.name for obstacle in world.obstacles]
+
+
+def test_a_ply_is_the_surface_of_its_faces_or_without_any_its_points(tmp_path: Path) -> None:
+    slope = Mesh(
+        np.array([[0, 0, 0], [20, 0, 2], [20, 15, 2], [0, 15, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]])
+    )
+    of_obj, of_ply = (of_file(write_mesh(tmp_path / f"m{end}", slope)) for end in (".obj", ".ply"))
+    np.testing.assert_array_equal(of_ply.ground.heights, of_obj.ground.heights)
+    points = [f"{x} {y} {0.1 * x}" for x in np.arange(0.0, 20.0, 0.25) for y in range(15)]
+    properties = "".join(f"property float {axis}\n" for axis in "xyz")
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n{properties}end_header"
+    (tmp_path / "points.ply").write_text("\n".join([head, *points, ""]))
+    assert any("points become" in note for note in of_file(tmp_path / "points.ply").notes)
 
 
 def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) -> None:
