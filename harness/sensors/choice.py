@@ -88,8 +88,9 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
     try:
         row = find_named("sensor", str(values.pop("kind")), table.OPTIONAL)
         assert row.options is not None  # noqa: S101 - `kinds` has no others
-        preset = values.get("preset", "")
-        if preset and row.options.presets:
+        if preset := values.get("preset", ""):
+            if not row.options.presets:
+                raise UsageError(f"{row.fault} has no presets; its options stand in rover.yaml")
             values = dict(find_named("preset", str(preset), row.options.presets)) | values
     except UsageError as error:
         raise UsageError(f"{where}: {error}") from error
