@@ -89,9 +89,7 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
         row = find_named("sensor", str(values.pop("kind")), table.OPTIONAL)
         assert row.options is not None  # noqa: S101 - `kinds` has no others
         if preset := values.get("preset", ""):
-            if not row.options.presets:
-                raise UsageError(f"{row.fault} has no presets; its options stand in rover.yaml")
-            values = dict(find_named("preset", str(preset), row.options.presets)) | values
+            values = _preset(str(preset), row.options.presets) | values
     except UsageError as error:
         raise UsageError(f"{where}: {error}") from error
     options = made(row.options, values, where)
@@ -105,6 +103,13 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
         frame=options.frame_id,
         fault=options.name,
     )
+
+
+def _preset(name: str, presets: Mapping[str, Mapping[str, object]]) -> dict[str, Any]:
+    """The values of a preset; UsageError if there is none of that name."""
+    if not presets:
+        raise UsageError("this sensor has no presets; its options stand in rover.yaml")
+    return dict(find_named("preset", name, presets))
 
 
 def _check_apart(rows: Iterable[SensorRow]) -> None:

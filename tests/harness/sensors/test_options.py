@@ -111,7 +111,7 @@ OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_s
         ({"kind": "ear"}, ["'ear' does not exist", "gnss"]),
         ({"kind": "gnss", "ratio": 3}, ["'gnss'", "key 'ratio' does not exist", "rate"]),
         ({"kind": "depth", "preset": "x"}, ["preset 'x' does not exist", "small, roboterrain"]),
-        ({"kind": "battery", "preset": "x"}, ["battery has no presets", "rover.yaml"]),
+        ({"kind": "battery", "preset": "x"}, ["has no presets", "rover.yaml"]),
         ({"kind": "gnss", "rate": 33}, ["'gnss'", "33 Hz", "20 or 25"]),
         ({"kind": "gnss", "rate": "fast"}, ["rate 'fast'", "a whole number"]),
         ({"kind": "gnss", "rpy": [1, 2, math.nan]}, ["rpy", "finite"]),
