@@ -9,7 +9,7 @@ from harness.drivers.base import DriverContext, Observation
 from harness.faults.base import Kind
 from harness.faults.readings import measured
 from harness.gym.custom import Sight, StepTruth
-from harness.samples import Twist, plain_value
+from harness.samples import Twist
 from harness.scenario.quantities import Quantity
 from harness.sensors.optional import OptionalSensor, SensorOptions
 from harness.sensors.table import SensorRow, Topic
@@ -52,7 +52,7 @@ class Weave:
         return Twist(self._rover.cruise_speed, rate)
 
 
-@plain_value
+@dataclass(frozen=True, slots=True)
 class Tilt:
     stamp_ns: int
     sensor: str

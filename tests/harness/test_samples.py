@@ -23,7 +23,6 @@ def test_a_sample_arrives_as_it_was_sent_field_by_field_and_cannot_be_changed(ki
         arrived = pickle.loads(pickle.dumps(sent, protocol))  # noqa: S301 - its own
         assert type(arrived) is kind
         assert {name: getattr(arrived, name) for name in values} == values
-    assert sent.__reduce__() == (kind, tuple(values.values())), "the short way"
     with pytest.raises(FrozenInstanceError):
         setattr(sent, next(iter(values)), 1)
 

@@ -6,15 +6,14 @@ from multiprocessing.context import ForkServerContext
 
 _LOADED = "tests.support.loaded"
 
+util.get_temp_dir()  # of the server's socket: made before a test says where such are made
+
 
 class ForkedSimulations:
     """Stands where `harness.episode.stream` looks for `multiprocessing`: a fork server's children.
 
     Runs that tests start by `python -m` spawn theirs.
     """
-
-    def __init__(self) -> None:
-        util.get_temp_dir()  # of the server's socket: made before a test says where such are made
 
     def get_context(self, method: str) -> ForkServerContext:
         """The fork server's context, the server running: as it starts, no signal may be held back."""

@@ -3,8 +3,6 @@
 import json
 import math
 import pickle
-import subprocess
-import sys
 from typing import Any
 
 import pytest
@@ -232,12 +230,3 @@ def test_rovers_differ_in_their_seeds_alone_where_they_are_alike() -> None:
     assert seeds[0] == 5
     assert len(set(seeds)) == 4
     assert seeds != [Run.of(seed=6).own_seed(number) for number in range(4)]
-
-
-def test_the_process_that_publishes_loads_neither_mujoco_nor_compiled_kernels() -> None:
-    script = (
-        "import sys, harness.cli.run_command, harness.ros.session;"
-        "print(sorted({'mujoco', 'numba'} & set(sys.modules)))"
-    )
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert run.stdout == "[]\n"
