@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from tests.rover_metrics.test_replay import drive, write_folder
-from tests.support.forking import ForkedSimulations
+from tests.support.forking import ForkServer
 from tests.support.without_posix import hide_posix
 
 COMMANDS = {
@@ -34,7 +34,7 @@ def run_all(folder: Path) -> None:
 
 def test_without_posix_everything_but_ros_runs(tmp_path: Path) -> None:
     write_folder(tmp_path / "bag", drive(2.5))
-    process = ForkedSimulations().get_context("spawn").Process(target=run_all, args=(tmp_path,))
+    process = ForkServer().get_context("spawn").Process(target=run_all, args=(tmp_path,))
     process.start()
     process.join()
     told = (tmp_path / "told.txt").read_text(encoding="cp1252")

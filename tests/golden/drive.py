@@ -31,7 +31,7 @@ from tests.golden.table import NONE, GoldenRun
 from tests.support.documents import ROOT
 from tests.support.foreign_rovers import FOREIGN
 from tests.support.forked_program import ForkedProgram
-from tests.support.forking import ForkedSimulations
+from tests.support.forking import ForkServer
 from tests.support.waiting import PATIENCE
 
 PARAMS = "/**:\n  ros__parameters: {collision_threshold: 0.6, distance_threshold: 0.008, gravity: 9.7}\n"
@@ -178,7 +178,7 @@ def drive_through_ros(
     options = run_options(run, files, folder)
     ros = options.ros.but(record=recording)
     with _outputs(options) as (outputs, observers), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(painter, "multiprocessing", ForkedSimulations())
+        patch.setattr(painter, "multiprocessing", ForkServer())
         if not run.is_thorough and run.soil == NONE:
             patch.setattr(CameraPainter, "image", lambda *_: BLACK)
         if run.ros != "elsewhere":

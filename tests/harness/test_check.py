@@ -21,7 +21,7 @@ from harness.episode.fingerprint import (
 from harness.sensors.noise import WHITE
 from harness.spec.run import Run
 from tests.support.complaint import complaint
-from tests.support.forking import ForkedSimulations
+from tests.support.forking import ForkServer
 
 QUICK = ["--terrain", "flat", "--duration", "5"]
 NO_ROS = [*QUICK, "--no-ros"]
@@ -53,7 +53,7 @@ def test_check_passes_here_through_ros_and_leaves_no_file(
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    monkeypatch.setattr("harness.episode.fingerprint.multiprocessing", ForkedSimulations())
+    monkeypatch.setattr("harness.episode.fingerprint.multiprocessing", ForkServer())
     assert main(QUICK) == 0
     told = capfd.readouterr()
     assert (told.out.count("equal"), told.out.count("different")) == (3, 1)

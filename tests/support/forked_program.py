@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from tests.support.forking import ForkedSimulations
+from tests.support.forking import ForkServer
 
 
 class ForkedProgram:
@@ -37,7 +37,7 @@ class ForkedProgram:
         env: Mapping[str, str] | None = None,
         cwd: Path | None = None,
     ) -> None:
-        context = ForkedSimulations().get_context("spawn")
+        context = ForkServer().get_context("spawn")
         ready, remote = context.Pipe(duplex=False)
         inherited = _Inherited(
             environment=dict(os.environ if env is None else env),

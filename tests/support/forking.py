@@ -1,4 +1,4 @@
-"""Simulation processes that are forked from one that has imported all they need: imports take 1.5 s."""
+"""Processes that are forked from one that has imported all they need: imports take 1.5 s."""
 
 import multiprocessing
 from multiprocessing import forkserver, util
@@ -9,11 +9,8 @@ _LOADED = "tests.support.loaded"
 util.get_temp_dir()  # of the server's socket: made before a test says where such are made
 
 
-class ForkedSimulations:
-    """Stands where `harness.episode.stream` looks for `multiprocessing`: a fork server's children.
-
-    Runs that tests start by `python -m` spawn theirs.
-    """
+class ForkServer:
+    """Stands where a module looks for `multiprocessing`: its children are a fork server's."""
 
     def get_context(self, method: str) -> ForkServerContext:
         """The fork server's context, the server running: as it starts, no signal may be held back."""

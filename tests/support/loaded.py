@@ -1,4 +1,4 @@
-"""Loaded once by the fork server: what its children, simulations and programs, then need not load."""
+"""Loaded once by the fork server: what its children then need not load."""
 
 import contextlib
 import gc

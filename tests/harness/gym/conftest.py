@@ -15,7 +15,7 @@ from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
-from tests.support.forking import ForkedSimulations
+from tests.support.forking import ForkServer
 
 SIDE, VERTICES = 14.0, 57  # [m], a vertex every 25 cm
 
@@ -26,7 +26,7 @@ MakeConfig = Callable[..., Run]
 @pytest.fixture(scope="session", autouse=True)
 def _forked_environments() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:  # test_processes.py has scripts that spawn theirs
-        patch.setattr("harness.gym.processes.multiprocessing", ForkedSimulations())
+        patch.setattr("harness.gym.processes.multiprocessing", ForkServer())
         yield
 
 

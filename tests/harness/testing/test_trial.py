@@ -24,7 +24,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.sensors.camera import painter
 from harness.spec.run import Run
 from harness.testing import Trial
-from tests.support.forking import ForkedSimulations
+from tests.support.forking import ForkServer
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -143,7 +143,7 @@ def test_rover_obeys_the_test_and_then_the_node() -> None:
 
 
 def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(painter, "multiprocessing", ForkedSimulations())
+    monkeypatch.setattr(painter, "multiprocessing", ForkServer())
     config = {"terrain": "rocky", "driver": "wander", "noise": "white", "lidar_beams": 8}
     config["sensors"] = "camera=small"
 
