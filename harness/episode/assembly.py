@@ -1,7 +1,7 @@
 """A run becomes parts: the one place where names are looked up, and where a run's UsageErrors arise.
 
-Each station checks its own part. Light to import: a process that only publishes needs neither MuJoCo nor
-compiled kernels.
+Each station checks its own part. Light to import: a command line is checked without MuJoCo and compiled
+kernels.
 """
 
 import math

@@ -1,6 +1,6 @@
 """What optional lidars and depth cameras have in common: directions, limits, readings, the sensor.
 
-Importing this loads neither MuJoCo nor compiled kernels: processes that publish need the directions too.
+Importing this loads neither MuJoCo nor compiled kernels: options are checked before those are loaded.
 """
 
 import math

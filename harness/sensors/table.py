@@ -1,9 +1,9 @@
 """The sensors: one row each. Episode, bridge, metrics, faults and recorder read this table.
 
 A new sensor is a sample and a Sensor that reads it (one file), its row here, and a test of its values.
-Importing the table loads neither MuJoCo nor compiled kernels, so that processes which only publish
-start fast. A row with `options` is of a kind of sensor that is only made when asked for;
-harness.sensors.choice makes of it a row for each that a rover carries.
+Importing the table loads neither MuJoCo nor compiled kernels, so that --help is there at once. A row
+with `options` is of a kind of sensor that is only made when asked for; harness.sensors.choice makes of
+it a row for each that a rover carries.
 """
 
 from collections.abc import Iterable
