@@ -98,7 +98,7 @@ FIGURES = {  # what the first page says: the row it is from, and its column
     r"to (\d+) times real time": ("| leo | through ROS 2 |", "times real time"),
     r"Of ([\d,]+) messages": ("| one, in this process |", "messages"),
     r"messages (\d+) are lost": ("| one, in this process |", "lost"),
-    r"row (\d\.\d) s after": ("| through ROS 2 |", "to the first row"),
+    r"row (\d\.\d) s after": ("| through ROS 2 |", "to the first row, or to the end"),
     r"any of ([\d,]+) in two hours of breaking": ("| metrics_node hosted |", "messages"),
     r"20 m (\d+) times as\s+fast": ("| 20 m, 10 cm | mj_multiRay", "ratio"),
 }
