@@ -127,7 +127,7 @@ def _social(options: RunOptions) -> list[SocialRecorder]:
 def _loaded(options: RunOptions) -> Drive:
     """Returns what drives the run, with what only these options need: ROS, MuJoCo, compiled kernels.
 
-    Not with this module: through ROS, only the process that simulates needs the latter, and --direct
+    Not with this module: through ROS, the latter are loaded while nodes are discovered, and --direct
     must work where there is no rclpy. Not later: a signal would then be raised in the midst of modules
     that are not prepared for it.
 

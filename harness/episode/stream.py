@@ -2,17 +2,20 @@
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import TYPE_CHECKING
 
 from harness.base.edge import loading
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode, episodes_of
 from harness.episode.helm import Order, follow
 from harness.episode.together import together
 from harness.samples import Place, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.run import Run
+
+if TYPE_CHECKING:
+    from harness.episode.episode import Episode
 
 
 class RoverOrders:
@@ -94,13 +97,16 @@ class EpisodeStream:
         self.rovers = tuple(RoverOrders(lambda: self.next_ns, rover) for rover in run.rovers)
         self._episodes: tuple[Episode, ...] = ()
 
-    def begin(self) -> tuple[Episode, ...]:
+    def begin(self) -> "tuple[Episode, ...]":
         """Builds the world; returns the episodes. Called once, first.
 
         Raises:
             UsageError: As `episodes_of`.
         """
         with loading():
+            # Only here: it loads MuJoCo and compiled kernels, and while it does, nodes are discovered.
+            from harness.episode.episode import episodes_of  # noqa: PLC0415
+
             self._episodes = episodes_of(self._run, self._frame_options)
         return self._episodes
 

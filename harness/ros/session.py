@@ -123,7 +123,7 @@ class _Session:
         self, stop: StopRequest, show: Show | None, started: float, helm: Helm | None
     ) -> tuple[RunResult, ...]:
         """Publishes the episodes tick by tick until their end, a failure or a stop request."""
-        episodes = self._source.begin()  # builds the world: other runs are discovered by then
+        episodes = self._source.begin()  # takes its time: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
         for rover, episode in zip(self.rovers, episodes, strict=True):
             rover.begin(episode.description)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.episode import direct, stream
+from harness.episode import direct, episode, stream
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
 from harness.scenario.case import Case, plan
@@ -62,7 +62,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     seen: list[Run] = []
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
-    monkeypatch.setattr(stream, "episodes_of", lambda run, *_: (Scripted(run),))
+    monkeypatch.setattr(episode, "episodes_of", lambda run, *_: (Scripted(run),))
     for module in (direct, stream):
         monkeypatch.setattr(
             module, "together", lambda made, *_, **__: zip(*(e.batches() for e in made), strict=True)

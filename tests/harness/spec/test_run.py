@@ -3,6 +3,8 @@
 import json
 import math
 import pickle
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -230,3 +232,12 @@ def test_rovers_differ_in_their_seeds_alone_where_they_are_alike() -> None:
     assert seeds[0] == 5
     assert len(set(seeds)) == 4
     assert seeds != [Run.of(seed=6).own_seed(number) for number in range(4)]
+
+
+def test_a_run_through_ros_loads_mujoco_and_compiled_kernels_while_nodes_are_discovered() -> None:
+    script = (
+        "import sys, harness.cli.run_command, harness.ros.session;"
+        "print(sorted({'mujoco', 'numba'} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout == "[]\n"
