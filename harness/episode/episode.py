@@ -1,8 +1,9 @@
 """One seeded drive in one world: world + rover + driver + sensors -> a stream of ticks and truth.
 
 No ROS and no wall clock: the same configuration gives the same stream, bit for bit. Consumers take it
-in batches of one control period, either in this process or through harness.episode.stream. Rovers that
-share a world have an episode each, and are driven together; one alone is a fleet of one.
+in batches of one control period, by `together` or, if rovers are ordered to do something meanwhile, from
+harness.episode.stream. Rovers that share a world have an episode each, and are driven together; one
+alone is a fleet of one.
 """
 
 from collections.abc import Collection, Iterator

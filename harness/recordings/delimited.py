@@ -28,7 +28,7 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
         content = read_bytes(path, largest)
         content = gzip.decompress(content) if path.suffix == ".gz" else content
         separator = max(b",", b";", b"\t", key=content.partition(b"\n")[0].count)
-        are_decimal = comma_in_cells(content.splitlines()[1:], separator.decode()) == "."
+        commas_are_decimal = comma_in_cells(content.splitlines()[1:], separator.decode()) == "."
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table: pd.DataFrame = pd.read_csv(
@@ -36,8 +36,8 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
                 encoding="utf-8-sig",
                 skipinitialspace=True,
                 sep=separator.decode(),
-                decimal="," if are_decimal else ".",
-                thousands=None if are_decimal or separator == b"," else ",",
+                decimal="," if commas_are_decimal else ".",
+                thousands=None if commas_are_decimal or separator == b"," else ",",
                 index_col=False,  # rows longer than the header would be shifted
                 **how,
             )

@@ -93,7 +93,7 @@ class HostedMetrics:
                 return
             overdue = time.monotonic() > deadline  # who was stopped for long has yet to look what came
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-            for _ in range(sum(missing.values()) - 1):
+            for _ in range(sum(missing.values()) - 1):  # a spin serves one message
                 self._executor.spin_once(timeout_sec=0.0)
 
     def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - it counts

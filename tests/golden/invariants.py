@@ -69,7 +69,7 @@ def second_recording_is_the_same(evidence: Evidence) -> Iterator[str]:
 
 def second_run_is_the_same_but_for_its_sensor(evidence: Evidence) -> Iterator[str]:
     """The same arguments give the same bytes; what a sensor adds, or a recording, stands beside them."""
-    for direct, more in zip(evidence.direct, evidence.with_extra, strict=False):
+    for direct, more in zip(evidence.direct, evidence.with_extra, strict=bool(evidence.with_extra)):
         yield from _same(direct, more, f"with a {evidence.extra}")
         same = sorted(direct.manifest.keys() - OF_SENSORS)
         yield from _same_keys(direct.manifest, more.manifest, same, f"with a {evidence.extra}")

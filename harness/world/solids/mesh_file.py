@@ -38,9 +38,11 @@ SIMPLER = "simplify it first (Blender: Decimate; MeshLab: Quadric Edge Collapse)
 
 
 def is_mesh(path: Path) -> bool:
-    """Returns whether a file holds triangles by its suffix or, of PLY, as many as are read."""
-    if path.suffix.lower() != ".ply" or not path.is_file():
-        return path.suffix.lower() in SUFFIXES[:3]
+    """Returns whether a file is a mesh by its suffix or, of PLY, by its 1 to MOST_TRIANGLES faces."""
+    if path.suffix.lower() != ".ply":
+        return path.suffix.lower() in SUFFIXES
+    if not path.is_file():
+        return False
     with path.open("rb") as file:
         faces = re.search(rb"element face (\d{1,12})", file.read(PLY_HEADER))
     return faces is not None and 0 < int(faces[1]) <= MOST_TRIANGLES

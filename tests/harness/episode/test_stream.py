@@ -106,3 +106,22 @@ def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None
     assert [batch.truth.resets for batch in batches] == [0, 2]
     x = [batch.truth.position[0] for batch in batches]
     assert x == pytest.approx([0.0, 2.0], abs=0.08)
+
+
+def test_orders_to_a_fleet_that_is_simulated_ahead_give_the_bytes_of_one_that_is_not() -> None:
+    shared = config(driver="goal", lidar_beams=8, duration=1.5)
+    two = fleet(shared, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=0"), shared.rover))
+
+    def driven(index: int, *, prompt: bool) -> tuple[int | None, list[str]]:
+        stream, told, at_ns = EpisodeStream(two, prompt=prompt), list[str](), None
+        stream.begin()
+        for number, batches in enumerate(stream.batches()):
+            told += map(repr, batches)
+            if number == index:
+                stream.rovers[0].head_for(Place(-2.0, 1.0, 0.0))
+                at_ns = stream.rovers[1].put(Place(4.0, 3.0, 1.0))
+        return at_ns, told
+
+    at_ns, ahead = driven(4, prompt=False)
+    assert at_ns is not None
+    assert driven(at_ns // CONTROL_PERIOD_NS - 1, prompt=True) == (at_ns, ahead)
