@@ -27,6 +27,7 @@ try:
 except ImportError:
     EventsExecutor = SingleThreadedExecutor
 
+QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 SPIN_TIMEOUT = 0.1  # [s]: how long one spin may block; a stop request is answered between two
 
 

@@ -12,7 +12,7 @@ from harness.base.errors import RunFailed, UsageError, unknown
 from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import spin_until
+from harness.ros.context import QUIET, spin_until, spin_until_quiet
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.ros.topic_monitor import message_class, offered_quality
@@ -54,6 +54,8 @@ class AwaitedEffect:
             self._subscribe()
         if not spin_until(self._bridge.executor, self._input_is_heard, DISCOVERY_PATIENCE):
             raise UsageError(f"--wait-for-topic {self._output}: nobody hears {source}")
+        # A node that hears an input before it has discovered who waits for the answer answers nobody.
+        spin_until_quiet(self._bridge.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
 
     def make_room(self, channels: Sequence[Channel]) -> None:
         """Notes that an input goes out; an answer may come before all others have handled it."""

@@ -24,7 +24,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
-from harness.ros.context import spin_until, spin_until_quiet
+from harness.ros.context import QUIET, spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
 from harness.scenario.case import Case, plan
@@ -44,7 +44,6 @@ KEPT = 10.0  # [s] of the recording
 RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
 SCRATCH = "rover-scenario-"
-QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
 
 
