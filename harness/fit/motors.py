@@ -3,11 +3,13 @@
 import numpy as np
 
 from harness.fit.estimate import CERTAIN, Estimate, deviations, of, slope
+from harness.fit.steady import SKEW, SLOWEST
 from harness.recordings.recording import Recording, Series, at
 from harness.robots import RoverSpec
 
 SPAN = 0.5  # [s] over which torques, currents and power are means
 PARTS, STEADY = 10, 0.05  # of a span; sd of currents over the larger one's mean
+ERROR = 0.015  # of each power, at least: few spans may fit by chance
 FORCES = "torques, or the battery's power, are missing"
 
 
@@ -39,14 +41,20 @@ def _by_power(
     assert rover.actuators is not None  # noqa: S101 - the command checks it
     power, currents, rims = (_means(recording, name) for name in ("power", "currents", "wheels"))
     each = 1 if rover.actuators.one_motor_a_side else len(rover.drive.driven) // 2  # motors of a side
-    turning = np.abs(rims) / rover.controller_radius
-    work, lost = (currents * turning).sum(axis=1), (currents**2).sum(axis=1) / each
-    columns = np.column_stack([lost, np.ones(len(lost)), work])
-    wanted = power[:, 0]
+    spinning = np.abs(rims) / rover.controller_radius
+    work, lost = (currents * spinning).sum(axis=1), (currents**2).sum(axis=1) / each
+    columns, wanted = np.column_stack([lost, np.ones(len(lost)), work]), power[:, 0]
     if np.isfinite(constant.after):
         columns, wanted = columns[:, :2], wanted - constant.after * work
-    values = np.linalg.lstsq(columns, wanted, rcond=None)[0]
-    halves = CERTAIN * deviations(columns, wanted - columns @ values)
+    if each > 1:  # in turns the motors of a side share its current unequally, and lose more
+        straight = np.ptp(rims, axis=1) <= SKEW * np.abs(rims).max(axis=1, initial=SLOWEST)
+        columns, wanted, power = columns[straight], wanted[straight], power[straight]
+    values, _, rank, _ = np.linalg.lstsq(columns, wanted, rcond=None)
+    halves = CERTAIN * np.hypot(
+        deviations(columns, wanted - columns @ values),
+        np.linalg.norm(np.linalg.pinv(columns) * ERROR * power[:, 0], axis=1),
+    )
+    halves[:] = halves if rank == columns.shape[1] else np.inf
     if not np.isfinite(constant.after):
         constant = constant.judged(float(values[2]), float(halves[2]), "driving under load is missing")
     return [
@@ -67,5 +75,6 @@ def _means(recording: Recording, name: str) -> Series:
     )
     most = currents.mean(axis=1).max(axis=1, keepdims=True)
     is_steady = (currents.std(axis=1) <= STEADY * most).all(axis=1)
-    means: Series = values.mean(axis=1)[is_steady]
+    has_settled = is_steady & np.append(True, is_steady[:-1])  # the rover has no more speed to gain
+    means: Series = values.mean(axis=1)[has_settled]
     return means

@@ -354,9 +354,9 @@ def test_the_mount_of_an_imu_is_that_of_its_forces() -> None:
 def test_torques_currents_and_power_tell_the_constants(robot: str, motors_a_side: int) -> None:
     rover = equipped(ROVERS[robot], REAL, "")
     t = np.arange(0.0, 40.0, 0.1)
-    left, right, speed = 5.0 + (t // 5), 9.0 - (t // 8), 0.2 + 0.05 * (t // 4)
+    left, right, speed = 5.0 + (t // 5), 9.0 - (t // 8), 0.2 + 0.4 * (t // 4 % 3)
     right = right + np.where(t > 32.0, 3.0 * np.cos(10.0 * np.pi * t), 0.0)  # which means hide
-    constant, resistance, standby = 2.5, 0.3, 20.0
+    constant, resistance, standby = 2.5, 1.5, 20.0
     turning, lost = speed / rover.controller_radius, resistance * (left**2 + right**2) / motors_a_side
     power = constant * turning * (left + right) + lost + standby
     made = Recording(

@@ -42,7 +42,9 @@ COLUMNS = {
 TIMES = ("s", 1.0), ("ms", constants.milli), ("us", constants.micro), ("ns", constants.nano)
 
 
-@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])  # with two motors a side and with one
+@pytest.mark.parametrize(
+    "robot", ["leo", "rover_zero4wd", "jackal"]
+)  # with two motors a side and with one
 def test_a_recorded_run_tells_its_rover(robot: str, tmp_path: Path) -> None:
     bag, rover = tmp_path / "run.mcap", equipped(ROVERS[robot], REAL, "")
     run = Run.of(robot=robot, terrain="maze", duration=10.0, lidar_beams=8, driver="cmd_vel",
@@ -65,11 +67,13 @@ def test_a_recorded_run_tells_its_rover(robot: str, tmp_path: Path) -> None:
     rolled = np.cumsum(np.diff(told.wheels[:, 0]) * told.wheels[1:, 1:].mean(axis=1))
     assert np.ptp(gone) > 1.0
     assert np.interp(t[1:], told.wheels[1:, 0], rolled) == pytest.approx(gone, abs=0.1)
-    for one in motors(rover, told):
-        assert one.after == pytest.approx(of(rover, one.key), rel=0.05), one.name
-    if robot == "rover_zero4wd":  # two motors share the current of a side unequally in turns
-        for one in motors(rover, replace(told, torques=told.torques[:0])):
-            assert one.after == pytest.approx(of(rover, one.key), rel=0.02), one.name
+    for torques in (told.torques, told.torques[:0]):
+        for one in motors(rover, replace(told, torques=torques)):
+            # Two motors share the current of a side unequally in turns: driving straight on must tell.
+            assert one.is_known or robot == "leo"
+            assert not one.is_known or one.after == pytest.approx(
+                of(rover, one.key), rel=0.01, abs=one.half
+            )
     known = [one for one in mount(rover, told) if one.is_known]
     assert [one.after for one in known] == pytest.approx([one.before for one in known], abs=0.05)
     assert len(known) >= 2
