@@ -22,6 +22,8 @@ TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.15, 0.95
 DEFAULT_COLOR, RUBBER = (0.5, 0.5, 0.5, 1.0), (0.07, 0.07, 0.075, 1.0)
 STIFFNESS = 0.05  # of the top speed: so far behind it, a motor gives all its torque
 ROTOR = 0.2  # of a wheel's share of the mass, as a point at its rim: rotor and gear
+TIMESTEP = 0.0025  # [s]
+CALM = 5.0  # gain x TIMESTEP / armature of a wheel, at most: a lighter one flips between its limits
 STEERING_SPEED = 2.0  # [rad/s]
 STEERING_LIMIT = 0.5  # [rad]
 LIDAR = re.compile(r"lidar|laser|scan|velodyne|ouster|hokuyo|sick|livox", re.IGNORECASE)
@@ -53,7 +55,7 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     """
     option = spec.option
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025
+    option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, TIMESTEP
     option.gravity = [0.0, 0.0, -GRAVITY]
     _turn(spec, joints.backwards)
     for joint in map(spec.joint, joints.wheels):
@@ -131,7 +133,9 @@ class _Workshop:
                 speed = round(TOP_SPEED / radius, 2)
                 guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
             motor = self._motor(name, effort, [-speed, speed])
-            motor.set_to_velocity(kv=effort / (STIFFNESS * speed))
+            gain, joint = effort / (STIFFNESS * speed), self._spec.joint(name)
+            motor.set_to_velocity(kv=gain)
+            joint.armature = max(joint.armature, gain * TIMESTEP / CALM)
 
     def fit_steering(self) -> None:
         """Adds position servos that turn the wheels of a car that stands, or hold them straight."""

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -20,6 +21,8 @@ from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
 from harness.spec.fault import parse_fault
 from harness.spec.run import Run
+from harness.validate.grounds import flat
+from harness.validate.rig import Rig
 from tests.harness.conftest import MakeSimulation
 from tests.support.rovers import LEO
 
@@ -36,6 +39,24 @@ def in_the_air(simulation: Simulation) -> Simulation:
     simulation.model.opt.gravity[:] = 0.0
     simulation.pose[2] += 1.0
     return simulation
+
+
+@pytest.mark.parametrize("motors", [IDEAL, REAL])
+@pytest.mark.parametrize("name", ROVERS)
+def test_no_motor_turns_its_torque_round_in_each_step(name: str, motors: str) -> None:
+    """As one that is too stiff for the step does for ever, once it has been at its limit."""
+    rig = Rig(equipped(ROVERS[name], motors, ""), flat())
+    model, data = in_the_air(rig.simulation).model, rig.simulation.data
+    dofs = [int(model.joint(joint).dofadr[0]) for joint in rig.rover.drive.driven]
+    rig.command(0.5 * rig.rover.top_speed)
+    rig.run(1.0)
+    data.qvel[dofs[::2]] += 1.0
+    rig.run(0.5)
+    torques = np.empty((40, len(dofs)))
+    for row in torques:
+        mujoco.mj_step(model, data)
+        row[:] = data.qfrc_actuator[dofs]
+    assert np.abs(np.diff(torques, axis=0)).max() < np.abs(torques).max()
 
 
 @pytest.mark.parametrize("name", ROVERS)
