@@ -15,19 +15,19 @@ from harness.spec.run import Run
 
 
 class Places:
-    """A driver that keeps where it was."""
+    """A driver that keeps when and where it was."""
 
     summary, senses = "", frozenset[type[Sample]]()
 
     def __init__(self) -> None:
-        self.seen = list[tuple[float, float]]()
+        self.seen = list[tuple[int, float, float]]()
         self.goals = list[tuple[float, float, float]]()
 
     def head_for(self, x: float, y: float, yaw: float) -> None:
         self.goals.append((x, y, yaw))
 
     def command(self, observation: Observation) -> Twist:
-        self.seen.append((observation.x, observation.y))
+        self.seen.append((observation.time_ns, observation.x, observation.y))
         return Twist(0.3, 0.0)
 
 
@@ -37,9 +37,10 @@ def test_a_client_is_where_it_was_last_told_to_be_while_its_poses_are_no_numbers
     client = Client(driver, episode)  # type: ignore[arg-type]  # made without a context
     for _ in drive(together((episode,)), (Route(injector(run), client.hear, (client,)),)):
         pass
-    assert len(driver.seen) == 40
-    assert np.isfinite(driver.seen).all()
-    assert driver.seen[-1][0] > 0.2
+    times, x, y = np.array(driver.seen).T
+    assert times.tolist() == [50_000_000 * number for number in range(1, 41)]
+    assert np.isfinite([x, y]).all()
+    assert x[-1] > 0.2
 
 
 def test_a_client_is_given_the_goals_that_are_published_with_their_headings() -> None:

@@ -43,11 +43,11 @@ def test_what_was_seen_stays_until_a_beam_crosses_it() -> None:
     known.plan((10.0, 7.0), (14.0, 8.0))
     towards = there[0] - DISC, there[1] - 0.03
     assert known.clearance[known.cell(towards)] <= 2 * CELL
-    known.see(Observation(0, 9.0, 6.0, 2.0, ranges=None))
-    known.plan((9.0, 6.0), (14.0, 8.0))
+    known.see(Observation(0, 9.0, 6.4, 2.0, ranges=None))
+    known.plan((9.0, 6.4), (14.0, 8.0))
     assert known.clearance[known.cell(towards)] <= 2 * CELL
-    known.see(seen((9.0, 6.0, 2.0), []))
-    known.plan((9.0, 6.0), (14.0, 8.0))
+    known.see(seen((9.0, 6.4, 2.0), []))
+    known.plan((9.0, 6.4), (14.0, 8.0))
     assert known.clearance[known.cell(towards)] > 100.0
 
 

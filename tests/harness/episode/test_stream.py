@@ -1,14 +1,20 @@
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from harness.base.errors import RunFailed
 from harness.base.sim_time import CONTROL_PERIOD_NS
-from harness.episode.assembly import fleet
+from harness.episode.assembly import fleet, injector
 from harness.episode.batch import Batch
+from harness.episode.episode import episodes_of
 from harness.episode.stream import EpisodeStream, RoverOrders
-from harness.samples import Place, Pose, Twist
+from harness.episode.together import together
+from harness.samples import Imu, JointStates, LaserScan, Place, Pose, Twist
+from harness.sensors.battery import Battery
+from harness.sensors.gnss import GnssFix
 from harness.spec.fleet import parse_rovers
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
@@ -106,6 +112,38 @@ def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None
     assert [batch.truth.resets for batch in batches] == [0, 2]
     x = [batch.truth.position[0] for batch in batches]
     assert x == pytest.approx([0.0, 2.0], abs=0.08)
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        "leo:b,driver=goal,noise=hardware,sensors=gnss,fault=motor.left:weak=0.2@1,fault=pose:spike=2",
+        "husky:b,actuators=real,sensors=battery,fault=cmd_vel:dropout=0.5,fault=scan:dropout=0.5",
+    ],
+)
+def test_a_rover_of_a_fleet_does_and_tells_what_it_would_alone_by_its_own_seed(own: str) -> None:
+    shared = config(terrain="flat", driver="goal", goal_area=(1.0, 4.0, 1.0, 4.0), lidar_beams=16)
+    words = ("rover_zero4wd:a", f"{own},x=2,y=-4,yaw=2")
+    two = fleet(shared, parse_rovers(words, shared.rover))
+    alone = two.but(rovers=two.rovers[1:], seed=two.own_seed(1))
+    for one, other in zip(told(two, 1), told(alone, 0), strict=True):
+        assert [*map(type, one)] == [*map(type, other)]
+        for sample, again in zip(one, other, strict=True):
+            if isinstance(sample, Pose | Imu | LaserScan | JointStates | GnssFix | Battery | Place):
+                assert numbers(sample) == pytest.approx(numbers(again), abs=0.01, nan_ok=True)
+
+
+def told(run: Run, number: int) -> Iterator[tuple[object, ...]]:
+    """The goals of each period of a rover, and the samples of each tick that its faults leave."""
+    faults = injector(run, number)
+    for batches in together(episodes_of(run)):
+        yield batches[number].goals
+        yield from (faults.corrupt(tick).samples for tick in batches[number].ticks)
+
+
+def numbers(sample: object) -> NDArray[np.float64]:
+    values = (getattr(sample, name) for name in sample.__match_args__)  # type: ignore[attr-defined] # as all
+    return np.hstack([np.ravel(np.array(v, float)) for v in values if not isinstance(v, str)])
 
 
 def test_orders_to_a_fleet_that_is_simulated_ahead_give_the_bytes_of_one_that_is_not() -> None:

@@ -17,8 +17,10 @@ from ruamel.yaml import YAML
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
+from harness.episode.episode import Episode
 from harness.fit.__main__ import main
-from harness.fit.estimate import of, with_values
+from harness.fit.estimate import Estimate, of, with_values
+from harness.fit.folder import write_folder
 from harness.fit.ground import UNITS, differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount
@@ -29,6 +31,7 @@ from harness.fit.steady import Steady, kinds, window
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
+from harness.spec.run import Run
 from harness.validate.grounds import flat
 from harness.validate.replay import replay
 from tests.support.complaint import complaint
@@ -129,13 +132,27 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
 
 def test_the_last_third_of_the_steps_is_not_fitted_to() -> None:
     rows = np.arange(0.0, 63.0, 0.1)[:, None] * np.ones(4)
-    changes = np.array([[0.0, 0.5, 0.1], [38.0, 0.4, 0.2], [50.0, 0.3, 0.3]])
+    changes = np.array([[0.0, 0.5, 0.1], [38.0, 0.4, 0.2], [41.8, 0.3, 0.3]])
     fitted, held = split(Recording("made", commands=changes, wheels=rows[:, :3], poses=rows))
     assert held is not None
     assert held.steps[:, 0].tolist() == [42.0, 48.0, 54.0]
     assert max(series[-1, 0] for series in fitted.series.values()) < 42.0
     assert (fitted.steps[:, 1] <= 42.0).all()
-    assert held.commands.tolist() == [[41.5, 0.4, 0.2], [50.0, 0.3, 0.3]], "what was in force goes on"
+    assert held.commands.tolist() == [[41.5, 0.4, 0.2], [41.8, 0.3, 0.3]], "what was in force goes on"
+
+
+def test_a_rover_whose_wheels_have_grown_stands_as_high_as_its_folder_says(tmp_path: Path) -> None:
+    """Of one whose controller believes in smaller wheels than it has; by MuJoCo."""
+    before, out = equipped(ROVERS["rover_zero4wd"], REAL, ""), tmp_path / "out"
+    radius = before.wheel_radius
+    wheels = Estimate("wheel radius", "m", "tyres.radius", radius, radius + 0.02)
+    write_folder(before, [wheels], out, "drive.csv", "", "")
+    stands = [
+        Episode(Run.of(robot=str(folder), terrain="flat")).simulation.position[2]
+        - find_rover(str(folder)).rest_height
+        for folder in (before.folder, out)
+    ]
+    assert stands[0] == pytest.approx(stands[1], abs=5e-4)
 
 
 def test_commands_that_never_hold_tell_of_the_controller_alone(

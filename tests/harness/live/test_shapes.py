@@ -28,6 +28,9 @@ RUNS = {
 def test_the_world_is_shown_where_rays_meet_it_and_a_rovers_parts_around_their_geoms(run: Run) -> None:
     model, data, shown = seen(run)
     meets_rays(run, model, data, shown[WORLD])
+    ground = max(shown[WORLD].geometry.values(), key=lambda part: len(part.faces))
+    bare = trimesh.Trimesh(ground.vertices, ground.faces, process=False)  # which has its own normals
+    assert (bare.vertex_normals * ground.vertex_normals).sum(axis=1).min() > 0.95
     moving = [body for body in shown if body != WORLD]
     assert len(moving) >= 5  # a body and four wheels at least
     for body in moving:

@@ -81,13 +81,12 @@ def test_a_recorded_run_tells_its_rover(robot: str, tmp_path: Path) -> None:
 
 def made() -> Recording:
     rng, t = np.random.default_rng(3), np.arange(200) / 20
-    return Recording(
-        "drive",
-        **{
-            name: np.column_stack([t, rng.uniform(-1.0, 1.0, (t.size, len(columns)))])
-            for name, columns in COLUMNS.items()
-        },  # type: ignore[arg-type]  # of series alone
-    )
+    series = {
+        name: np.column_stack([t, rng.uniform(-1.0, 1.0, (t.size, len(columns)))])
+        for name, columns in COLUMNS.items()
+    }
+    series["poses"][:, 3] += t  # turns on past pi
+    return Recording("drive", **series)  # type: ignore[arg-type]  # of series alone
 
 
 @pytest.mark.parametrize(("unit", "seconds"), TIMES)

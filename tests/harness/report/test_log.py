@@ -105,12 +105,13 @@ def at(time_s: float, *distances: float) -> dict[str, tuple[Approach, ...]]:
 
 
 def test_each_time_that_somebody_was_near_has_its_nearest_moment() -> None:
-    far = [3.6, 3.0, 2.0, 2.5, 9.0, 3.5, 3.6]
-    track = stretches({}, *(at(2.0 + i, d, 20.0 - i) for i, d in enumerate(far)))
+    far = [3.4, 3.6, 3.0, 2.0, 2.5, 9.0, 3.5, 3.6]
+    track = stretches(*(at(1.0 + i, d, 20.0 - i) for i, d in enumerate(far)))
     assert [(e.person, e.nearest.distance, e.nearest.time_s, e.near_s) for e in encounters(track)] == [
+        (0, 3.4, 1.0, 1.0),
         (0, 2.0, 4.0, 3.0),
         (0, 3.5, 7.0, 1.0),
-        (1, 14.0, 8.0, 0.0),  # never near: the nearest of the run
+        (1, 13.0, 8.0, 0.0),  # never near: the nearest of the run
     ]
     assert encounters(stretches({}, {})) == []
 

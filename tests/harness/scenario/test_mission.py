@@ -45,6 +45,8 @@ def test_a_gate_counts_between_its_posts_and_not_beside_them() -> None:
     assert walked((0, 3, 1), (2, 3, 5)).gates == 1
     assert walked((0, 1, 1), (2, 1, 5)).gates == 0
     assert walked((0, 3, 1), (2, 3, 2), (2, 3, 4), (4, 3, 5)).gates == 0  # it was carried through
+    carried = walked((0, 0, 0), (4, 4, 0), (6, 3, 2), (6, 3, 4), (8, 3, 5))
+    assert (carried.points, carried.gates) == (1, 0)  # nor is that a step of its route
     before = walked((0, 3, 0), (2, 3, 2.5), (4, 3, 2.5), (5, 5, 2))
     assert before.stops["gate"] == pytest.approx(0.5)
     assert before.reached == 0  # who stops there is not through

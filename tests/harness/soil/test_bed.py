@@ -61,23 +61,23 @@ def test_the_second_pass_is_shallower() -> None:
 def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
     count: int, keep: bool
 ) -> None:
-    run = Run.of(
-        terrain="flat",
-        robot="leo",
-        soil="dry_sand",
-        driver="straight",
-        keep_ruts=keep,
-        resets=(3.0,),
-        duration=3.05,
-    )
+    words = {"terrain": "flat", "robot": "leo", "soil": "dry_sand", "driver": "straight"}
+    run = Run.of(**words, keep_ruts=keep, duration=3.1)
     several = parse_rovers(("leo:a", "leo:b"), run.rover)
     episodes = episodes_of(run if count == 1 else fleet(run, several))
-    bed = episodes[0].simulation.physics.bed
+    bed, driven = episodes[0].simulation.physics.bed, together(episodes)
     assert bed is not None
-    depths = [float(bed.surface.min()) for _ in together(episodes)]
-    assert depths[-2] < -0.005
-    far = bed.surface[:, bed.surface.shape[1] // 2 + 30 :]  # where nobody stands
-    assert bool(far.min() < -0.005) is keep
+    for _ in range(60):
+        next(driven)
+    assert bed.surface.min() < -0.005
+    ground = episodes[0].simulation.ground
+    begin, end = (round((x - ground.bounds()[0]) / ground.cell) for x in (0.3, 0.5))
+    between = bed.surface[:, begin:end]  # ahead of who is put back, behind who is not
+    for back in range(1, count + 1):
+        for episode in episodes[:back]:
+            episode.reset()
+        next(driven)
+        assert bool(between.min() < -0.005) is (keep or back < count)
 
 
 @pytest.mark.parametrize("robot", ["leo", "jackal"])
@@ -135,15 +135,15 @@ def test_wheels_in_sand_between_firm_ground_sink_by_a_map(tmp_path: Path) -> Non
     assert driven(0.6, soil="terrain", terrain="dunes").simulation.physics.bed is not None
 
 
-def test_a_rover_is_stuck_while_its_wheels_turn_and_it_stays() -> None:
+def test_a_rover_is_stuck_while_its_wheels_turn_and_it_stays_and_after_a_reset_as_at_first() -> None:
     for difficulty, is_stuck in ((1.0, True), (0.0, False)):
         run = Run.of(
-            duration=5.0, terrain="slope", difficulty=difficulty, driver="cmd_vel", commands=FORTH,
+            duration=5.0, terrain="slope", difficulty=difficulty, driver="straight", resets=(2.5,),
             soil="dry_sand", robot="leo",
         )  # fmt: skip
         ticks = (tick for batch in Episode(run).batches() for tick in batch.ticks)
-        states = [state.soil for tick in ticks if (state := tick.of(TruthState))]
-        assert states[-1] is not None
+        states = [s.soil for tick in ticks if (s := tick.of(TruthState)) and s.soil is not None]
+        assert [state.stuck for state in states[:50]] == [state.stuck for state in states[50:]]
         assert states[-1].stuck is is_stuck
         assert all(0.002 < sinkage < 0.04 for sinkage in states[-1].sinkage)
         assert sum(states[-1].pull) > 0.0 or not is_stuck  # of the slope that it does not climb

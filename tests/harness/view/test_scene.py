@@ -1,19 +1,27 @@
 """What a picture shows of a run, and from where."""
 
 import math
+from contextlib import ExitStack, closing, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
 import pytest
 
-from harness.episode.assembly import world_of
-from harness.episode.episode import Episode
+from harness.episode.assembly import fleet, world_of
+from harness.episode.episode import Episode, episodes_of
+from harness.episode.together import together
 from harness.physics.scene import build_scene
-from harness.view.camera import best_view, chase_view
+from harness.spec.fleet import parse_rovers
+from harness.spec.run import Run
+from harness.view import picture
+from harness.view.camera import View, best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import beam_marks, path_marks, track_marks
-from harness.view.states import States
+from harness.view.states import States, StateWriter
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from tests.harness.view.recorded import CONFIG, recorded
@@ -29,9 +37,10 @@ def test_best_view_shows_the_path_and_stands_over_the_ground(states: States) -> 
     world = world_of(CONFIG)
     episode = Episode(CONFIG)
     model = build_scene(world, LEO, 0.0025).model
-    view = best_view(model, episode.simulation.data, states.path, states.yaw[-1], 0.7)
-    assert view.sees(states.path, 0.7).all()
-    assert view.eye[2] > world.ground.height_at(*view.eye[:2])
+    for others in (None, np.array([[1.5, 3.0, 0.0]]), np.array([[1.5, -3.0, 0.0]])):
+        view = best_view(model, episode.simulation.data, states.path, states.yaw[-1], 0.7, others)
+        assert view.sees(states.path if others is None else others, 0.7).all()
+        assert view.eye[2] > world.ground.height_at(*view.eye[:2])
 
 
 def test_chase_view_looks_where_the_rover_heads_from_above() -> None:
@@ -67,12 +76,73 @@ def test_the_path_lies_on_the_ground_and_grows_with_time_between_the_tracks(stat
     assert times == sorted(times)
     assert 0.0 < times[0] < times[-1] <= 2.0
     slope = Heightfield(0.3 * X - 0.2 * Y, CELL)
-    left, right, *_ = marks = track_marks(states, slope, LEO)
+    turns = np.linspace(0.0, 5.0, len(states.times))  # a circle of 3 m to the left, about the origin
+    around = np.column_stack([3.0 * np.sin(turns), -3.0 * np.cos(turns), 0 * turns])
+    facing = np.column_stack([np.cos(turns / 2), 0 * turns, 0 * turns, np.sin(turns / 2)])
+    circle = replace(states, path=around, orientations=facing)
+    marks = track_marks(circle, slope, LEO)
     for mark in marks:  # each lies flat on it
         x, y, z = mark.position + 0.1 * mark.frame[:, 0]
         assert z == pytest.approx(slope.height_at(x, y))
-    across = LEO.track * np.array([-np.sin(states.yaw[0]), np.cos(states.yaw[0])])
-    assert (left.position - right.position)[:2] == pytest.approx(across, abs=0.02)
+    inner, outer = (np.array([mark.position[:2] for mark in marks[side::2]]) for side in (0, 1))
+    assert np.linalg.norm(inner, axis=1) == pytest.approx(3.0 - LEO.track / 2, abs=0.01)
+    assert np.linalg.norm(outer, axis=1) == pytest.approx(3.0 + LEO.track / 2, abs=0.01)
+
+
+def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By MuJoCo's own state, of two rovers and two people, at each state that ends a control period."""
+    run = Run.of(terrain="rocky", duration=1.0, actors=["anna=2,2/4,2", "ben=-2,2/-4,3"])
+    run = fleet(run, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=2.5"), run.rover))
+    episodes, files = episodes_of(run), [tmp_path / "a", tmp_path / "b"]
+    data, there = episodes[0].simulation.data, dict[int, tuple[np.ndarray, ...]]()
+    with ExitStack() as at_end:
+        writers = [at_end.enter_context(closing(StateWriter(f, run, n))) for n, f in enumerate(files)]
+        for batches in together(episodes):
+            for writer, batch in zip(writers, batches, strict=True):
+                writer.take(batch)
+            stamp_ns = batches[0].ticks[-1].stamp_ns
+            there[stamp_ns] = data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy()
+    monkeypatch.setattr(mujoco, "Renderer", lambda *_, **__: SimpleNamespace(close=lambda: None))
+    with picture.Studio(files, picture.VIDEO_QUALITY, lidar=False) as studio:
+        placed = mujoco.MjData(studio.model)
+        for index in range(4, 25, 5):
+            state = there[round(1e9 * studio.recording.times[index])]
+            placed.qpos[:], placed.mocap_pos[:], placed.mocap_quat[:] = state
+            mujoco.mj_forward(studio.model, placed)
+            studio.pose(index)
+            assert studio.data.xpos == pytest.approx(placed.xpos, abs=1e-6)
+            assert studio.data.xmat == pytest.approx(placed.xmat, abs=1e-6)
+
+
+def test_each_frame_of_a_video_looks_from_behind_at_where_the_rover_is_then(
+    tmp_path: Path, states: States, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("av", reason="the extra [video] is not installed")
+    turns = np.linspace(2.0, 3.5, 50)
+    place = 20.0 * np.column_stack([np.sin(turns), -np.cos(turns), 0 * turns])
+    facing = np.column_stack([np.cos(turns / 2), 0 * turns, 0 * turns, np.sin(turns / 2)])
+    arc, frames = replace(states, path=place, orientations=facing), list[tuple[int, View]]()
+
+    class Kept(nullcontext[None]):
+        def __init__(self, *_: object, **__: object) -> None:
+            self.recording, self.scale = arc, 1.0
+
+        def __enter__(self) -> "Kept":  # type: ignore[override] # itself
+            return self
+
+        def image(self, index: int, view: View) -> np.ndarray:
+            frames.append((index, view))
+            return FRAME
+
+    monkeypatch.setattr(picture, "Studio", Kept)
+    monkeypatch.setattr(picture, "MOST_FRAMES", 10)
+    assert picture.main(["states", "--video", str(tmp_path / "a.mp4")]) == 0
+    assert [index for index, _ in frames] == [*range(0, 50, 5)]
+    for index, view in frames:
+        assert math.dist(view.target, place[index]) < 1.0
+        assert view.direction[:2] @ (np.cos(turns[index]), np.sin(turns[index])) > 0.5
 
 
 def test_every_hit_is_shown_and_of_many_beams_few_lines() -> None:
