@@ -88,6 +88,18 @@ def test_who_looks_drives_around_what_stands_in_the_way(name: str, touches: bool
     assert math.dist(places[-1], (5.0, 0.0)) < 0.3
 
 
+@pytest.mark.parametrize("room", [0.02, 0.07, 0.09, 0.2])
+def test_who_follows_gaps_goes_on_until_its_bumper_is_8_cm_from_a_wall(room: float) -> None:
+    (x, _, angles), ends = lidar((0.0, 0.0, 0.0)), (ROVER.footprint[1] + room, -1.0)
+    with np.errstate(divide="ignore"):
+        walls = [(end - x) / np.cos(angles) for end in ends]
+        walls += [side / np.sin(angles) for side in (0.5, -0.5)]
+    ranges = np.min([np.where(wall > 0.0, wall, np.inf) for wall in walls], axis=0).astype(np.float32)
+    driver: Any = DRIVERS["gap"](context())
+    driver.head_for(5.0, 0.0, 0.0)
+    assert (driver.command(Observation(0, 0.0, 0.0, 0.0, ranges)).linear > 0.0) == (room > 0.08)
+
+
 def test_a_direction_is_turned_as_by_sine_and_cosine() -> None:
     turn: Callable[..., tuple[float, float]] = turned.py_func  # type: ignore[attr-defined]
     for angle in (-0.4, 0.0, 0.1, 0.3):

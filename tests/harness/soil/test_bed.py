@@ -107,17 +107,20 @@ def test_an_underside_is_looked_for_only_near_the_ground_and_then_as_ever() -> N
     assert simulation.contacts.strongest.keys() == {"scrape"}
 
 
-def test_wheels_in_sand_between_firm_ground_sink_by_a_map(tmp_path: Path) -> None:
-    patches = np.zeros((401, 401), np.uint8)
-    patches[:, 205:] = 1
-    Image.fromarray(patches).save(tmp_path / "map.png")
-    file = tmp_path / "soils.yaml"
+def test_each_wheel_sinks_as_the_soil_does_that_a_map_has_nearest_to_it(tmp_path: Path) -> None:
+    patches = np.random.default_rng(1).integers(0, 2, (401, 401)).astype(np.uint8)
+    Image.fromarray(patches[::-1]).save(tmp_path / "map.png")  # north first
+    file, sands = tmp_path / "soils.yaml", list[bool]()
     file.write_text("soils: [firm, dry_sand]\nmap: map.png\n")
-    there, before = (driven(t, soil=str(file)).simulation.physics.bed for t in (4.0, 0.6))
-    assert there is not None
-    assert before is not None
-    assert (before.felt[:, 0] < 0.003).all()
-    assert (there.felt[:, 0] > 0.005).all()
+    for start in ((1.03, -2.07, 2.0), (-3.04, 1.06, -1.0), (2.03, 2.08, 0.5)):
+        simulation = driven(0.05, soil=str(file), start=start, commands=()).simulation
+        bed = simulation.physics.bed
+        assert bed is not None
+        hubs = np.array([simulation.data.xpos[wheel.body][:2] for wheel in bed.wheels])
+        column, row = np.round((hubs + 20.0) / 0.1).astype(int).T
+        assert (bed.felt[:, 0] > 0.003).tolist() == patches[row, column].astype(bool).tolist()
+        sands += patches[row, column].tolist()
+    assert 3 < sum(sands) < 9
     for wrong, told in (
         ("soils: [firm]\nmap: map.png\n", "other numbers"),
         ("soils: [firm, mud]\nmap: map.png\n", "dry_sand"),
