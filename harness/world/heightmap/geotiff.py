@@ -13,15 +13,24 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 from pymap3d import Ellipsoid, rcurve
+from pymap3d.latitude import isometric2geodetic
 
 from harness.base.errors import UsageError
-from harness.world.heightmap.units import UNITS, height_unit, horizontal_unit
+from harness.world.heightmap.units import METRE, UNITS, height_unit, horizontal_unit
 
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION = 33550, 33922, 34264  # tags
 GEOGRAPHIC, GEOCENTRIC = 2, 3  # model types
 PIXEL_IS_POINT = 2  # raster type: the tie point is the middle of a pixel, not its corner
 DEGREE = 9102
 WEB_MERCATOR = (3857, 3785)  # EPSG's numbers
+MERCATOR, EQUIRECTANGULAR, WEB = 7, 17, 0  # TIFF's numbers of projections, but for the last
+CYLINDERS = {  # by EPSG's numbers
+    3395: MERCATOR,
+    **dict.fromkeys((4087, 4088, 32662), EQUIRECTANGULAR),
+    **dict.fromkeys(WEB_MERCATOR, WEB),
+}
+CALLED = {MERCATOR: "Mercator's", EQUIRECTANGULAR: "equirectangular", WEB: "Web Mercator's"}
+LEAST_STRETCH = 1e-3  # of such metres that counts
 WGS84 = Ellipsoid.from_name("wgs84")
 NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
 MOST_DEGREES = 1e-3  # of a pixel, if nothing says what its unit is: metres so small are no ground
@@ -63,8 +72,8 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
         return _projected(affine, keys, page)
     if keys.get("GTModelTypeGeoKey") == GEOCENTRIC:
         return Grid("its coordinates are geocentric (gdalwarp -t_srs EPSG:... gives metres)")
-    if keys.get("ProjectedCSTypeGeoKey") in WEB_MERCATOR:
-        return _projected(_in_degrees(affine, keys, page), keys, page, "Web Mercator's")
+    if affine is not None and (unrolled := _unrolled(affine, keys, page)) is not None:
+        return _projected(unrolled[0], keys, page, unrolled[1])
     number = horizontal_unit(keys)
     if number not in UNITS:
         return Grid(f"its unit {number} is not known (gdalwarp -t_srs EPSG:... gives metres)")
@@ -96,18 +105,41 @@ def _projected(
     return replace(placed, notes=(note, *placed.notes[:-1]))
 
 
-def _in_degrees(
-    affine: Affine | None, keys: Mapping[str, Any], page: tifffile.TiffPage
-) -> Affine | None:
-    """Web Mercator, whose metres are the ground's at the equator alone, as degrees about the middle."""
-    if affine is None:
+def _unrolled(
+    affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage
+) -> tuple[Affine, str] | None:
+    """A cylindrical map's metres as degrees about the middle, and its name; None if they are true.
+
+    Equirectangular ones, as of the Moon and Mars, are longer than the ground along any parallel but one,
+    Mercator's (J. P. Snyder, USGS Professional Paper 1395) along the meridian, too.
+    """
+    number, body = keys.get("ProjectedCSTypeGeoKey", 0), _ellipsoid(keys)
+    kind = CYLINDERS.get(number, keys.get("ProjCoordTransGeoKey"))
+    if kind not in CALLED or horizontal_unit(keys) != METRE:
         return None
-    y = (affine @ _half(keys, page))[1]
-    latitude = math.atan(math.sinh(y / WGS84.semimajor_axis))
-    degrees = np.degrees([1.0, math.cos(latitude)]) / WGS84.semimajor_axis
-    affine = affine * degrees[:, None]
-    affine[1, 2] += math.degrees(latitude) - degrees[1] * y
-    return affine
+    standard = keys.get("ProjStdParallel1GeoKey", 0.0)
+    parallel = _parallel(standard, body) * keys.get("ProjScaleAtNatOriginGeoKey", 1.0)
+    y = (affine @ _half(keys, page))[1] - keys.get("ProjFalseNorthingGeoKey", 0.0)
+    if kind == EQUIRECTANGULAR:
+        latitude = math.degrees(y / rcurve.meridian(standard, body))
+        latitude += keys.get("ProjCenterLatGeoKey", 0.0)
+    else:
+        sphere = Ellipsoid(body.semimajor_axis, body.semimajor_axis)
+        latitude = isometric2geodetic(math.degrees(y / parallel), sphere if kind == WEB else body)
+    stretch = parallel / _parallel(latitude, body)
+    if not abs(latitude) < 90.0 or (kind != WEB and abs(stretch - 1.0) < LEAST_STRETCH):
+        return None
+    along = rcurve.meridian(latitude, body) * (stretch if kind == MERCATOR else 1.0)
+    if kind == WEB:
+        along = parallel / math.cos(math.radians(latitude))
+    degrees = affine * np.degrees([[1.0 / parallel], [1.0 / along]])
+    degrees[1, 2] += latitude - (degrees @ _half(keys, page))[1]
+    return degrees, CALLED[kind]
+
+
+def _parallel(latitude: float, body: Ellipsoid) -> float:
+    """Radius of a parallel [m]."""
+    return float(rcurve.transverse(latitude, body)) * math.cos(math.radians(latitude))
 
 
 def _ellipsoid(keys: Mapping[str, Any]) -> Ellipsoid:
@@ -131,8 +163,8 @@ def _affine(page: tifffile.TiffPage) -> Affine | None:
     """The map from columns and rows, counted from the corner of the first pixel, to coordinates."""
     scale, full = _numbers(page, PIXEL_SCALE, 2), _numbers(page, TRANSFORMATION, 16)
     if scale is not None:
-        # A negative depth is a writer's mistake, says GDAL: rows run south all the same.
-        width, depth = abs(scale[0]), abs(scale[1])
+        # A negative depth is a writer's mistake, says GDAL: rows run south all the same. Not so a width.
+        width, depth = scale[0], abs(scale[1])
         column, row, _, x, y, _ = _numbers(page, TIE_POINTS, 6) or (0.0,) * 6
         affine = np.array([[width, 0.0, x - width * column], [0.0, -depth, y + depth * row]])
     elif full is not None:

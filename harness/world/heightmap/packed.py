@@ -25,12 +25,15 @@ SHORT, LONG = 3, 4  # TIFF's types
 def unpacked(page: tifffile.TiffPage) -> NDArray[np.generic]:
     """Returns the pixels of one band whose compression is READABLE, as the file's type of number."""
     assert page.dtype is not None  # noqa: S101 - the caller has looked
-    image = np.zeros(page.shape, page.dtype.newbyteorder("="))
+    # What is not there is empty, says GDAL (SPARSE_OK): no data, or 0 if nothing says what that is.
+    image = np.full(page.shape, page.nodata, page.dtype.newbyteorder("="))
     rows, _ = page.shape
     height, width = page.chunks
     across = -(-page.shape[1] // width)
     file = page.parent.filehandle
     for part, (offset, count) in enumerate(zip(page.dataoffsets, page.databytecounts, strict=True)):
+        if not count:
+            continue
         top, left = part // across * height, part % across * width
         lines = height if page.is_tiled else min(height, rows - top)
         file.seek(offset)

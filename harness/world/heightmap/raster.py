@@ -14,6 +14,7 @@ import numpy as np
 import tifffile
 from PIL import Image
 
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
 from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
@@ -24,6 +25,7 @@ from rover_metrics.number import number
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
 MOST_BYTES = 2**28  # of a file: twice what the most pixels of 64 bits take
+MOST_BESIDE = 2**24  # of what GDAL wrote beside it: histograms may be long
 MOST_HEADER = 10_000  # bytes of an array's header: numpy's own bound, which it asks too late
 FEWEST_PIXELS = 8  # along either side
 LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
@@ -156,14 +158,19 @@ def _read_tiff(path: Path) -> Raster:
             )
         _check_size(page.shape[1], page.shape[0])
         values, grid = _tiff_values(page), read_grid(page)
-        nodata = page.tags.valueof(NODATA_TAG)
-        scale, offset = (_gdal_number(page, role) for role in ("scale", "offset"))
-        unit_type = _gdal_text(page, "unittype").strip()
+        said = f"{page.tags.valueof(METADATA_TAG)}{_beside(path)}"
+        nodata = page.tags.valueof(NODATA_TAG) or _gdal_text(said, "NoDataValue")
+        scale, offset = (_gdal_number(said, role) for role in ("scale", "offset"))
+        unit_type = _gdal_text(said, "unittype").strip()
         is_float = page.dtype is not None and page.dtype.kind == "f"
-        for mask in file.pages:
-            if isinstance(mask, tifffile.TiffPage) and mask.is_mask and mask.shape == page.shape:
-                values[mask.asarray() == 0] = np.nan
-    if nodata is not None:
+        masks = [mask.asarray() for mask in file.pages if getattr(mask, "is_mask", False)]
+    if (beside := path.with_name(f"{path.name}.msk")).is_file():
+        with tifffile.TiffFile(beside) as file:
+            masks.append(_tiff_values(file.pages.first))
+    for mask in masks:
+        if mask.shape == values.shape:  # overviews have their own
+            values[mask == 0] = np.nan
+    if nodata:
         values[np.isclose(values, number(str(nodata)), rtol=1e-6, atol=0.0)] = np.nan
     if is_scaled := (scale, offset) != (None, None):
         scale, offset = 1.0 if scale is None else scale, offset or 0.0
@@ -180,15 +187,21 @@ def _read_tiff(path: Path) -> Raster:
     return Raster(values, grid.pixel, unit is not None, grid.notes)
 
 
-def _gdal_number(page: tifffile.TiffPage, role: str) -> float | None:
+def _beside(path: Path) -> str:
+    """What GDAL wrote beside a file where it was not to write into it; "" if there is nothing."""
+    file = path.with_name(f"{path.name}.aux.xml")
+    return read_bytes(file, MOST_BESIDE).decode(errors="replace") if file.is_file() else ""
+
+
+def _gdal_number(said: str, role: str) -> float | None:
     """The number in an item of GDAL's metadata; None if there is no such item."""
-    text = _gdal_text(page, role)
+    text = _gdal_text(said, role)
     return number(text) if text else None
 
 
-def _gdal_text(page: tifffile.TiffPage, role: str) -> str:
-    """The text of an item of GDAL's metadata; "" if there is no such item."""
-    match = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
+def _gdal_text(said: str, role: str) -> str:
+    """The text of an item of GDAL's metadata, in the file or beside it; "" if there is no such item."""
+    match = re.search(rf'(?:role="{role}"[^>]*|<{role}(?: [^>]*)?)>([^<]*)<', said, re.IGNORECASE)
     return match[1] if match else ""
 
 

@@ -210,6 +210,53 @@ def test_web_mercators_pixels_are_as_long_as_on_the_ground(
     np.testing.assert_allclose(raster.pixel, (along / 1e3, up / 1e3), rtol=1e-5)  # type: ignore[arg-type]
 
 
+TRANSFORM, PARALLEL, CENTRE_LATITUDE, NORTHING, ORIGIN_SCALE = 3075, 3078, 3089, 3083, 3092  # GeoKeys
+
+
+@pytest.mark.parametrize(
+    ("keys", "y", "pixel"),  # of 1 m, as long on the ground as PROJ 9.5 (its get_factors) says
+    [
+        ({TRANSFORM: 17, MAJOR_AXIS: 3396190.0}, 1090654.4344, (0.948876, 1.0)),  # Jezero crater
+        (
+            {
+                TRANSFORM: 17,
+                PARALLEL: 15.0,
+                CENTRE_LATITUDE: 5.0,
+                NORTHING: 500.0,
+                MAJOR_AXIS: 3396190.0,
+            },
+            794780.9468,
+            (0.982349, 1.0),
+        ),
+        ({PROJECTED: 3395}, 6413524.5942, (0.644054, 0.644054)),
+        ({TRANSFORM: 7, PARALLEL: 41.0}, 4847336.9319, (0.852149, 0.852149)),
+        ({TRANSFORM: 7, ORIGIN_SCALE: 0.997, NORTHING: 900000.0}, 126349.4311, (0.995582, 0.995582)),
+    ],
+)
+def test_cylindrical_maps_have_pixels_as_long_as_on_the_ground(
+    tmp_path: Path, keys: Mapping[int, Any], y: float, pixel: tuple[float, float]
+) -> None:
+    raster = read(tmp_path, scale=(1, 1, 0), tie=(5, 4.5, 0, 9e5, y, 0), keys={**METRES, **keys})
+    np.testing.assert_allclose(raster.pixel, pixel, rtol=2e-6)  # type: ignore[arg-type]
+    near_the_true_one = read(tmp_path, scale=(1, 1, 0), keys={**METRES, TRANSFORM: 17})
+    assert near_the_true_one.pixel == (1.0, 1.0)
+
+
+def test_columns_may_run_west(tmp_path: Path) -> None:
+    raster = read(tmp_path, scale=(-0.2, 0.3, 0.0), tie=(0.0,) * 6, keys=METRES)
+    np.testing.assert_array_equal(raster.values, VALUES[:, ::-1])
+
+
+def test_what_gdal_wrote_beside_a_file_counts(tmp_path: Path) -> None:
+    said = '<NoDataValue le_hex_equiv="00">5</NoDataValue><Offset>2</Offset><Scale>0.5</Scale>'
+    said += "<UnitType>ft</UnitType>"
+    band = f'<PAMDataset><PAMRasterBand band="1">{said}</PAMRasterBand></PAMDataset>'
+    (tmp_path / "a.tif.aux.xml").write_text(band, encoding="utf-8")
+    tifffile.imwrite(tmp_path / "a.tif.msk", 255 * (VALUES != 7).astype(np.uint8))
+    mended = np.where((VALUES == 5) | (VALUES == 7), np.nan, (0.5 * VALUES + 2.0) * FOOT)
+    np.testing.assert_allclose(read(tmp_path, scale=(1, 1, 0), keys=METRES).values, mended)
+
+
 def test_what_a_files_own_mask_hides_is_missing(tmp_path: Path) -> None:
     mask = np.ones(VALUES.shape, np.bool_)
     mask[:, 4] = False

@@ -57,3 +57,11 @@ def test_a_part_that_holds_too_little_is_damaged_and_an_unknown_predictor_named(
     page.predictor = 7
     with pytest.raises(UsageError, match="predictor 7"):
         unpacked(page)
+
+
+def test_a_part_that_was_never_written_holds_no_data(files: dict[str, bytes]) -> None:
+    page = page_of(files["float32-zlib-strips.tif"])
+    page.nodata, page.databytecounts = -5.0, (0, *page.databytecounts[1:])
+    read, rows = unpacked(page), page.chunks[0]
+    assert (read[:rows] == -5.0).all()
+    np.testing.assert_array_equal(read[rows:], pattern("float32")[rows:])
