@@ -1,8 +1,10 @@
 """A cloud of points becomes heights on a grid: PLY, LAS and LAZ (extra [cloud]), N x 3 arrays."""
 
 import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,7 @@ from tifffile.geodb import GeoKeys as TiffKeys
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
-from harness.world.heightmap.geotiff import WEB_MERCATOR
+from harness.world.heightmap.geotiff import CYLINDERS, MERCATOR, WEB
 from harness.world.heightmap.units import UNITS, height_unit, horizontal_unit, wkt_units
 
 SUFFIXES = (".ply", ".las", ".laz")
@@ -19,7 +21,10 @@ FEWEST_POINTS = 64
 FINEST, COARSEST = 0.05, 10.0  # [m] of a cell that is chosen
 MOST_DEGREES = 1.0  # along a side, of a cloud in longitudes and latitudes
 A_CELL = 4.0  # points that a cell is to have
+# Classes of ASPRS (LAS 1.4 R15): vegetation, buildings, wires and their like, and noise.
+NO_GROUND = (3, 4, 5, 6, 7, 13, 14, 15, 16, 18)
 WKT, GEO_KEYS, GEO_TEXTS = 2112, 34735, 34737  # records of LAS
+MERCATORS = re.compile(r'Pseudo-Mercator|(PROJECTION|METHOD)\["Mercator')
 Points = NDArray[np.float64]  # x, y, z [m], shape (n, 3)
 
 
@@ -68,9 +73,12 @@ def _read_las(path: Path) -> tuple[Points, tuple[str, ...]]:
         cloud = file.read()
     ground, height = _las_units({v.record_id: v.record_data_bytes() for v in cloud.header.vlrs})
     points = np.column_stack([cloud.x, cloud.y, cloud.z]).astype(np.float64) * [ground, ground, height]
-    if ground == height == 1.0:
-        return points, ()
-    return points, (f"its units, as it says: {ground:.6g} m of the ground, {height:.6g} m of heights",)
+    notes = list[str]()
+    if not ground == height == 1.0:
+        notes.append(f"its units, as it says: {ground:.6g} m of the ground, {height:.6g} m of heights")
+    if (others := np.isin(cloud.classification, NO_GROUND) | np.asarray(cloud.withheld, np.bool_)).any():
+        notes.append(f"{others.sum():,} points left out: vegetation, buildings, noise, as it says")
+    return points[~others], tuple(notes)
 
 
 def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
@@ -78,15 +86,14 @@ def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
     wkt = records.get(WKT, b"").decode("utf-8", "replace")
     directory = np.frombuffer(records.get(GEO_KEYS, b"")[8:], "<u2").reshape(-1, 4).tolist()
     texts = records.get(GEO_TEXTS, b"").decode("ascii", "replace")
-    keys = {
+    keys: dict[str, Any] = {
         TiffKeys(key).name: value if place == 0 else texts[value : value + count]
         for key, place, count, value in directory
         if key in {*TiffKeys} and place in (0, GEO_TEXTS)
     }
-    if "Pseudo-Mercator" in wkt or keys.get("ProjectedCSTypeGeoKey") in WEB_MERCATOR:
-        raise UsageError(
-            "it is in Web Mercator, which stretches the ground; give it in UTM (pdal, las2las)"
-        )
+    projection = CYLINDERS.get(keys.get("ProjectedCSTypeGeoKey", 0), keys.get("ProjCoordTransGeoKey"))
+    if MERCATORS.search(wkt) or projection in (WEB, MERCATOR):
+        raise UsageError("it is in Mercator, which stretches the ground; give it in UTM (pdal, las2las)")
     if wkt:
         return wkt_units(wkt)
     unit = horizontal_unit(keys)

@@ -107,8 +107,11 @@ def test_a_survey_in_feet_becomes_metres(
     assert rise == pytest.approx(8.0 * SLOPE_X + 2.0 * SLOPE_Y, abs=2e-3)
 
 
-def test_a_survey_in_a_projection_that_stretches_is_refused(tmp_path: Path) -> None:
-    write_las(tmp_path / "a.las", 1.0, {2112: b'PROJCS["WGS 84 / Pseudo-Mercator",UNIT["metre",1]]'})
+@pytest.mark.parametrize(
+    "crs", ['PROJCS["WGS 84 / Pseudo-Mercator"', 'PROJCS["a",PROJECTION["Mercator_1SP"]']
+)
+def test_a_survey_in_a_projection_that_stretches_is_refused(tmp_path: Path, crs: str) -> None:
+    write_las(tmp_path / "a.las", 1.0, {2112: f'{crs},UNIT["metre",1]]'.encode()})
     with pytest.raises(UsageError, match="stretches"):
         world(tmp_path / "a.las")
 
@@ -136,3 +139,20 @@ def test_a_cloud_that_is_no_ground_is_told_in_a_line(
     (tmp_path / "a.ply").write_bytes(b"ply\nnothing")
     with pytest.raises(UsageError, match=r"a\.ply"):
         world(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize(
+    ("mark", "value"), [("classification", 5), ("classification", 7), ("withheld", 1)]
+)
+def test_vegetation_noise_and_withheld_points_are_no_ground(
+    mark: str, value: int, tmp_path: Path
+) -> None:
+    write_las(tmp_path / "a.las")
+    las = pytest.importorskip("laspy").read(tmp_path / "a.las")
+    others = np.arange(len(las.x)) % 50 == 0
+    las.z = las.z + 30.0 * others
+    setattr(las, mark, others * value)
+    las.write(tmp_path / "a.las")
+    made = world(tmp_path / "a.las", terrain_cell=0.25)
+    assert np.ptp(made.ground.heights) == pytest.approx(SIDE * (SLOPE_X - SLOPE_Y), abs=0.02)
+    assert f"{others.sum():,} points left out" in made.notes[0]
