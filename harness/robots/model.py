@@ -176,7 +176,9 @@ def _top(spec: mujoco.MjSpec, path: Path) -> float:
 def extent(
     model: mujoco.MjModel, data: mujoco.MjData, geoms: list[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the lowest and the highest x, y, z of the boxes around some geoms [m]; infinite for none.
+    """Returns the lowest and the highest x, y, z of some geoms [m]; infinite for none.
+
+    They are those of a mesh's corners, whose own box leans as its inertia does, and of others' boxes.
 
     Args:
         model: The rover's.
@@ -186,9 +188,16 @@ def extent(
     low, high = np.full(3, math.inf), np.full(3, -math.inf)
     for geom in geoms:
         axes = data.geom_xmat[geom].reshape(3, 3)
-        centre = data.geom_xpos[geom] + axes @ model.geom_aabb[geom, :3]
-        half = np.abs(axes) @ model.geom_aabb[geom, 3:]
-        low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
+        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+            mesh = model.mesh(model.geom_dataid[geom])
+            first, count = int(mesh.vertadr[0]), int(mesh.vertnum[0])
+            corners = data.geom_xpos[geom] + model.mesh_vert[first : first + count] @ axes.T
+            ends = corners.min(axis=0), corners.max(axis=0)
+        else:
+            centre = data.geom_xpos[geom] + axes @ model.geom_aabb[geom, :3]
+            half = np.abs(axes) @ model.geom_aabb[geom, 3:]
+            ends = centre - half, centre + half
+        low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
     return low, high
 
 

@@ -254,6 +254,18 @@ def test_meshes_that_cannot_be_had_are_noted_and_those_of_other_folders_are_name
     assert 'model="made"' in (tmp_path / "b" / "made.xml").read_text()
 
 
+def test_a_wheel_of_a_mesh_that_is_not_closed_is_as_large_as_its_corners(tmp_path: Path) -> None:
+    """As scans and exports are; the principal axes, along which MuJoCo lays a mesh's box, lean then."""
+    radius, width = HUSKY.wheel_radius, 0.1143
+    tyre = trimesh.creation.cylinder(radius, width, sections=48)
+    tyre.update_faces(np.arange(len(tyre.faces)) % 9 > 0)
+    tyre.export(tmp_path / "tyre.stl")
+    cylinder = f'<cylinder radius="{radius}" length="{width}"/>'
+    rover = written(tmp_path, HUSKY.urdf.replace(cylinder, '<mesh filename="tyre.stl"/>')).rover
+    assert rover.controller_radius == pytest.approx(radius, rel=1e-4)
+    assert (rover.track, rover.wheelbase) == pytest.approx((HUSKY.track, HUSKY.wheelbase), rel=1e-4)
+
+
 def test_an_inertia_that_no_body_can_have_is_balanced_and_told(tmp_path: Path) -> None:
     thin = '<mass value="{}"/><inertia ixx="0.1" iyy="0.2" izz="{}" ixy="0" ixz="0" iyz="0"/>'
     parts = "".join(
