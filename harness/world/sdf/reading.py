@@ -16,7 +16,7 @@ from harness.world.sdf.document import Document, Person
 from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
-from harness.world.sdf.resources import Missing, Resources, model_file
+from harness.world.sdf.resources import Missing, Resources, model_file, of_gazebo
 from harness.world.solid import Primitive, Solid
 
 MOST_SOLIDS = 20_000
@@ -166,7 +166,10 @@ class _Reading:
             try:
                 path = model_file(self._resources.find(text_of(include, "uri"), place.chain[-1]))
             except Missing as missing:
-                self._left_out(str(missing))
+                brought = of_gazebo(text_of(include, "uri"))
+                if brought is None:
+                    self._left_out(str(missing))
+                calls += [_Call(item, include, place.chain) for item in brought or ()]
                 continue
             chain = (*place.chain, path.resolve())
             if path.resolve() in place.chain:

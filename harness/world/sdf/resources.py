@@ -7,16 +7,25 @@ leads out of all of these is refused. Nothing is fetched.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
+from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
-from harness.world.sdf.reader import read_xml
+from harness.world.sdf.reader import parse_xml, read_xml
 
 VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
 SCHEME = re.compile(r"^([a-z][a-z0-9+.-]*):(?://)?(.*)$", re.IGNORECASE | re.DOTALL)
 LOCAL_SCHEMES = ("model", "package", "file")
+PLANE = b"<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>"
+GROUND_PLANE = parse_xml(
+    b"<model name='ground_plane'><static>1</static><link name='link'><collision name='collision'>"
+    + PLANE
+    + b"</collision></link></model>"
+)
+# What Gazebo brings itself, by the end of its address, so that worlds seldom do; a lamp is nothing here.
+OF_GAZEBO: Mapping[str, tuple[Element, ...]] = {"ground_plane": (GROUND_PLANE,), "sun": ()}
 
 
 class Missing(Exception):
@@ -64,6 +73,11 @@ class Resources:
         yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - as below
         yield home
         yield from (folder for folder in [*home.parents][:2] if folder != folder.parent)  # not /
+
+
+def of_gazebo(uri: str) -> tuple[Element, ...] | None:
+    """Returns the models that Gazebo has under a URI wherever it is installed; None if it has none."""
+    return OF_GAZEBO.get(unquote(uri).rpartition("/")[2].lower().replace(" ", "_"))
 
 
 def _split(uri: str) -> tuple[str, str]:

@@ -191,6 +191,25 @@ def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
+    "uri", ["model://ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground%20Plane"]
+)
+def test_gazebos_own_ground_and_sun_need_no_file_and_a_bare_attribute_is_empty(
+    tmp_path: Path, uri: str
+) -> None:
+    """As in DynaBARN's worlds; a plane that the world does bring counts before Gazebo's."""
+    sun = "<include><uri>model://sun</uri></include>"
+    body = f"{sun}<include><uri>{uri}</uri><pose frame=>{' '.join(map(str, A))}</pose></include>"
+    document = read(tmp_path, body)
+    assert_placed(document, [("ground_plane::link::collision", at(*A))])
+    assert isinstance(document.solids[0].shape, Plane)
+    assert document.notes == ()
+    (tmp_path / "ground_plane").mkdir()
+    (tmp_path / "ground_plane" / "model.sdf").write_text(f"<sdf version='1.9'>{model(link())}</sdf>")
+    own = read(tmp_path, "<include><uri>model://ground_plane</uri></include>")
+    assert [solid.name for solid in own.solids] == ["m::l::c"]
+
+
+@pytest.mark.parametrize(
     ("materials", "color"),
     [
         (["<diffuse>0.1 0.2 0.3 0.4</diffuse>"], (0.1, 0.2, 0.3, 0.4)),
