@@ -14,6 +14,7 @@ MOVES = 0.1  # [m], [rad] rms in a window that says something
 LIKE = 0.3  # least correlation of what tells of the same motion
 LIMITED = 20.0  # times the wheels' motion that a rover's limit may explain; degrees are 57 times radians
 ALIKE = 0.7  # least correlation of commands with wheels that follow them up to a limit
+PROPORTIONAL, VARIED = 0.97, 0.25  # correlation of what is in other units; least variation of speeds
 LATEST = 30  # ticks that wheels may be late by
 
 
@@ -33,7 +34,7 @@ def likely(recording: Recording, rover: RoverSpec) -> Recording:
     times = np.arange(begin, end, TICK)
     left, right = at(recording.wheels, times).T
     ahead, turned = _moved((left + right) / 2), _moved((right - left) / rover.controller_separation)
-    v, w = (_moved(rates) for rates in at(recording.commands, times).T)
+    v, w = at(recording.commands, times).T
     problems = _unlike_commands(recording, "commanded speed", "m/s", v, ahead)
     problems += _unlike_commands(recording, "commanded yaw rate", "rad/s", w, turned)
     if len(recording.poses):
@@ -44,7 +45,7 @@ def likely(recording: Recording, rover: RoverSpec) -> Recording:
             _unlike("the poses' speed", "m/s", np.hypot(x, y)[straight], np.abs(ahead[straight]), 0),
         )
         if reason := next(filter(None, reasons), ""):
-            if _likeness(w, yaw, LATEST) > max(ALIKE, _likeness(turned, yaw, LATEST)):
+            if _likeness(_moved(w), yaw, LATEST) > max(ALIKE, _likeness(turned, yaw, LATEST)):
                 raise _refused(recording, "wheels turn otherwise than commands and poses, as if swapped")
             problems += (f"{recording.name}: {reason}; the poses are left out",)
             sources = {name: topic for name, topic in recording.sources.items() if name != "poses"}
@@ -60,14 +61,18 @@ def _moved(rates: Series) -> Series:
 
 
 def _unlike_commands(
-    recording: Recording, what: str, unit: str, theirs: Series, wheels: Series
+    recording: Recording, what: str, unit: str, rates: Series, wheels: Series
 ) -> tuple[str, ...]:
     """Checks commands; returns a line where a limit of the rover explains that they are larger."""
+    theirs, speeds = _moved(rates), np.abs(rates[rates != 0.0])
     reason = _unlike(what, unit, theirs, wheels, LATEST)
     if not reason:
         return ()
     is_larger = _size(wheels) < _size(theirs) < LIMITED * _size(wheels)
-    if is_larger and _likeness(theirs, wheels, LATEST) > ALIKE:
+    likeness = _likeness(theirs, wheels, LATEST)
+    # A limit lets faster commands go no faster; of other units, they go as much faster.
+    is_scaled = likeness > PROPORTIONAL and speeds.std() > VARIED * speeds.mean()
+    if is_larger and likeness > ALIKE and not is_scaled:
         return (f"{recording.name}: {reason}; that is taken for a limit of the rover",)
     raise _refused(recording, reason)
 

@@ -121,6 +121,8 @@ def _known_line(error: BaseException) -> str | None:
     if isinstance(error, ImportError) and module not in OWN:
         here = f"Python {sys.version.split()[0]}, {sys.executable}"
         return f"{error} ({here}); pip install 'rover-harness{EXTRAS.get(module, '')}'"
+    if isinstance(error, FileNotFoundError) and error.filename is None:
+        return "the current folder is gone; change to one that is there (cd)"
     if isinstance(error, OSError) and error.filename is not None:
         return f"cannot use {error.filename}: {error.strerror}; name another place"
     return None

@@ -30,6 +30,11 @@ HERE = f"(Python {sys.version.split()[0]}, {sys.executable})"
         (ImportError("no rich", name="rich.table"), 2, f"no rich {HERE}; pip install 'rover-harness'"),
         (ImportError("no x", name="rclpy.node"), 2, f"no x {HERE}; pip install 'rover-harness[ros]'"),
         (ImportError("no x"), 2, f"no x {HERE}; pip install 'rover-harness'"),
+        (
+            FileNotFoundError(errno.ENOENT, "No"),  # of os.getcwd()
+            2,
+            "the current folder is gone; change to one that is there (cd)",
+        ),
     ],
 )
 def test_a_known_error_ends_a_program_in_one_line(

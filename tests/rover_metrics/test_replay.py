@@ -3,10 +3,13 @@
 import csv
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +23,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
+from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.extended.metrics import EXTENDED_HEADER
@@ -198,9 +202,8 @@ def test_every_kind_of_folder_gives_its_rows(
     assert "compression_mode: message" in told or compression is not CompressionMode.MESSAGE
     metadata.write_text(told.replace("mode: message", "mode: MESSAGE"))  # as rosbag2 itself writes it
     assert replay(bag) == cells(expected_rows())
-    if compression is CompressionMode.NONE:
-        (file,) = set(bag.iterdir()) - {metadata}  # bare it is a recording too
-        assert replay(file) == cells(expected_rows())
+    (file,) = set(bag.iterdir()) - {metadata}  # bare it is a recording too
+    assert replay(file) == cells(expected_rows())
 
 
 def test_files_are_read_in_the_order_of_their_numbers(tmp_path: Path, capsys: Capsys) -> None:
@@ -382,6 +385,25 @@ def test_damaged_recording_keeps_what_can_be_read(
     assert told in capsys.readouterr().err
 
 
+def test_a_database_cut_off_within_a_page_has_an_end(tmp_path: Path) -> None:
+    """The page reads as rows with the number 0, after which the ones before came again, for ever."""
+    file = tmp_path / "bag.db3"
+    with closing(sqlite3.connect(file)) as database:
+        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT)")
+        database.execute("INSERT INTO topics VALUES(1, '/a', 'b/msg/C')")
+        columns = "id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB"
+        database.execute(f"CREATE TABLE messages({columns})")
+        rows = ((1, time_ns, bytes(700)) for time_ns in range(400))
+        database.executemany("INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)", rows)
+        database.commit()
+    file.write_bytes(file.read_bytes()[: 8 * 4096 + 700])
+    with Bag(file) as bag:
+        times = [message.time_ns for message in islice(bag.messages({"/a"}), 1000)]
+        assert times == sorted(times)
+        assert 0 < len(times) < 400
+        assert "is damaged" in bag.problems[0]
+
+
 @pytest.mark.parametrize("packed", [CompressionType.NONE, CompressionType.ZSTD])
 def test_a_recording_cut_off_in_its_only_chunk_keeps_the_rows_before(
     tmp_path: Path, capsys: Capsys, packed: CompressionType
@@ -550,6 +572,8 @@ def test_of_many_jumps_five_are_told_and_types_may_lack_msg(tmp_path: Path, caps
         notes = [line for line in capsys.readouterr().err.splitlines() if " note: " in line]
         assert notes[0] == "replay: note: time jumps from 2.00 s to 100.00 s"
         assert notes[5:] == ["replay: note: 1 more jumps of time"] * more
+    with Bag(tmp_path / "bag.mcap") as bag:  # as every reader of bags has them
+        assert bag.topics == {"/imu/data": TYPES["/imu/data"]}
 
 
 NOT_READABLE = Path("/proc/self/mem")  # whose first byte is an EIO

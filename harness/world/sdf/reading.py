@@ -21,6 +21,7 @@ from harness.world.solid import Primitive, Solid
 
 MOST_SOLIDS = 20_000
 MOST_INCLUDES = 2_000
+ON_EARTH = ("latitude_deg", "longitude_deg", "elevation")
 EARTH = "0 0 -9.8"  # SDF's default
 
 
@@ -104,6 +105,9 @@ class _Reading:
                 f"{GRAVITY[1]:g} m/s^2; rovers drive on nothing else"
             )
         self._document.gravity = -gravity[2]
+        where = [text_of(world.find("spherical_coordinates"), tag, "0") for tag in ON_EARTH]
+        if any(word.strip("-+.0") for word in where):
+            self._left_out(f"<spherical_coordinates>; --datum {','.join(where)} says the same")
         self._scope(world, Frames("world"), place)
         if world is root:
             several = models is not None or sum(item.tag in ("model", "include") for item in root) > 1

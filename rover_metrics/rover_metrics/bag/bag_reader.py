@@ -61,6 +61,8 @@ class SqliteFile:
             while skip < LARGEST_SKIP:
                 try:
                     for row_id, key, time_ns, data in database.execute(query, (after,)):
+                        if row_id <= after:  # of a page that is not there: it would come for ever
+                            raise sqlite3.DatabaseError("rows out of order")
                         after, skip = row_id, 1
                         if key in self._names and isinstance(time_ns, int):
                             known = data if isinstance(data, bytes) else b""
@@ -107,13 +109,15 @@ class Bag(ExitStack):
         except BaseException:
             self.close()
             raise
-        self.topics = {topic: kind for file in self._files for topic, kind in file.topics.items()}
+        self.topics = {t: _full_name(kind) for file in self._files for t, kind in file.topics.items()}
 
     def messages(self, wanted: Collection[str]) -> Iterator[Message]:
         """Yields all messages in recorded order, those of the wanted topics with their bytes."""
         for file in self._files:
             for message in file.messages(wanted, self.problems):
-                yield self._decompressed(message) if self._message_compression else message
+                # A bare file does not say so; CDR begins with a zero.
+                is_packed = self._message_compression or message.data.startswith(ZSTD_MAGIC)
+                yield self._decompressed(message) if is_packed else message
 
     def _paths(self) -> list[Path]:
         if not self.path.exists():
@@ -211,6 +215,12 @@ def _first_bytes(path: Path) -> bytes:
         raise BagError("this is not a file but a device or a pipe")
     with path.open("rb") as file:
         return file.read(len(SQLITE_MAGIC))
+
+
+def _full_name(message_type: str) -> str:
+    """The type with its /msg/, which older recorders leave out."""
+    package, _, name = message_type.rpartition("/")
+    return message_type if "/" in package or not package else f"{package}/msg/{name}"
 
 
 def _natural(path: Path) -> list[int | str]:

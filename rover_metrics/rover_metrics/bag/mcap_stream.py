@@ -43,7 +43,7 @@ class McapFile:
     """An MCAP file, finished or not; `topics` has the message type of each topic with messages."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self._path, self._is_damaged = path, False  # beside having no end
         summarised = self._summarised_topics()
         self.topics = self._scanned_topics() if summarised is None else summarised
 
@@ -80,10 +80,12 @@ class McapFile:
                 yield from _records_of_a_cut_chunk(file.read(LARGEST_RECORD))
                 problems.append(f"{name} has no end, {_CUT_OFF}; what is there was read {_mend(name)}")
             except _DAMAGE as error:
+                self._is_damaged = True
                 problems.append(
                     f"{name} is damaged before byte {file.tell()} ({error}); what follows is lost"
                 )
         if bad_chunks:
+            self._is_damaged = True
             first = bad_chunks[0].message_start_time / NANOSECONDS
             problems.append(
                 f"{name}: {len(bad_chunks)} damaged chunk(s) left out, the first from t = {first:.2f} s"
@@ -116,7 +118,7 @@ class McapFile:
                 channel = channels[record.channel_id]
                 topics[channel.topic] = _type(channel, schemas)
         if problems and not topics:
-            if all(_CUT_OFF in problem for problem in problems):
+            if not self._is_damaged:
                 mend = _mend(self._path.name)
                 raise BagError(f"it ends before its first message, {_CUT_OFF} {mend}")
             raise BagError(f"no message can be read; {'; '.join(problems)}")

@@ -136,7 +136,7 @@ class Playback:
             recorded = self._bag.topics.get(topic)
             if recorded is None:
                 reasons.append(f"{topic} is missing")
-            elif _full_name(recorded) != source.message_type:
+            elif recorded != source.message_type:
                 reasons.append(f"{topic} is {recorded}, not {source.message_type}")
             else:
                 there[topic] = source
@@ -163,9 +163,3 @@ def _resolved(wish: TimeSource, no_clock: Sequence[str]) -> TimeSource:
     if wish is TimeSource.SIM and no_clock:
         raise BagError(f"--time sim needs /clock, but {no_clock[0]}; choose recorded or header")
     return wish
-
-
-def _full_name(message_type: str) -> str:
-    """The type with its /msg/, which older recorders leave out."""
-    package, _, name = message_type.rpartition("/")
-    return message_type if "/" in package or not package else f"{package}/msg/{name}"

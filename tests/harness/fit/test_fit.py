@@ -176,6 +176,7 @@ def lacking(*columns: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
             lambda t: t.assign(left_speed=6 * t.left_speed, right_speed=6 * t.right_speed),
             "as left_wheel",
         ),
+        (lambda t: t.assign(cmd_v=6 * t.cmd_v, cmd_w=6 * t.cmd_w), "commanded speed is"),
         (lambda t: t.assign(cmd_w=np.degrees(t.cmd_w)), "commanded yaw rate is"),
         (lambda t: t.assign(cmd_v=1000 * t.cmd_v), "commanded speed is"),
         (lambda t: t.assign(right_speed=-t.right_speed), "swapped"),

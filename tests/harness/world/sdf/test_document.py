@@ -190,6 +190,15 @@ def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -
     ]
 
 
+@pytest.mark.parametrize(("latitude", "told"), [("0", 0), ("-0.0", 0), ("46.9", 1)])
+def test_a_place_on_earth_is_told_with_the_option_that_says_it(
+    latitude: str, told: int, tmp_path: Path
+) -> None:
+    place = f"<latitude_deg>{latitude}</latitude_deg><longitude_deg>0.0</longitude_deg>"
+    read_ = read(tmp_path, model(link()) + f"<spherical_coordinates>{place}</spherical_coordinates>")
+    assert sum("--datum 46.9,0.0,0" in note for note in read_.notes) == len(read_.notes) == told
+
+
 @pytest.mark.parametrize(
     "uri", ["model://ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground%20Plane"]
 )
