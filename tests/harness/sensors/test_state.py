@@ -24,7 +24,7 @@ MakeSimulation = Callable[..., Simulation]
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 TORQUE_LIMIT = {"leo": 4.0, "rover_zero4wd": 7.0, "husky": 30.0, "jackal": 8.0}  # [N m]
-SERVO_GAIN = {"leo": 20.0, "rover_zero4wd": 20.0, "husky": 400.0, "jackal": 200.0}  # [N m s/rad]
+SERVO_GAIN = {"leo": 20.0, "rover_zero4wd": 20.0, "husky": 400.0, "jackal": 50.0}  # [N m s/rad]
 
 
 @BOTH
