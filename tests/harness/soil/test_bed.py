@@ -82,12 +82,11 @@ def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
 
 @pytest.mark.parametrize("robot", ["leo", "jackal"])
 def test_firm_soil_drives_and_turns_as_rigid_ground_and_no_wheel_trembles(robot: str) -> None:
-    def went(soil: str, timestep: float) -> Episode:
+    def went(soil: str) -> Episode:
         commands = ((0.3, 0.0, 0.5), (1.8, 0.3, 0.0))
-        return driven(3.5, soil=soil, timestep=timestep, robot=robot, commands=commands)
+        return driven(3.5, soil=soil, robot=robot, commands=commands)
 
-    # Rigid ground lets a jackal's motors tremble at steps as coarse.
-    firm, rigid = went("firm", 0.0025), went("", 0.000625)
+    firm, rigid = went("firm"), went("")
     for one, other in zip(firm.simulation.position[:2], rigid.simulation.position[:2], strict=True):
         assert one == pytest.approx(other, abs=0.03)
     assert firm.simulation.yaw == pytest.approx(rigid.simulation.yaw, rel=0.05)
