@@ -2,6 +2,7 @@
 
 import math
 import re
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,7 @@ UNITS = {
     "mph": 0.44704, "dps": math.pi / 180, "°": math.pi / 180, "°/s": math.pi / 180, "m/s²": 1.0,
 }  # fmt: skip
 UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
+NANOSECONDS = re.compile(r"^(?P<before>.*?)n(?:ano)?(?P<seconds>secs?)$")  # header.stamp.nanosec
 OF_TURNING = ("rad/s", "deg/s", "dps", "°/s", "rpm")  # a speed in these is that of a wheel's turning
 # [s]: times without a unit that are farther apart are in milli-, micro- or nanoseconds.
 LONGEST_PERIOD = 0.5
@@ -63,7 +65,7 @@ def read_columns(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as o
 
     Its `attrs` tell by "stated" which columns had a unit.
     """
-    table = read_csv(path, **how)
+    table = _with_whole_stamps(read_csv(path, **how))
     known = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
     columns, stated = dict[str, pd.Series](), set[str]()
     for column in table.columns:
@@ -92,9 +94,26 @@ def read_columns(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as o
     return read
 
 
+def _with_whole_stamps(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with one time of seconds and nanoseconds, which stamps of ROS have apart."""
+    named = {str(column).strip().casefold(): column for column in table.columns}
+    for name, rest in named.items():
+        match = NANOSECONDS.match(name)
+        if match and (whole := named.get(match["before"] + match["seconds"])) is not None:
+            seconds, nanoseconds = (pd.to_numeric(table[one], errors="coerce") for one in (whole, rest))
+            times = (seconds + 1e-9 * nanoseconds).rename("t [s]")
+            return pd.concat([table.drop(columns=[whole, rest]), times], axis=1)
+    return table
+
+
 def _dates(times: pd.Series) -> pd.Series:
     """Dates with times of the day in seconds; NaN of what is none."""
-    dates = pd.to_datetime(times, errors="coerce", utc=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of a form that is no standard's
+        try:
+            dates = pd.to_datetime(times, errors="coerce", utc=True)
+        except (OverflowError, ValueError):  # of what is no date at all
+            return pd.Series(math.nan, times.index)
     return (dates - pd.Timestamp(0, tz="UTC")).dt.total_seconds()
 
 

@@ -1,7 +1,9 @@
 """CSV files as everybody writes them: commas, semicolons or tabs, decimal points or decimal commas."""
 
+import codecs
 import gzip
 import io
+import re
 import warnings
 import zlib
 from pathlib import Path
@@ -14,6 +16,9 @@ from harness.base.errors import UsageError
 from rover_metrics.analysis.logs.header import comma_in_cells
 
 MOST_BYTES = 2**30
+SEPARATORS = (",", ";", "\t", "|")
+COMMENTS = "#", "%", "sep="  # the last is Excel's
+MINUS = "\u2212"  # as programs write it in the languages of the north
 
 
 def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as of pandas
@@ -27,17 +32,17 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
     try:
         content = read_bytes(path, largest)
         content = gzip.decompress(content) if path.suffix == ".gz" else content
-        separator = max(b",", b";", b"\t", key=content.partition(b"\n")[0].count)
-        commas_are_decimal = comma_in_cells(content.splitlines()[1:], separator.decode()) == "."
+        text = _below_comments(_text(content))
+        separator = max(SEPARATORS, key=text.partition("\n")[0].count)
+        commas_are_decimal = comma_in_cells(text.encode().splitlines()[1:], re.escape(separator)) == "."
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table: pd.DataFrame = pd.read_csv(
-                io.BytesIO(content),
-                encoding="utf-8-sig",
+                io.StringIO(text),
                 skipinitialspace=True,
-                sep=separator.decode(),
+                sep=separator,
                 decimal="," if commas_are_decimal else ".",
-                thousands=None if commas_are_decimal or separator == b"," else ",",
+                thousands=None if commas_are_decimal else ",",
                 index_col=False,  # rows longer than the header would be shifted
                 **how,
             )
@@ -50,3 +55,24 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     table.columns = [str(name).strip() for name in table.columns]
     return table
+
+
+def _text(content: bytes) -> str:
+    """A file's text: UTF-8 or, where its first bytes say so, UTF-16, else what Windows writes."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16").replace(MINUS, "-")
+    try:
+        return content.decode("utf-8-sig").replace(MINUS, "-")
+    except UnicodeDecodeError:
+        return content.decode("cp1252")
+
+
+def _below_comments(text: str) -> str:
+    """A text without the comments above its header, which may be the last of them, as of numpy."""
+    if not text.startswith(COMMENTS):
+        return text
+    lines = text.split("\n")
+    first = next((n for n, line in enumerate(lines) if not line.startswith(COMMENTS)), 1)
+    header = lines[first - 1].lstrip("#% ")
+    is_header = any(0 < header.count(mark) == lines[first].count(mark) for mark in SEPARATORS)
+    return "\n".join([header, *lines[first:]] if is_header else lines[first:])

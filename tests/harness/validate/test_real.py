@@ -1,6 +1,7 @@
 """Ours beside recordings: measures against closed forms, files of strangers, and the shared halves."""
 
 import gzip
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -189,6 +190,7 @@ def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) ->
         ("t,x,y,yaw", "0,0,0,28\n0.1,1,0,30", r"yaw \[deg\]"),
         ("t [s],left_speed,right_speed", "5,1,1\n6,1,1\n0,1,1", "time goes back by 6.0 s"),
         ("remark", "none", "holds no recording"),
+        ("t,left_speed", "99999-99-99 99999999999,1\nx,2", "holds no recording"),
     ],
 )
 def test_a_file_that_would_mislead_is_one_line(head: str, rows: str, said: str, tmp_path: Path) -> None:
@@ -217,6 +219,46 @@ def test_a_file_is_read_whatever_separates_its_numbers(
     (tmp_path / name).write_bytes(gzip.compress(data) if name.endswith("gz") else data)
     (one,) = recordings_of(tmp_path, 0.1)
     assert one.wheels == pytest.approx(np.array(rows, float))
+
+
+def quoted(text: str) -> str:
+    head, *rows = text.splitlines()
+    cells = (row.replace(".", "*").replace(",", '","').replace("*", ",") for row in rows)
+    return "\n".join([head, *(f'"{row}"' for row in cells)])
+
+
+def with_apart_stamps(text: str) -> str:
+    """As tools write messages of ROS into tables."""
+    head, *rows = text.splitlines()
+    cells = (row.partition(",") for row in rows)
+    apart = (f"{int(float(t))},{round(float(t) % 1 * 1e9)},{rest}" for t, _, rest in cells)
+    return "\n".join([head.replace("t,", "header.stamp.sec,header.stamp.nanosec,", 1), *apart])
+
+
+@pytest.mark.parametrize(
+    ("change", "encoding"),
+    [
+        (lambda text: text, "utf-16"),
+        (lambda text: text.replace("\n", ",²\n").replace(",²", ",acc [m/s²]", 1), "cp1252"),
+        (lambda text: text.replace("-", "\u2212"), "utf-8"),
+        (lambda text: text.replace(",", "|"), "utf-8"),
+        (lambda text: f"# of a rover, 2026\n# {text}", "utf-8"),
+        (lambda text: f"# of a rover, 2026\n{text}", "utf-8"),
+        (lambda text: f"sep=,\n{text}", "utf-8"),
+        (quoted, "utf-8"),
+        (with_apart_stamps, "utf-8"),
+    ],
+)
+def test_a_file_is_read_however_programs_write_it(
+    change: Callable[[str], str], encoding: str, tmp_path: Path
+) -> None:
+    rows = [(0.1 * n, 0.5 - 0.1 * n, 0.6) for n in range(30)]
+    text = "\n".join(
+        ["t,left_speed,right_speed", *("{:.2f},{:.2f},{:.2f}".format(*row) for row in rows)]
+    )
+    (tmp_path / "ice_1.csv").write_bytes(change(text).encode(encoding))
+    (one,) = recordings_of(tmp_path, 0.1)
+    assert one.wheels == pytest.approx(np.array(rows))
 
 
 @pytest.mark.parametrize("separator", [";", "\t"])

@@ -58,8 +58,6 @@ def separator_of(text: str) -> str:
 
 def comma_in_cells(rows: Iterable[bytes], separator: str) -> str:
     """Returns what a comma within a cell is to become: a decimal point, unless numbers have points."""
-    if separator == ",":
-        return ";"
     end = f' *"? *(?:{separator}|[\r\n]|$)'
     number = re.compile(rf'(?:^|{separator}) *"? *[-+]?[\d,]*\.\d+(?:[eE][-+]?\d+)?{end}'.encode())
     return ";" if any(map(number.search, rows)) else "."
