@@ -36,6 +36,7 @@ METRICS = {
     "extended": ["--extended"],
     "params": ["--params", "{params}"],
     "both": ["--extended", "--params", "{params}"],
+    "of_one": ["--extended", "--params", "{of_one}"],  # of a fleet
 }
 TF = {
     "wheels": ["--odom-tf", "wheels"],
@@ -161,7 +162,8 @@ def kind(column: str, value: str) -> str:
     groups = {
         "terrain": {"posts": "hazards", "maze": "hazards", "rough": "dem"}
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
-        "robot": {"sojourner": "husky", "a200": "husky", "jackal": "husky"},
+        "robot": {"sojourner": "husky", "a200": "husky", "jackal": "husky", "rk4": "leo"},
+        "metrics": {"of_one": "both"},
         "fleet": {"close": "twin", "onto": "mixed"},
         "mission": dict.fromkeys((*MISSION, "link", "helm"), NONE),  # each in a run of its own
         "soil": dict.fromkeys(("dry_sand", "dry_sand:keep", "firm", "terrain"), NONE),

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.course.planner import Planner
 from harness.course.task import Case
 from harness.course.tracks import find_track
 from harness.course.tracks.dynabarn import key_frames
+from harness.course.tracks.grounds import BLIND
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
 from harness.samples import ActorPoses, JointStates, Pose
@@ -132,6 +134,13 @@ def test_goals_of_a_ground_are_as_far_and_as_free_as_its_track_says(
     assert sum(legs) - 0.3 < task.shortest < 2.0 * sum(legs)
     assert task.optimal == pytest.approx(task.shortest / rover.top_speed)
     assert task.run.duration == task.rule.limit + 5.0
+
+
+def test_a_goal_has_as_much_room_around_it_as_is_asked_for() -> None:
+    world = world_of(BLIND.run(**BLIND.world))
+    planner = Planner(world, find_rover(BLIND.robot))
+    drawn = [BLIND.place(planner, [(0.0, 0.0)], 1.2, np.random.default_rng(seed)) for seed in (3, 7)]
+    assert gaps(world, np.array(drawn)).min() > 1.2 - 0.15
 
 
 @pytest.mark.parametrize("seed", [0, 7, 23])

@@ -45,7 +45,7 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: t
         Outputs(log_dir=tmp_path / rover.name, observers=(one,))
         for rover, one in zip(run.rovers, kept, strict=True)
     ]
-    for result in run_direct(run, outputs, options, StopRequest()):
+    for result in reversed(run_direct(run, outputs, options, StopRequest())):  # the last is the first
         assert result.log_path is not None
         write_manifest(result, result.log_path.with_suffix(".json"))
     again = run_of(file, (), manifests_near(tmp_path))

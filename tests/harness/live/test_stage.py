@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,21 +17,28 @@ from harness.live.server import Server
 from harness.live.stage import Stage
 from harness.live.watch import Sight, Watch
 from harness.robots import find_rover
+from harness.samples import Place
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 
 
-def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is() -> None:
+def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is_and_a_goal_stands_on_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     run, watch, server = Run.of(terrain="rolling", lidar_beams=8), Watch(), Server("127.0.0.1", 0)
+    posts = list[dict[str, Any]]()
+    monkeypatch.setattr(server.scene, "add_cylinder", lambda *_, **post: posts.append(post))
     try:
         stage, still = Stage(server.scene, run), (0.0,) * len(find_rover(run.rover.robot).joints)
         watch.sight = Sight((3.0, -2.0, 1.0), (1.0, 0.0, 0.0, 0.0), still)
         stage.draw([watch])
         hit = stage.under((1.0, 2.5, 20.0), (0.0, 0.0, -1.0))
+        stage.mark(Place(4.0, 0.5, 1.0))
     finally:
         server.stop()
     height = world_of(run).ground.height_at(4.0, 0.5)
     assert hit == pytest.approx((4.0, 0.5, height), abs=0.02)
+    assert posts[0]["position"] == pytest.approx((4.0, 0.5, height + 0.4))
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])  # Leo's lidar is mounted backwards
