@@ -97,6 +97,8 @@ def first_line(path: Path) -> tuple[str, bool]:
         raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
     if b"\0" in first:
         raise UnreadableLog("it is no text in UTF-8, perhaps UTF-16; save it as CSV in UTF-8")
+    if b"\r" in first.rstrip(b"\r\n"):
+        raise UnreadableLog("its lines end in carriage returns alone; save it anew as CSV in UTF-8")
     return first.decode("utf-8-sig", errors="replace").rstrip("\r\n"), has_rows
 
 

@@ -133,7 +133,7 @@ class _Narrow(io.TextIOBase):
         """Returns whole lines of about `size` characters; all there are without a size."""
         lines = self._file.readlines(-1 if size is None else size)
         for place, line in enumerate(lines):
-            if self._separator != "," or line.startswith('"'):
+            if (self._separator, self._comma) != (",", ";") or line.startswith('"'):
                 lines[place] = line = as_logged(line, self._separator, self._comma)  # noqa: PLW2901
             if line.count(",") >= self._fields:
                 lines[place] = ",".join(line.split(",", self._fields)[: self._fields]) + "\n"

@@ -92,6 +92,7 @@ def test_logs_are_read_as_somebody_has_checked(write_log: WriteLog, row: Row, tm
         "no numbers": "Timestamp,Current Velocity\na,b\nc,d\n",
         "without notes": "Timestamp,Current Velocity,a,Vertical Roughness\n1,2,0,3\n2,2,0\n2,2,0,3\n",
         "Windows": "\ufeff" + write_log(lines=4).read_text().replace("\n", "\r\n"),
+        "an old Mac": write_log(lines=4).read_text().replace("\n", "\r"),
         "header too short": write_log(lines=10).read_text().replace("Vertical Roughness,", ""),
         "header too long": write_log(lines=10).read_text().replace("Total", "New,Total"),
     }
@@ -107,6 +108,8 @@ def test_logs_are_read_as_somebody_has_checked(write_log: WriteLog, row: Row, tm
     [
         (csv.QUOTE_ALL, ",", "."),  # pandas, on request
         (csv.QUOTE_NONNUMERIC, ",", "."),  # R
+        (csv.QUOTE_MINIMAL, ",", ","),
+        (csv.QUOTE_ALL, ",", ","),
         (csv.QUOTE_MINIMAL, ";", ","),  # Excel, where commas are decimal
         (csv.QUOTE_MINIMAL, ";", "."),
         (csv.QUOTE_ALL, ";", ","),
