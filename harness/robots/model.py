@@ -101,6 +101,8 @@ def free_root(spec: mujoco.MjSpec, path: Path) -> None:
         raise UsageError(f"{path}: the world must hold the rover's root body alone; it holds {names}")
     (root,) = bodies
     root.name = root.name or ROOT
+    for number, body in enumerate(spec.bodies[1:]):
+        body.name = body.name or f"part_{number}"  # scenes and frames go by names
     if not root.joints:
         root.add_freejoint(name=ROOT_JOINT)
     elif [joint.type for joint in root.joints] != [mujoco.mjtJoint.mjJNT_FREE]:

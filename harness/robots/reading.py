@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from harness.base.documents import read_mapping
+from harness.base.documents import read_mapping, read_yaml
 from harness.base.errors import UsageError
 from harness.robots.mjcf import stated_by_mjcf
 from harness.robots.spec import RoverFile, RoverSpec
@@ -55,7 +55,7 @@ def model_hash(rover: RoverSpec) -> str:
 def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
     """The rover of a folder whose files were changed at those times."""
     path = folder / "rover.yaml"
-    values = read_mapping(path)
+    values = {} if read_yaml(path) is None else read_mapping(path)  # each key may be left out
     stated = made(RoverFile, values, str(path))
     if folder.parent == MODELS_DIR:
         facts = _shipped(folder) | {"name": folder.name, "folder": folder}
@@ -92,6 +92,9 @@ def _only_model(folder: Path) -> str:
 
 
 def _no_rover(folder: Path) -> str:
+    models = sorted(folder.glob("*.xml"))
+    if len(models) == 1:
+        return f"{folder} holds no rover.yaml; put one beside {models[0].name}, which may be empty"
     urdf = sorted(path.name for path in folder.glob("*") if path.suffix in (".urdf", ".xacro"))
     source = folder / urdf[0] if urdf else "robot.urdf"
     return (

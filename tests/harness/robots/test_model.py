@@ -6,8 +6,10 @@ import mujoco
 import pytest
 
 from harness.base.errors import UsageError
+from harness.physics.scene import build_scene
 from harness.robots import ROVERS, RoverSpec, read_rover
 from harness.robots.model import compiled_alone, read_model
+from harness.world.world import build_world
 
 WHEEL = (
     '<body name="{0}" pos="{1} {2} 0.1"><joint name="{0}" axis="0 1 0"/>'
@@ -60,6 +62,18 @@ def test_a_model_gets_what_scenes_need(tmp_path: Path) -> None:
     assert rover.drive.right == ("c", "d")
 
 
+def test_parts_without_a_name_scrape_too_and_every_key_may_be_left_out(tmp_path: Path) -> None:
+    skid = '<body pos="-0.3 0 0.1"><geom size="0.05"/></body>'
+    folder = brought_along(tmp_path / "car", skid)
+    (folder / "rover.yaml").write_text("# as the model says\n")
+    scene = build_scene(build_world("flat", 0), read_rover(folder), 0.0025)
+    names = [scene.model.sensor(sensor).name for sensor in range(scene.model.nsensor)]
+    assert [name for name in names if name.startswith("scrape")] == [
+        "scrape_contact_car",
+        "scrape_contact_part_5",
+    ]
+
+
 def test_mounts_of_rover_yaml_place_sensors_that_the_model_lacks(tmp_path: Path) -> None:
     folder = brought_along(tmp_path / "car")
     (folder / "rover.yaml").write_text(
@@ -87,6 +101,7 @@ MISTAKES = {
     "a rail": ({'="car">': '="car"><joint name="s" type="slide"/>'}, "take joint 's' away"),
     "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "need <velocity> actuators; it has 0"),
     "an axis": ({'name="d" axis="0 1 0"': 'name="d" axis="0 -1 0"'}, "joint 'd' must turn about +y"),
+    "a gear": ({'kv="5"': 'kv="5" gear="2"'}, "the motor of 'a' has gear 2"),
     "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit; give it a ctrlrange"),
     "no mass": ({'size="0.1 0.03"': 'size="0.1 0.03" mass="0"'}, "an <inertial> with a mass"),
     "no name": (
