@@ -141,7 +141,7 @@ class Drivetrain:
         gears = {name: float(self._model.actuator_gear[self._servos()[name][1], 0]) for name in driven}
         if geared := next((name for name, gear in gears.items() if gear != 1.0), None):
             raise UsageError(
-                f"{self._path}: the motor of '{geared}' has gear {gears[geared]:g}: its ctrlrange is not "
+                f"{self._path}: the motor of '{geared}' has gear {gears[geared]:g}: ctrlrange is not "
                 "the wheel's; give it gear 1, and ctrlrange, kv and forcerange of the wheel"
             )
         if len(stated.steering) != (2 if stated.kind == "ackermann" else 0):
