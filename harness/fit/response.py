@@ -17,12 +17,15 @@ TOLERANCE = 0.03  # [m/s]
 STEP = 0.02  # [s], [m]: for derivatives, above a tick
 VARIES = 0.1  # least sd of commands for an estimate [m/s], [rad/s]
 HELD = 0.4  # [s]: logs repeat a sample no longer
+MOST = 0.95  # of the largest difference that is asked for: a limit beyond is none that was met
+UNLIMITED = "no command asked for more than came"
 LONGEST = 1.5  # [s] that a command may take to a wheel
+LIMIT = "actuators.turn_limit"
 BOUNDS = {
     "actuators.delay": (0.0, 1.0),
     "actuators.lag": (0.0, 1.0),
     "controller_separation": (0.1, 4.0),
-    "actuators.turn_limit": (0.05, 10.0),
+    LIMIT: (0.05, 10.0),
 }
 
 
@@ -40,14 +43,14 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
     is_clipped = bool(turns) and driven.actuators != rover.actuators
     still = "" if moves or turns else "changes of the command are missing"
     straight = "" if turns else "turns are missing"
-    unlimited = "" if is_clipped else "no command asked for more than came"
+    unlimited = "" if is_clipped else UNLIMITED
     blank = [
         Estimate(name, unit, key, of(rover, key), why=why, scale=scale)
         for name, unit, key, scale, why in (
             ("delay", "s", "actuators.delay", 0.02, still),
             ("lag", "s", "actuators.lag", 0.05, still),
             ("believed separation", "m", "controller_separation", 0.0, straight),
-            ("limit of the sides' difference", "m/s", "actuators.turn_limit", 0.0, unlimited),
+            ("limit of the sides' difference", "m/s", LIMIT, 0.0, unlimited),
         )
     ]
     free = [one.key for one in blank if one.is_known]
@@ -57,7 +60,7 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
     if loaded is None:
         late = _late(driven, recording) / 2
         loaded = with_values(driven, [("actuators.delay", late), ("actuators.lag", late)])
-    start = np.array([of(loaded, key) for key in free])
+    start = np.array([of(driven if key == LIMIT else loaded, key) for key in free])
     low, high = np.array([BOUNDS[key] for key in free]).T
 
     def residuals(values: Series) -> Series:
@@ -67,7 +70,11 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
     values, halves, _ = minimise(residuals, start, (low, high), np.full(len(free), STEP))
     fits = iter(zip(values.tolist(), halves.tolist(), strict=True))
     lack = "changes of the command are too few"
-    return [one.judged(*next(fits), lack) if one.is_known else one for one in blank]
+    known = [one.judged(*next(fits), lack) if one.is_known else one for one in blank]
+    separation, limit = known[-2], known[-1]
+    if limit.after > MOST * separation.after * float(np.abs(recording.commands[:, 2]).max()):
+        known[-1] = blank[-1].unknown(UNLIMITED)
+    return known
 
 
 def difference(rover: RoverSpec, recording: Recording) -> Series:

@@ -203,6 +203,16 @@ def test_a_response_under_a_load_that_is_known_is_that_of_the_controller_alone()
     assert len(told) == 3
 
 
+def test_a_limit_of_the_sides_difference_is_told_where_commands_met_it() -> None:
+    assert HUSKY.actuators is not None
+    true = HUSKY.but(actuators=HUSKY.actuators.but(turn_limit=0.5))
+    twists = np.array([(0.0, 0.5, 0.2), (5.0, 0.4, -0.3), (9.0, 0.0, 0.9), (11.0, 0.5, -0.4)])
+    drive = replay(true, twists, 20.0, course=flat(*PLANE, 0.3))
+    for loaded in (None, HUSKY):  # one that has a limit that is never met
+        *_, told = response(HUSKY, drive, loaded=loaded)
+        assert told.after == pytest.approx(0.5, abs=0.02)
+
+
 def noisy_and_late(table: pd.DataFrame) -> pd.DataFrame:
     """Poses as of a GNSS without a heading."""
     away = np.random.default_rng(1).normal(0.0, 0.05, (2, len(table)))
