@@ -375,9 +375,7 @@ def test_a_clock_that_stands_still_for_hours_costs_no_memory() -> None:
     for i in range(10_500):
         feed.extended.add_odometry(0, (float(i < 600),), used=True)  # type: ignore[arg-type]
         feed.extended.add_imu(i < 600, (0.0, 0.0, 20.0), None, used=True)
-    travel = feed.extended._travel
-    assert len(travel._speeds) == len(travel._rough) == 10_000
-    assert feed.row()["VORT [m/s]"] == 0.01
+    assert feed.row()["VORT [m/s]"] == 0.01  # of the last 10 000 alone
 
 
 def test_lost_messages_are_counted_for_each_topic() -> None:

@@ -13,11 +13,12 @@ from harness.episode.manifest import write_manifest
 from harness.episode.result import Outputs
 from harness.live.player import Player
 from harness.live.recording import manifests_near, read_tracks, run_of
-from harness.live.watch import Watch
+from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.play import main
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from harness.truth.traversal import Truth
 
 SECOND = 1_000_000_000
 
@@ -60,6 +61,16 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: t
         assert watch.path[0] == pytest.approx(one.watch.path[0], abs=0.02)
 
 
+def test_a_path_of_any_length_is_shown_whole_and_evenly() -> None:
+    watch = Watch()
+    for n in range(15_000):
+        watch.see(Sight((0.06 * n, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), ()), Truth(n), None)
+    x = np.array(watch.path)[:, 0]
+    assert len(x) <= MOST_POINTS
+    assert np.diff(x).max() < 1.5 * np.diff(x).min()
+    assert (x[0], x[-1]) == pytest.approx((0.0, 900.0), abs=0.5)
+
+
 def test_a_recording_stands_at_its_end_and_goes_on_step_by_step() -> None:
     helm, player = Helm(2.0, StopRequest()), Player(SECOND)
     for _ in range(12):
@@ -71,6 +82,10 @@ def test_a_recording_stands_at_its_end_and_goes_on_step_by_step() -> None:
     for _ in range(2):
         player.go_on(helm)
     assert player.time_ns == SECOND * 0.55
+    helm.paused, helm.rate, hour = False, None, Player(3600 * SECOND)  # as fast as it can
+    for _ in range(30):
+        hour.go_on(helm)
+    assert hour.time_ns == hour.end_ns
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,9 @@ from harness.base.interrupt import StopRequest
 from harness.episode.helm import Helm, Order
 from harness.live.keys import HELD, STANDING, Keys
 from harness.live.wheel import Wheel
-from harness.samples import Place
+from harness.samples import Place, Twist
 from harness.spec.rover import RoverSetup
+from tests.support.rovers import LEO
 
 
 class Told(Helm):
@@ -26,15 +27,14 @@ def test_each_grip_takes_the_wheel_for_somebody_else_may_have_it_since() -> None
     now, helm = [0.0], Told()
     wheel = Wheel(helm, 0, RoverSetup(robot="leo"), Keys(lambda: now[0]))
     for _ in range(2):  # between them a plan or a service puts the rover back, of which nobody tells
-        wheel.press(1.0, 0.0)
+        wheel.press(1.0, -1.0)
         now[0] += HELD + 0.1
         wheel.let_go()
         wheel.let_go()
     drive, stop, *again = helm.orders
     assert (drive.driver, stop.driver, drive.held) == ("cmd_vel", None, True)
-    assert drive.command is not None
-    assert stop.command is not None
-    assert drive.command.linear > 0.0 == stop.command.linear
+    assert drive.command == Twist(LEO.cruise_speed, -LEO.cruise_yaw_rate)
+    assert stop.command == Twist()
     assert again == [drive, stop]
 
 

@@ -4,7 +4,7 @@ import math
 from contextlib import ExitStack, closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
+from unittest.mock import Mock
 
 import mujoco
 import numpy as np
@@ -76,14 +76,16 @@ def test_the_path_lies_on_the_ground_and_grows_with_time_between_the_tracks(stat
     assert times == sorted(times)
     assert 0.0 < times[0] < times[-1] <= 2.0
     slope = Heightfield(0.3 * X - 0.2 * Y, CELL)
-    turns = np.linspace(0.0, 5.0, len(states.times))  # a circle of 3 m to the left, about the origin
+    turns = np.linspace(0.0, 16.0, 800)  # 48 m on a circle of 3 m to the left, about the origin
     around = np.column_stack([3.0 * np.sin(turns), -3.0 * np.cos(turns), 0 * turns])
     facing = np.column_stack([np.cos(turns / 2), 0 * turns, 0 * turns, np.sin(turns / 2)])
-    circle = replace(states, path=around, orientations=facing)
+    circle = replace(states, times=turns, path=around, orientations=facing)
     marks = track_marks(circle, slope, LEO)
     for mark in marks:  # each lies flat on it
         x, y, z = mark.position + 0.1 * mark.frame[:, 0]
         assert z == pytest.approx(slope.height_at(x, y))
+    since = [mark.since for mark in marks]
+    assert (since[0], since[-1]) == pytest.approx((8.0 / 3.0, 16.0), abs=0.1)  # of the last 40 m
     inner, outer = (np.array([mark.position[:2] for mark in marks[side::2]]) for side in (0, 1))
     assert np.linalg.norm(inner, axis=1) == pytest.approx(3.0 - LEO.track / 2, abs=0.01)
     assert np.linalg.norm(outer, axis=1) == pytest.approx(3.0 + LEO.track / 2, abs=0.01)
@@ -104,7 +106,7 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
                 writer.take(batch)
             stamp_ns = batches[0].ticks[-1].stamp_ns
             there[stamp_ns] = data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy()
-    monkeypatch.setattr(mujoco, "Renderer", lambda *_, **__: SimpleNamespace(close=lambda: None))
+    monkeypatch.setattr(mujoco, "Renderer", Mock())
     with picture.Studio(files, picture.VIDEO_QUALITY, lidar=False) as studio:
         placed = mujoco.MjData(studio.model)
         for index in range(4, 25, 5):
@@ -114,6 +116,23 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
             studio.pose(index)
             assert studio.data.xpos == pytest.approx(placed.xpos, abs=1e-6)
             assert studio.data.xmat == pytest.approx(placed.xmat, abs=1e-6)
+
+
+def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the heights that OpenGL is given where the rover has come from."""
+    run = Run.of(terrain="flat", soil="dry_sand", driver="straight", duration=2.0, start=(1.0, 0.0, 0.0))
+    end, given = recorded(tmp_path / "states", run), Mock()
+    monkeypatch.setattr(mujoco, "Renderer", Mock(return_value=given))
+    monkeypatch.setattr(mujoco, "mjr_uploadHField", Mock())
+    given.scene = mujoco.MjvScene(mujoco.MjModel.from_xml_string("<mujoco/>"), 100)
+    with picture.Studio([tmp_path / "states"], picture.VIDEO_QUALITY, lidar=False) as studio:
+        heights, view = studio.model.hfield_data, chase_view(end.path[-1], 0.0)
+        studio.image(0, view)
+        before = heights.copy()
+        studio.image(-1, view)
+    assert (heights < before - 1e-6).sum() > 50
 
 
 def test_each_frame_of_a_video_looks_from_behind_at_where_the_rover_is_then(
