@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,21 @@ Look = Callable[[Pose], NDArray[np.float32]]
 
 def context() -> DriverContext:
     return DriverContext(ROVER, (50.0, 50.0), BEARINGS, np.random.default_rng(0))
+
+
+class Turned:
+    """A driver to whom the world is turned by half a turn."""
+
+    def __init__(self, driver: Any) -> None:  # noqa: ANN401 - takes goals
+        self._driver = driver
+
+    def head_for(self, x: float, y: float, yaw: float) -> None:
+        self._driver.head_for(-x, -y, math.remainder(yaw + math.pi, math.tau))
+
+    def command(self, seen: Observation) -> Twist:
+        yaw = math.remainder(seen.yaw + math.pi, math.tau)
+        twist: Twist = self._driver.command(replace(seen, x=-seen.x, y=-seen.y, yaw=yaw))
+        return twist
 
 
 def lidar(pose: Pose) -> tuple[float, float, NDArray[np.float64]]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from harness.drivers import find_driver
 from harness.drivers.base import TakesGoals
-from tests.harness.drivers.jackal import Pose, context, drives, lidar
+from tests.harness.drivers.jackal import Pose, Turned, context, drives, lidar
 
 POSTS = np.array([(1.6, 0.3), (2.4, -0.9), (3.2, 1.3), (1.2, 1.4), (3.6, 0.2), (0.9, -1.1), (-1.0, 0.6)])
 RADIUS = 0.2  # [m]
@@ -40,3 +40,7 @@ def test_a_mirrored_place_is_driven_through_in_the_mirror(name: str, goal: tuple
     one, other = paths
     assert np.ptp(one[:, 1]) > 0.1
     assert other * [1.0, -1.0, -1.0] == pytest.approx(one, abs=0.15)
+    turned = Turned(find_driver(name)(context()))
+    turned.head_for(x, y, 0.0)
+    again = [pose for pose, _ in drives(turned, partial(ranges, side=1.0), 40)]
+    assert np.array(again) == pytest.approx(one, abs=0.15)

@@ -31,6 +31,10 @@ def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
     run = Run.of(terrain="flat", targets=targets, route="1.5,0/gate/aruco:radius=1")
     batches = driven(targets=targets, route="1.5,0/gate/aruco:radius=1", duration=40.0)
     progress = reached(batches, run)
+    begun, (last,) = next((b.truth.position[:2], b.goals) for b in reversed(batches) if b.goals)
+    assert math.dist(begun, (last.x, last.y)) == pytest.approx(
+        math.dist(begun, (6.0, 1.5)) - 0.7, abs=0.05
+    )
     assert progress.reached == [0, 1, 2]
     assert progress.done_s < 40.0
     assert 0.3 < math.dist(batches[-1].truth.position[:2], (6.0, 1.5)) < 1.0

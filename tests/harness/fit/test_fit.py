@@ -213,6 +213,19 @@ def test_a_limit_of_the_sides_difference_is_told_where_commands_met_it() -> None
         assert told.after == pytest.approx(0.5, abs=0.02)
 
 
+def test_steps_are_on_the_clock_of_the_commands_and_of_a_paused_one_the_longest_part_counts(
+    tmp_path: Path,
+) -> None:
+    def stepped(table: pd.DataFrame) -> pd.DataFrame:
+        since = table.t % 10.0
+        state = np.where((since > 2.0) & (since < 3.0), "paused", "run")
+        return table.assign(t=table.t + 7.0, step=table.t // 10.0, state=state)
+
+    found = read([write(driven(HUSKY), tmp_path / "drive.csv", stepped)], HUSKY, {})
+    assert found.commands[0, 0] == 0.0
+    assert found.steps[:2] == pytest.approx(np.array([[3.0, 10.0], [13.0, 20.0]]), abs=0.11)
+
+
 def noisy_and_late(table: pd.DataFrame) -> pd.DataFrame:
     """Poses as of a GNSS without a heading."""
     away = np.random.default_rng(1).normal(0.0, 0.05, (2, len(table)))

@@ -49,6 +49,23 @@ def heights(
     return with_ruts, simulation.scene.world.ground.heights_at(x, y)
 
 
+def test_what_a_camera_is_shown_of_the_ground_is_what_lies_around_it(simulation: Simulation) -> None:
+    (x, y, _), ground, bed = simulation.position, simulation.ground, simulation.physics.bed
+    assert bed is not None
+    shown = bed.around(x + 1.0, y - 3.0)
+    assert shown is not None
+    row, column, patch = shown
+    left, _, low, _ = ground.bounds()
+    xs, ys = (
+        begin + ground.cell * np.arange(n)
+        for begin, n in zip(
+            (left + ground.cell * column, low + ground.cell * row), patch.shape[::-1], strict=True
+        )
+    )
+    assert (xs.mean(), ys.mean()) == pytest.approx((x + 1.0, y - 3.0), abs=0.1)
+    assert patch.ravel() == pytest.approx(heights(simulation, *map(np.ravel, np.meshgrid(xs, ys)))[0])
+
+
 @pytest.mark.parametrize(
     ("options", "axes"),
     [
