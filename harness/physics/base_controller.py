@@ -148,24 +148,26 @@ class LaggingController(BaseController):
     ) -> None:
         super().__init__(rover, period)
         self._controller, self._driven = controller, len(rover.drive.driven)
-        self._left = np.array([name in rover.drive.left for name in rover.drive.driven])
+        on_left = [name in rover.drive.left for name in rover.drive.driven]
+        self._left = [n for n, is_left in enumerate(on_left) if is_left]
+        self._right = [n for n, is_left in enumerate(on_left) if not is_left]
         ticks, self._part = divmod(actuators.delay / period, 1.0)
         self._late = deque([Twist()] * (int(ticks) + 1))
         self._dead = actuators.dead_band / self._radius
         self._turn = (actuators.turn_limit or math.inf) / self._radius
-        self._keep = np.exp(-2.0 * period / actuators.lag) if actuators.lag else 0.0
-        self._half_way = self._there = np.zeros(self._driven)
+        self._keep = float(np.exp(-2.0 * period / actuators.lag)) if actuators.lag else 0.0
+        self._half_way = self._there = [0.0] * self._driven  # of so few, numpy is slower than lists
 
     def commands(self) -> list[float]:
         """Returns the present wheel commands, in the order of the controller of its kind of drive."""
         self._controller.command(self._delayed())
-        commanded = self._controller.wheel_speeds()
+        commanded, keep = self._controller.commands(), self._keep
         wanted = self._limited(commanded[: self._driven])
-        self._half_way = wanted + self._keep * (self._half_way - wanted)
-        self._there = self._half_way + self._keep * (self._there - self._half_way)
-        if not wanted.any() and (np.abs(self._there) < STILL).all():
-            self._half_way = self._there = np.zeros(self._driven)
-        return [*self._there.tolist(), *commanded[self._driven :].tolist()]
+        self._half_way = [w + keep * (h - w) for w, h in zip(wanted, self._half_way, strict=True)]
+        self._there = [h + keep * (t - h) for h, t in zip(self._half_way, self._there, strict=True)]
+        if not any(wanted) and all(abs(speed) < STILL for speed in self._there):
+            self._half_way = self._there = [0.0] * self._driven
+        return [*self._there, *commanded[self._driven :]]
 
     def _delayed(self) -> Twist:
         """The command of a delay ago, between those of two periods."""
@@ -176,14 +178,16 @@ class LaggingController(BaseController):
             later.angular + part * (earlier.angular - later.angular),
         )
 
-    def _limited(self, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _limited(self, speeds: Sequence[float]) -> Sequence[float]:
         """Speeds [rad/s] as the motors' drivers take them."""
-        speeds = np.where(np.abs(speeds) < self._dead, 0.0, speeds)
-        left, right = speeds[self._left].mean(), speeds[~self._left].mean()
-        excess = abs(right - left) - self._turn
+        speeds = [0.0 if abs(speed) < self._dead else speed for speed in speeds]
+        if self._turn == math.inf:
+            return speeds
+        faster = mean_of(speeds, self._right) - mean_of(speeds, self._left)
+        excess = abs(faster) - self._turn
         if excess > 0.0:
-            half = np.copysign(excess / 2, right - left)
-            speeds = speeds + np.where(self._left, half, -half)
+            half = math.copysign(excess / 2, faster)
+            return [speed + (half if n in self._left else -half) for n, speed in enumerate(speeds)]
         return speeds
 
 
@@ -209,3 +213,8 @@ def approach(value: float, target: float, step: float) -> float:
         step: The largest change, not negative.
     """
     return value + max(-step, min(step, target - value))
+
+
+def mean_of(values: Sequence[float], chosen: Sequence[int]) -> float:
+    """Returns the mean of the values at some places."""
+    return sum(values[n] for n in chosen) / len(chosen)

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.typesys import Stores, get_typestore
 
 from harness.base.errors import UsageError
 from harness.recordings.recording import Recording, Series, in_order
@@ -124,7 +123,7 @@ def _rows(
     bag: Bag, rover: RoverSpec, chosen: Mapping[str, str]
 ) -> tuple[dict[str, list[Row]], dict[str, str]]:
     """By series: stamp (NaN without one), time of recording and values of each message; its topic."""
-    store, takes, named = get_typestore(Stores.LATEST), dict[str, Take](), set(chosen.values())
+    takes, named = dict[str, Take](), set(chosen.values())
     for kind, word, take in TAKEN:
         for topic in sorted(t for t, k in bag.topics.items() if k == kind and (word in t or t in named)):
             if topic in named or not any(word in topic for word in NEITHER):
@@ -135,7 +134,7 @@ def _rows(
     for message in bag.messages(takes):
         if message.topic not in takes:
             continue
-        read = deserialised(store, message.data, bag.topics[message.topic])
+        read = deserialised(message.data, bag.topics[message.topic])
         if read is None:
             continue
         header, now = getattr(read, "header", None), message.time_ns / NANOSECONDS

@@ -37,7 +37,7 @@ class _Rovers(Mapping[str, RoverSpec]):
     """The folders of models/ by name; each is read when it is first asked for."""
 
     def __getitem__(self, name: str) -> RoverSpec:
-        if name not in iter(self):
+        if Path(name).name != name or not (MODELS_DIR / name / "rover.yaml").is_file():
             raise KeyError(name)
         return read_rover(MODELS_DIR / name)
 

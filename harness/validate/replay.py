@@ -4,6 +4,7 @@ import numpy as np
 
 from harness.base.sim_time import HIGHEST_RATE
 from harness.episode.sensing import vibration_of
+from harness.physics.base_controller import mean_of
 from harness.physics.motor_power import MotorPower
 from harness.recordings.recording import Recording, Series
 from harness.robots import RoverSpec
@@ -32,7 +33,8 @@ def replay(
     motors, imu = MotorPower(simulation), ImuSensor(simulation, IMU)
     vibration = vibration_of(rover.vibration, seed)
     left, right = (
-        [simulation.data.joint(name) for name in side] for side in (rover.drive.left, rover.drive.right)
+        [int(simulation.model.joint(name).dofadr[0]) for name in side]
+        for side in (rover.drive.left, rover.drive.right)
     )
     logs: dict[str, list[tuple[float, ...]]] = {"wheels": [], "currents": [], "imu": [], "poses": []}
     due, drawn = 0, np.zeros(2)
@@ -44,7 +46,8 @@ def replay(
         imu.observe(simulation.tick_sum[None])
         drawn = drawn + motors.draw(simulation.tick_sum)[0]
         now = (tick + 1) * TICK
-        speeds = [radius * float(np.mean([joint.qvel[0] for joint in side])) for side in (left, right)]
+        turning = simulation.data.qvel.tolist()
+        speeds = [radius * mean_of(turning, side) for side in (left, right)]
         if tick % WHEELS == 0:
             logs["wheels"].append((now, *speeds))
             logs["currents"].append((now, *(drawn / (WHEELS if tick else 1)).tolist()))

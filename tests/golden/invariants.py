@@ -23,6 +23,7 @@ OF_SENSORS = {"arguments", "topics", "recording"}
 OF_DRIVE = ("arguments", "world", "truth", "simulated_s", "outcome")
 PLACED = ("LaserScan", "PointCloud2", "Imu", "NavSatFix", "MagneticField", "FluidPressure", "GridMap")
 TICKS_PER_SECOND = 100
+NO_VALUE = re.compile(r"(?<!:)\b(nan|NaN|None|null|undefined)\b")  # but for a fault, as in scan:nan
 
 
 def ros_is_direct(evidence: Evidence) -> Iterator[str]:
@@ -102,9 +103,8 @@ def page_is_whole(evidence: Evidence) -> Iterator[str]:
         page = render(driven.result, driven.recorder)
         (figures,) = re.findall(r'id="figures">(.*?)</script>', page, re.DOTALL)
         shown = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
-        # But for a fault of that name, as in scan:nan.
-        for found in re.finditer(r".*(?<!:)\b(nan|NaN|None|null|undefined)\b.*", shown):
-            yield f"{driven.name}: on the page stands {found[0].strip()}"
+        for line in filter(NO_VALUE.search, shown.split("\n")):
+            yield f"{driven.name}: on the page stands {line.strip()}"
         for name, figure in json.loads(figures).items():
             if f'id="{name}"' not in shown:
                 yield f"{driven.name}: the page has no place for {name}"

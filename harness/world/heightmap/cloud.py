@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tifffile.geodb import GeoKeys as TiffKeys
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
@@ -83,6 +82,8 @@ def _read_las(path: Path) -> tuple[Points, tuple[str, ...]]:
 
 def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
     """Lengths of the units of ground and heights [m] by the records of a LAS file: WKT, or GeoKeys."""
+    from tifffile.geodb import GeoKeys as TiffKeys  # noqa: PLC0415 - no run without a cloud waits for it
+
     wkt = records.get(WKT, b"").decode("utf-8", "replace")
     directory = np.frombuffer(records.get(GEO_KEYS, b"")[8:], "<u2").reshape(-1, 4).tolist()
     texts = records.get(GEO_TEXTS, b"").decode("ascii", "replace")

@@ -8,6 +8,7 @@ harness.run thus gives the rows of the live run in each of the three ways.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -74,7 +75,6 @@ class Playback:
         self.counts = {topic: Count() for topic in self._sources}
         self._timer = ClockRows() if self.time_source is TimeSource.SIM else FullSeconds()
         self._other_clock: list[str] = []  # a line at most
-        self._store = get_typestore(Stores.LATEST)
 
     @property
     def notes(self) -> list[str]:
@@ -100,7 +100,7 @@ class Playback:
         source = self._sources.get(message.topic)
         if source is None:
             return None
-        parsed = deserialised(self._store, message.data, source.message_type)
+        parsed = deserialised(message.data, source.message_type)
         self.counts[message.topic].unreadable += parsed is None
         return parsed
 
@@ -143,16 +143,20 @@ class Playback:
         return there, reasons
 
 
-def deserialised(store: Typestore, data: bytes, message_type: str) -> Any | None:  # noqa: ANN401
+@cache  # each one compiles anew what reads a type
+def _typestore() -> Typestore:
+    return get_typestore(Stores.LATEST)
+
+
+def deserialised(data: bytes, message_type: str) -> Any | None:  # noqa: ANN401
     """Returns a message as rosbags has it; None if the bytes are of none of this type.
 
     Args:
-        store: Knows the type.
         data: The message in CDR.
         message_type: As "nav_msgs/msg/Odometry".
     """
     try:
-        return store.deserialize_cdr(data, message_type)
+        return _typestore().deserialize_cdr(data, message_type)
     except (SerdeError, IndexError, AssertionError, MemoryError):
         return None
 
