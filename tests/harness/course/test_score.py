@@ -64,7 +64,7 @@ def test_entries_are_paired_by_their_episodes() -> None:
 
 def test_a_track_is_as_quick_as_its_successes_and_as_risky_as_all_its_episodes() -> None:
     (one,) = driven("straight", "rocky", (1,))
-    best = replace(one, ending="reached", time=10.0, goals=2, risk_s=1.0)
+    best = replace(one, ending="reached", time=10.0, goals=2, of_goals=3, risk_s=1.0)
     track = summarise([best, replace(best, ending="time", time=60.0, goals=0, risk_s=2.0)])
     assert (track.success.mean, track.seconds, track.risk_s_per_goal) == (0.5, 10.0, 1.5)
 

@@ -5,11 +5,13 @@ from pathlib import Path
 import pytest
 
 from harness.base.interrupt import StopRequest
+from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.helm import Helm, Order
 from harness.episode.result import Outputs
 from harness.samples import Twist
+from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 
@@ -18,14 +20,15 @@ LEFT, ON = Order(driver="cmd_vel", command=Twist(0.3, 0.4)), Order(driver="")
 
 
 class Steering:
-    """An observer that steers by what it sees."""
+    """An observer that steers a rover by what it sees."""
 
-    def __init__(self, helm: Helm) -> None:
-        self._helm, self._orders = helm, {1.0: LEFT, 2.0: Order(command=Twist(0.1, 0.0)), 3.0: ON}
+    def __init__(self, helm: Helm, number: int = 0) -> None:
+        self._helm, self._number = helm, number
+        self._orders = {1.0: LEFT, 2.0: Order(command=Twist(0.1, 0.0)), 3.0: ON}
 
     def take(self, batch: Batch) -> None:
         for at in [at for at in self._orders if at * 1e9 <= batch.truth.time_ns]:
-            self._helm.order(0, self._orders.pop(at))
+            self._helm.order(self._number, self._orders.pop(at))
 
 
 def test_what_was_ordered_through_ros_gives_the_same_bytes_without(
@@ -46,3 +49,21 @@ def test_what_was_ordered_through_ros_gives_the_same_bytes_without(
     assert steered.log_path is not None
     assert direct.log_path is not None
     assert steered.log_path.read_bytes() == direct.log_path.read_bytes()
+
+
+def test_a_rover_of_a_fleet_that_is_steered_drives_through_ros_as_without(
+    ros_domain: int,  # noqa: ARG001 - sets it
+    tmp_path: Path,
+) -> None:
+    session = pytest.importorskip("harness.ros.session")
+    two = fleet(RUN, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=1"), RUN.rover))
+    logs, ways = list[list[bytes]](), {"ros": session.run_through_ros, "direct": run_direct}
+    for way, drive in ways.items():
+        helm, folder = Helm(None, StopRequest()), tmp_path / way
+        watching: tuple[tuple[Steering, ...], ...] = (Steering(helm, 1),), ()
+        outputs = [Outputs(log_dir=folder / str(n), observers=some) for n, some in enumerate(watching)]
+        results = drive(two, outputs, RosOptions(log_dir=folder), StopRequest(), None, helm)
+        assert [each.number for each in helm.given] == [1, 1, 1]
+        logs.append([result.log_path.read_bytes() for result in results])
+    assert logs[0] == logs[1]
+    assert logs[0][0] != logs[0][1]
