@@ -176,6 +176,14 @@ def test_who_walks_through_a_wall_does_so_for_every_rover_of_a_fleet_and_stops_n
     assert all(at == pytest.approx((x - 0.2 + t, y), abs=0.02) for t, *at in seen[0])
 
 
+def test_who_stands_in_the_way_of_one_rover_of_a_fleet_is_touched_by_that_one() -> None:
+    shared = {"duration": 1.5, "lidar_beams": 2, "driver": "straight", "actors": ["g=3.6,0"]}
+    for texts in (("leo:a,x=-2,y=3", "jackal:b,x=3,y=0"), ("jackal:b,x=3,y=0", "leo:a,x=-2,y=3")):
+        *_, last = together(episodes_of(several(*texts, **shared)))
+        touched = [batch.truth.hazard_contacts > 0 for batch in last]
+        assert touched == [text.startswith("jackal") for text in texts]
+
+
 def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
     """The other stands on; people walk on; both touch nothing."""
     shared = {"duration": 0.3, "lidar_beams": 2, "driver": "straight", "actors": ["g=9,0/9,4"]}

@@ -1,6 +1,6 @@
 """People in the physics: where they are, who is touched, and that nobody is pushed unless told."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -9,10 +9,13 @@ import pytest
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
+from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
+from harness.world.actors.social_force import SocialForceWalker
 
 MakeSimulation = Callable[..., Simulation]
+Body = tuple[float, float, float]
 PASSES = "g=1,1/1,-1"
 STANDS = ("x=1.2,0", "y=-1.2,0.3:height=1,radius=0.3", "z=0,-1.3:radius=0.1")
 
@@ -46,6 +49,24 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
         again.append(tuple(simulation.data.body("s_actor").xpos))
     np.testing.assert_allclose(again, social, atol=1e-3)  # the rover has crept a little
     assert simulation.data.body("g_actor").xpos[1] == pytest.approx(0.5)
+
+
+def test_a_social_walker_keeps_from_the_rover_and_from_others_and_not_from_itself(
+    make_simulation: MakeSimulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept, walk = list[list[tuple[float, float]]](), SocialForceWalker.walk
+
+    def watched(one: SocialForceWalker, time_s: float, step_s: float, bodies: Sequence[Body]) -> Place:
+        kept.append(sorted((x, y) for x, y, _ in bodies))
+        return walk(one, time_s, step_s, bodies)
+
+    monkeypatch.setattr(SocialForceWalker, "walk", watched)
+    simulation = make_simulation(actors=("s=social:within=2.5", PASSES))
+    _, other = crowd(simulation).places
+    kept.clear()
+    rover = simulation.position[:2]
+    simulation.tick()
+    assert kept == [sorted([rover, (other.x, other.y)])]
 
 
 def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> None:
