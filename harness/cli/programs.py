@@ -73,7 +73,7 @@ def rover() -> int:
         return start(PROGRAMS[words[0]].module)
     if words[:1] == [COMPLETION]:
         return _completion(words[1:])
-    options = parser.parse_args(words[:1])
+    options = parser.parse_args(["--help"] if words == ["help"] else words[:1])
     if options.verb is not None:
         parser.error(unknown("command", options.verb, VERBS))
     parser.print_help()

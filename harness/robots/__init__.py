@@ -55,6 +55,8 @@ def find_rover(robot: str) -> RoverSpec:
     """Returns the rover of a name, or of a folder's path; UsageError, which names those there are."""
     if robot in ROVERS:
         return ROVERS[robot]
+    if Path(robot).name == "rover.yaml":
+        raise UsageError(f"robot '{robot}' is a file of a rover; give its folder, {Path(robot).parent}")
     if Path(robot).is_file():
         raise UsageError(
             f"robot '{robot}' is a file; a rover is a folder, which `{sibling('harness.robot')} new "

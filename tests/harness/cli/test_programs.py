@@ -90,6 +90,19 @@ def test_a_mistake_is_told_under_the_name_that_was_typed(
     assert capsys.readouterr().err.startswith(told)
 
 
+def test_help_is_asked_for_with_and_without_dashes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = list[str]()
+    for word in ("--help", "help"):
+        monkeypatch.setattr(sys, "argv", ["rover", word])
+        with pytest.raises(SystemExit) as left:
+            programs.rover()
+        assert left.value.code == 0
+        asked.append(capsys.readouterr().out)
+    assert asked[0] == asked[1]
+
+
 def completed(line: str) -> list[str]:
     """What a shell is offered for a line, as argcomplete's shell code asks for it."""
     surroundings = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1"}

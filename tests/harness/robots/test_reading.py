@@ -132,6 +132,8 @@ def test_a_folder_without_a_rover_yaml_says_how_to_get_one(tmp_path: Path) -> No
     with pytest.raises(UsageError, match=r"harness.robot new NAME --from .*mine\.urdf writes a folder"):
         find_rover(str(tmp_path))
     (tmp_path / "rover.yaml").write_text("summary: mine\n")
+    with pytest.raises(UsageError, match=f"give its folder, {tmp_path}"):
+        find_rover(str(tmp_path / "rover.yaml"))
     with pytest.raises(UsageError, match="key 'model' is missing; give an MJCF file"):
         find_rover(str(tmp_path))
     for name in ("c", "a", "b"):
