@@ -14,11 +14,13 @@ from benchmarks.measuring import QUICK, Rounds, Table
 from benchmarks.readme import README, SOAK, TEMPLATE, markdown, write_readme, write_soak
 from benchmarks.registry import BENCHMARKS, Benchmark
 from tests.support.complaint import complaint
+from tests.support.forking import ForkServer
 
 SMALLEST = replace(QUICK, seconds=1.0, maps=1)
 SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_minutes]
 IN_ROS = {"runs", "lockstep", "sensors", "start"}
 LESS = {  # of what only repeats
+    "gym.get_context": ForkServer().get_context,
     "lockstep.ELSEWHERE": {"two": 2},
     "lockstep.GOALS": {"one, in this process": 1.0, "two": 0.75},
     "obstacles.COUNTS": (0, 10),
@@ -42,6 +44,8 @@ def test_every_benchmark_measures_something(
     if name in IN_ROS:
         pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     monkeypatch.setattr("benchmarks.__main__.QUICK", SMALLEST)
+    if name == "gym":
+        monkeypatch.setattr("harness.gym.processes.multiprocessing", ForkServer())
     for place, less in LESS.items():
         if place.startswith(f"{name}."):
             monkeypatch.setattr(f"benchmarks.{place}", less)

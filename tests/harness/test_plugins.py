@@ -13,6 +13,7 @@ from harness.run import main
 from rover_metrics.plugins import KINDS, PluginError, Table
 from tests.support.complaint import complaint
 from tests.support.documents import ROOT
+from tests.support.once import made_once
 
 PACKAGE = ROOT / "examples/plugin"
 PARTS = PACKAGE / "my_rover_parts.py"
@@ -53,10 +54,14 @@ print(list(terms), abs(reward - sum(terms.values())) < 1e-9, seen["heading"].sha
 @pytest.fixture(scope="module")
 def surroundings(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, str]:
     """The environment of a process in which the package is installed."""
-    folder = tmp_path_factory.mktemp("installed")
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
-    subprocess.run([*pip, "--target", str(folder), str(PACKAGE)], check=True)
-    return os.environ | {"PYTHONPATH": str(folder)}
+
+    def installed() -> str:
+        folder = str(tmp_path_factory.mktemp("installed"))
+        subprocess.run([*pip, "--target", folder, str(PACKAGE)], check=True)
+        return folder
+
+    return os.environ | {"PYTHONPATH": made_once(tmp_path_factory, "plugin", installed)}
 
 
 def said(words: list[str], surroundings: Mapping[str, str]) -> str:

@@ -16,6 +16,7 @@ from harness.course.tracks import find_track
 from harness.episode.batch import Batch
 from harness.workers import Workers
 from harness.world.world import World
+from tests.support.once import made_once
 
 
 class Witness(Referee):
@@ -60,8 +61,11 @@ class Backwards(Workers):
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The receipt of `straight` on two worlds of two tracks."""
     entry, path = find_entry("straight"), tmp_path_factory.mktemp("course") / "straight.json"
-    cases = cases_of([find_track("barn"), find_track("rocky")], entry, 2)
-    results = drive_all(cases, entry, Backwards(), lambda *_: None)
-    receipt: Receipt = receipt_of(entry, results)
-    write_receipt(receipt, path)
+
+    def made() -> Receipt:
+        cases = cases_of([find_track("barn"), find_track("rocky")], entry, 2)
+        receipt: Receipt = receipt_of(entry, drive_all(cases, entry, Backwards(), lambda *_: None))
+        return receipt
+
+    write_receipt(made_once(tmp_path_factory, "straight", made), path)
     return path

@@ -21,7 +21,7 @@ from harness.world.geodesy import Datum
 from harness.world.obstacles import ObstacleKind, outline
 from harness.world.route import marks
 from harness.world.world import World
-from tests.harness.course.conftest import witnessed
+from tests.harness.course.conftest import driven, witnessed
 
 EPISODES = [
     ("goal", "barn", 1), ("straight", "barn", 0), ("straight", "dynabarn", 0), ("straight", "rocky", 1),
@@ -165,3 +165,10 @@ def test_movers_of_dynabarn_go_along_their_key_frames_over_and_over(seed: int, t
     tried = np.arange(0.0, 60.0, 2e-3)
     entered = tried[[int(np.argmin(off(tried, 0.0) + off(tried, 1.0)))]]
     assert max(float(off(entered, later)[0]) for later in np.arange(0.0, 90.0, 0.31)) < 0.02
+
+
+def test_the_one_who_looks_gets_farther_on_a_mission() -> None:
+    (blind,), (looking,) = driven("straight", "mission"), driven("mppi", "mission")
+    assert (looking.of_goals, looking.goals, looking.is_success) == (3, 3, True)
+    assert looking.score > blind.score == 0.0
+    assert blind.goals < 3

@@ -13,7 +13,6 @@ from harness.episode.assembly import world_of
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
 from harness.world.route import RouteProgress, marks
-from tests.harness.course.conftest import driven
 
 SEEDS = (0, 7, 31)
 
@@ -63,10 +62,3 @@ def test_posts_are_stopped_at_and_the_gate_is_passed_in_this_order(tmp_path: Pat
     assert reached((*first.place, 0.5), b, c, d) == []  # did not stop
     assert reached(a, at_gate(-0.3, 1.5), at_gate(0.3, 1.5)) == [0]  # beside the gate
     assert reached(d, b, c, a) == [0]  # in another order
-
-
-def test_the_one_who_looks_gets_farther() -> None:
-    (blind,), (looking,) = driven("straight", "mission"), driven("mppi", "mission")
-    assert (looking.of_goals, looking.goals, looking.is_success) == (3, 3, True)
-    assert looking.score > blind.score == 0.0
-    assert blind.goals < 3
