@@ -3,15 +3,22 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from harness.base.errors import UsageError
+from harness.episode.assembly import fleet
+from harness.episode.episode import episodes_of
+from harness.episode.together import together
 from harness.run import main
+from harness.spec.fleet import parse_rovers
+from harness.spec.run import Run
 from harness.view import artist
 from harness.view.drawing import Drawing
+from harness.view.states import read_states
 
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
 
@@ -51,6 +58,27 @@ def test_missing_opengl_is_one_line_and_only_pictures_need_it(tmp_path: Path) ->
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == [logs]
     assert len(list(logs.glob("*.csv"))) == 1
+
+
+def test_of_a_fleet_the_states_of_each_rover_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draws = MagicMock()
+    monkeypatch.setattr("harness.view.drawing.artist", lambda _: draws)
+    run = Run.of(terrain="flat", duration=0.2, lidar_beams=2)
+    two = fleet(run, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=-2"), run.rover))
+    with Drawing(tmp_path / "a.png", None, lidar=False) as drawing:
+        drawing.prepare(two)
+        for batches in together(episodes_of(two)):
+            for observer, batch in zip(drawing.observers, batches, strict=True):
+                observer.take(batch)
+        drawing.begin()
+        (words,) = draws.__enter__.return_value.begin.call_args.args
+        drawn = [read_states(Path(word)) for word in words[: len(two.rovers)]]
+    assert [states.run.rovers[states.number] for states in drawn] == list(two.rovers)
+    assert [states.path[0, :2].tolist() for states in drawn] == [
+        pytest.approx(place, abs=0.05) for place in ([0.0, 0.0], [3.0, -2.0])
+    ]
 
 
 def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(

@@ -4,7 +4,7 @@ import math
 from contextlib import ExitStack, closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from unittest.mock import Mock
+from unittest.mock import MagicMock, Mock
 
 import mujoco
 import numpy as np
@@ -20,8 +20,8 @@ from harness.view import picture
 from harness.view.camera import View, best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import drawn
-from harness.view.marks import beam_marks, path_marks, track_marks
-from harness.view.states import States, StateWriter
+from harness.view.marks import PATH_COLOR, beam_marks, path_marks, track_marks
+from harness.view.states import States, StateWriter, read_states
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from tests.harness.view.recorded import CONFIG, recorded
@@ -95,7 +95,7 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By MuJoCo's own state, of two rovers and two people, at each state that ends a control period."""
-    run = Run.of(terrain="rocky", duration=1.0, actors=["anna=2,2/4,2", "ben=-2,2/-4,3"])
+    run = Run.of(terrain="rocky", driver="straight", duration=1.0, actors=["a=2,2/4,2", "b=-2,2/-4,3"])
     run = fleet(run, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=2.5"), run.rover))
     episodes, files = episodes_of(run), [tmp_path / "a", tmp_path / "b"]
     data, there = episodes[0].simulation.data, dict[int, tuple[np.ndarray, ...]]()
@@ -106,7 +106,8 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
                 writer.take(batch)
             stamp_ns = batches[0].ticks[-1].stamp_ns
             there[stamp_ns] = data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy()
-    monkeypatch.setattr(mujoco, "Renderer", Mock())
+    monkeypatch.setattr(mujoco, "Renderer", MagicMock())
+    monkeypatch.setattr(picture, "add_marks", marked := Mock())
     with picture.Studio(files, picture.VIDEO_QUALITY, lidar=False) as studio:
         placed = mujoco.MjData(studio.model)
         for index in range(4, 25, 5):
@@ -116,6 +117,11 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
             studio.pose(index)
             assert studio.data.xpos == pytest.approx(placed.xpos, abs=1e-6)
             assert studio.data.xmat == pytest.approx(placed.xmat, abs=1e-6)
+        studio.image(24, chase_view(np.zeros(3), 0.0))
+    marks = [mark for mark in marked.call_args.args[1] if mark.color == PATH_COLOR]
+    for file in files:  # the path of each lies where it has been
+        x, y, _ = read_states(file).path[-1]
+        assert min(math.dist(mark.end[:2], (x, y)) for mark in marks) < 0.1
 
 
 def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it(
