@@ -4,6 +4,7 @@ The edge of every program is here: `begin_program` before it loads its libraries
 its work. Needs Python alone, since what is missing is reported from here.
 """
 
+import errno
 import gc
 import signal
 import sys
@@ -123,6 +124,8 @@ def _known_line(error: BaseException) -> str | None:
         return f"{error} ({here}); pip install 'rover-harness{EXTRAS.get(module, '')}'"
     if isinstance(error, FileNotFoundError) and error.filename is None:
         return "the current folder is gone; change to one that is there (cd)"
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT) and not error.filename:
+        return f"cannot go on writing: {error.strerror}; free some, or write elsewhere"
     if isinstance(error, OSError) and error.filename is not None:
         return f"cannot use {error.filename}: {error.strerror}; name another place"
     return None

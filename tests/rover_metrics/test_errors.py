@@ -27,6 +27,11 @@ HERE = f"(Python {sys.version.split()[0]}, {sys.executable})"
         (Failed("it left the map"), 1, "it left the map"),
         (LogError("a\nb"), 2, "a?b"),
         (OSError(errno.EACCES, "No", "/bag"), 2, "cannot use /bag: No; name another place"),
+        (  # of a terminal's text into a full disk
+            OSError(errno.ENOSPC, "No space left"),
+            2,
+            "cannot go on writing: No space left; free some, or write elsewhere",
+        ),
         (ImportError("no rich", name="rich.table"), 2, f"no rich {HERE}; pip install 'rover-harness'"),
         (ImportError("no x", name="rclpy.node"), 2, f"no x {HERE}; pip install 'rover-harness[ros]'"),
         (ImportError("no x"), 2, f"no x {HERE}; pip install 'rover-harness'"),

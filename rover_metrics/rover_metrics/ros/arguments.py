@@ -66,7 +66,7 @@ def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
 def refusal(error: Exception) -> str:
     """Returns why rclpy does not start, in one line, with the mend where it says none."""
     reason = " ".join(str(error).split())
-    mend = "; ROS_LOG_DIR names another folder" if "log directory" in reason else ""
+    mend = "; ROS_LOG_DIR names another folder" if re.search("log(ging)? directory", reason) else ""
     return _SOURCE.sub("", reason) + mend
 
 

@@ -52,5 +52,5 @@ def test_an_option_that_ros_does_not_know_is_named_with_the_nearest(words: str, 
 
 def test_a_refusal_is_one_line_and_says_what_else_a_log_could_be_written_to() -> None:
     assert refusal(RuntimeError("Couldn't parse\n  rule 'x', at /a/b.c:3")) == "Couldn't parse rule 'x'"
-    told = refusal(RuntimeError("Failed to create log directory: /x"))
-    assert told == "Failed to create log directory: /x; ROS_LOG_DIR names another folder"
+    for reason in ("Failed to create log directory: /x", "Failed to get logging directory: no HOME"):
+        assert refusal(RuntimeError(reason)) == f"{reason}; ROS_LOG_DIR names another folder"
