@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -26,7 +27,8 @@ def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is_and_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     run, watch, server = Run.of(terrain="rolling", lidar_beams=8), Watch(), Server("127.0.0.1", 0)
-    posts = list[dict[str, Any]]()
+    posts, lines = list[dict[str, Any]](), Mock()
+    monkeypatch.setattr(server.scene, "add_line_segments", lambda *_, **__: lines)
     monkeypatch.setattr(server.scene, "add_cylinder", lambda *_, **post: posts.append(post))
     try:
         stage, still = Stage(server.scene, run), (0.0,) * len(find_rover(run.rover.robot).joints)
@@ -34,10 +36,14 @@ def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is_and_
         stage.draw([watch])
         hit = stage.under((1.0, 2.5, 20.0), (0.0, 0.0, -1.0))
         stage.mark(Place(4.0, 0.5, 1.0))
+        watch.path = [(2.0, -2.0, 1.0), (2.5, -2.0, 1.0), (3.0, -2.0, 1.0)]
+        stage.draw_paths([watch])
     finally:
         server.stop()
     height = world_of(run).ground.height_at(4.0, 0.5)
     assert hit == pytest.approx((4.0, 0.5, height), abs=0.02)
+    assert lines.points[:, :, 0].tolist() == [[2.0, 2.5], [2.5, 3.0]]
+    assert 1.0 < lines.points[..., 2].min() < 1.1  # over the ground
     assert posts[0]["position"] == pytest.approx((4.0, 0.5, height + 0.4))
 
 
