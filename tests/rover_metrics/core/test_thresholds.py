@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from rover_metrics.core.parameter import ParameterInfo, parameter, parameters_of
+from rover_metrics.core.parameter import ParameterInfo
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import ParameterError
 
@@ -38,28 +38,3 @@ def test_a_range_is_closed_and_what_is_outside_is_refused_with_name_value_and_ra
     for value in (-5e-324, math.nextafter(maximum, math.inf), math.inf, math.nan):
         with pytest.raises(ParameterError, match=f"^{name} = {value}{told}$"):
             Thresholds(**{name: value})
-
-
-@dataclasses.dataclass(frozen=True)
-class Some:
-    """Settings with parameters, and something else."""
-
-    share: float = parameter(0.5, "a share", minimum=0.25, maximum=1.0)
-    count: int = parameter(3, "a count", minimum=1, maximum=9, unit="m")
-    free: float = parameter(1.0, "any number", example="1.5, not 2")
-    corners: tuple[float, ...] | None = parameter(None, "corners", ros_default=(), valid="a list")
-    is_on: bool = parameter(False, "a switch", read_only=True)
-    other: float = math.nan
-
-
-def test_a_parameter_tells_its_default_and_what_is_valid() -> None:
-    infos = parameters_of(Some)
-    assert {name: (info.default, info.constraint) for name, info in infos.items()} == {
-        "share": (0.5, "a number with a decimal point (1.0, not 1) from 0.25 to 1.0"),
-        "count": (3, "an integer from 1 to 9 m"),
-        "free": (1.0, "a number with a decimal point (1.5, not 2) from 0.0 to inf"),
-        "corners": ((), "a list"),
-        "is_on": (False, "true or false, not 0 or 1"),
-    }
-    assert [each for each, info in infos.items() if info.read_only] == ["is_on"]
-    assert Some().corners is None

@@ -29,4 +29,3 @@ def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: M
     assert scores["balanced accuracy"].value == pytest.approx(0.6)
     assert study.verdict.tuned is not None
     assert study.verdict.tuned.value == 0.75  # of 0.51 to 0.99
-    assert study.verdict.note == "for poses at 50 Hz, four in a row of which may be lost"
