@@ -45,7 +45,7 @@ class WorldSpec(Value):
 
     terrain: Annotated[str, Option("NAME|FILE")] = Field(
         default="rocky",
-        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; points: .ply, .las, .laz, N x 3 "
+        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy, .asc; points: .ply, .las, .laz, N x 3 "
         ".npy; an SDF world: .world, .sdf; a mesh: .dae, .obj, .stl, .ply (docs/worlds.md)",
     )
     difficulty: Annotated[Share, Option("D")] = Field(

@@ -12,7 +12,7 @@ from harness.world.solids.mesh_file import UP, is_mesh
 from harness.world.terrains import TERRAINS
 from harness.world.world import RoverNeeds, World
 
-RASTERS = (".tif", ".tiff", ".png", ".npy", *CLOUDS)
+RASTERS = (".tif", ".tiff", ".png", ".npy", ".asc", *CLOUDS)
 WORLDS = (".world", ".sdf")
 
 

@@ -1,4 +1,4 @@
-"""Heights from a file: TIFF and GeoTIFF, PNG, .npy, told apart by their first bytes; clouds of points.
+"""Heights from a file: TIFF and GeoTIFF, PNG, .npy, ESRI's .asc, told apart by how they begin; clouds.
 
 Nothing in a file is trusted: sizes are checked before anything is decoded, pickles are never loaded. A
 raster's first row is the north edge (largest y), its first column the west edge, as in every image.
@@ -18,9 +18,9 @@ from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
 from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
-from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
+from harness.world.heightmap.geotiff import MOST_DEGREES, SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
-from harness.world.heightmap.units import NAMED
+from harness.world.heightmap.units import NAMED, WKT_VERTICAL, wkt_units
 from rover_metrics.number import number
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
@@ -32,6 +32,10 @@ LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
 UNTAGGED = -9999.0  # [m]: marks it too, even if no tag says so
 METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
+ESRI = (b"ncols", b"nrows")  # how its grids in text begin
+ESRI_KEY = re.compile(
+    r"\s*(ncols|nrows|[xy]ll(?:corner|center)|cellsize|d[xy]|nodata_value)\s+(\S+)", re.IGNORECASE
+)
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
 REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
@@ -59,7 +63,8 @@ def read_raster(path: Path, cell: float | None = None) -> Raster:
             if is_cloud(path):
                 raster = _of_cloud(path, cell)
             else:
-                raster = {"npy": _read_npy, "png": _read_png, "tiff": _read_tiff}[kind](path)
+                readers = {"npy": _read_npy, "png": _read_png, "tiff": _read_tiff, "esri": _read_esri}
+                raster = readers[kind](path)
     except ImportError as error:
         reason = f"LAS and LAZ need laspy; pip install '.[cloud]' ({error})"
         raise UsageError(f"terrain {path}: {reason}") from error
@@ -103,9 +108,12 @@ def _kind(path: Path) -> str:
     for magic, kind in FORMATS.items():
         if start.startswith(magic):
             return kind
+    if start.lstrip()[:5].lower() in ESRI:
+        return "esri"
     raise UsageError(
-        f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, PLY, LAS, LAZ, meshes as .obj, "
-        ".stl, .dae, .ply; gdal_translate IN OUT.tif makes a TIFF of other grids (.asc, .hgt, .xyz, ...)"
+        f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, .asc, PLY, LAS, LAZ, meshes as "
+        ".obj, .stl, .dae, .ply; gdal_translate IN OUT.tif makes a TIFF of other grids (.hgt, .xyz), "
+        "pdal translate IN OUT.las LAS of other clouds"
     )
 
 
@@ -133,6 +141,31 @@ def _read_npy(path: Path) -> Raster:
     if array.dtype.kind not in "fiu":
         raise UsageError(f"its values are {array.dtype}; heights are numbers")
     return Raster(array.astype(np.float64), SIZE_UNKNOWN, array.dtype.kind == "f")
+
+
+def _read_esri(path: Path) -> Raster:
+    """A grid in text: keys with their numbers, then the heights, the northern row first."""
+    text, at, header = path.read_bytes().decode("ascii", "replace").replace(",", "."), 0, {}
+    while (match := ESRI_KEY.match(text, at)) is not None:
+        header[match[1].lower()], at = number(match[2]), match.end()
+    rows, columns = int(header["nrows"]), int(header["ncols"])
+    _check_size(columns, rows)
+    values = np.fromstring(text[at:], sep=" ")
+    if values.size != rows * columns:
+        raise UsageError(f"it has {values.size} heights, not {columns} x {rows}; is it whole?")
+    values[values == header.get("nodata_value", UNTAGGED)] = np.nan
+    width, depth = (header.get(key, header.get("cellsize", np.nan)) for key in ("dx", "dy"))
+    crs = path.with_suffix(".prj")
+    wkt = crs.read_text("utf-8", "replace") if crs.is_file() else ""
+    if wkt.startswith("GEOG") or max(width, depth) < MOST_DEGREES:
+        pixel: tuple[float, float] | str = (
+            "its cells are degrees (gdalwarp -t_srs EPSG:... gives metres)"
+        )
+        return Raster(values.reshape(rows, columns), pixel, in_metres=True)
+    ground, height = wkt_units(wkt)
+    in_metres = ground == 1.0 or WKT_VERTICAL.search(wkt) is not None
+    values = values.reshape(rows, columns) * (height if in_metres else 1.0)
+    return Raster(values, (width * ground, depth * ground), in_metres)
 
 
 def _read_png(path: Path) -> Raster:

@@ -265,6 +265,48 @@ def _cut(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:2000])
 
 
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize(
+    ("keys", "crs", "pixel", "metres"),
+    [
+        ("cellsize 0.25", "", (0.25, 0.25), 1.0),
+        ("dx 0.25\ndy 0.5", 'PROJCS["a",UNIT["Meter",1.0]]', (0.25, 0.5), 1.0),
+        ("CELLSIZE 1", 'PROJCS["a",UNIT["Foot",0.3048]]', (0.3048, 0.3048), None),
+        (
+            "cellsize 1",
+            'PROJCS["a",UNIT["Foot",0.3048]],VERTCS["b",UNIT["Foot",0.3048]]',
+            (0.3048,) * 2,
+            0.3048,
+        ),
+        ("cellsize 0.00001", "", "its cells are degrees", 1.0),
+        ("cellsize 1", 'GEOGCS["a",UNIT["Degree",0.0174532925199433]]', "its cells are degrees", 1.0),
+    ],
+)
+def test_a_grid_of_esri_is_read_with_its_units(
+    keys: str,
+    crs: str,
+    pixel: tuple[float, float] | str,
+    metres: float | None,
+    decimal: str,
+    tmp_path: Path,
+) -> None:
+    heights = np.arange(90.0).reshape(9, 10) / 4
+    rows = "\n".join(" ".join(f"{height:.2f}" for height in row) for row in heights)
+    text = f"ncols 10\nnrows 9\nxllcorner 500.5\nyllcorner 7\n{keys}\nNODATA_value 3.5\n{rows}\n"
+    (tmp_path / "a.asc").write_text(text.replace(".", decimal))
+    if crs:
+        (tmp_path / "a.prj").write_text(crs)
+    raster = read_raster(tmp_path / "a.asc")
+    assert raster.in_metres is (metres is not None)
+    np.testing.assert_allclose(
+        raster.values, np.where(heights == 3.5, np.nan, heights) * (metres or 1.0)
+    )
+    if isinstance(pixel, str):
+        assert str(raster.pixel).startswith(pixel)
+    else:
+        assert raster.pixel == pytest.approx(pixel)
+
+
 def _array(values: object, **options: Any) -> Callable[[Path], None]:  # noqa: ANN401 - numpy's
     return lambda path: np.save(path, np.asarray(values), **options)
 
@@ -293,6 +335,12 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "bomb.tif": (_bomb, "unpacks to more than its size"),
     "bomb.png": (lambda path: _png_header(path, 30000, 30000), "too many pixels"),
     "more.png": (lambda path: _png_header(path, 4096, 4097), "4096 x 4097 pixels are too many"),
+    "short.asc": (
+        lambda path: path.write_text("ncols 9\nnrows 9\ncellsize 1\n1 2 3"),
+        "it has 3 heights, not 9 x 9",
+    ),
+    "keyless.asc": (lambda path: path.write_text("ncols 9\n1 2 3"), "damaged or cut short"),
+    "wide.asc": (lambda path: path.write_text("ncols 9999\nnrows 9999\n1"), "too many"),
     "narrow.tif": (_tiff(np.zeros((9, 7))), "7 x 9 pixels are too few"),
     "low.npy": (_array(np.zeros((7, 9))), "9 x 7 pixels are too few"),
     "nan.npy": (_array(np.full((50, 50), np.nan)), "holds no height at all"),
