@@ -45,8 +45,8 @@ class WorldSpec(Value):
 
     terrain: Annotated[str, Option("NAME|FILE")] = Field(
         default="rocky",
-        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy, .asc; points: .ply, .las, .laz, N x 3 "
-        ".npy; an SDF world: .world, .sdf; a mesh: .dae, .obj, .stl, .ply (docs/worlds.md)",
+        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy, .asc; points: .ply, .las, .laz, "
+        "N x 3 .npy; an SDF world: .world, .sdf; a mesh: .dae, .obj, .stl, .ply (docs/worlds.md)",
     )
     difficulty: Annotated[Share, Option("D")] = Field(
         default=DEFAULT_DIFFICULTY, description="0 to 1, of a named terrain"
