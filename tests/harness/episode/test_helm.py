@@ -164,3 +164,10 @@ def test_a_new_pace_holds_from_now_on_and_makes_up_for_nothing(monkeypatch: pyte
     for seconds in (100, 200):
         helm.wait_until(seconds * 10**9)
     assert 9.0 < sum(slept) <= 10.0
+
+
+def test_a_step_that_is_asked_for_while_a_run_goes_on_is_none_when_it_is_paused() -> None:
+    helm = Helm(None, StopRequest())
+    helm.step()
+    helm.go_on(0)
+    assert not helm.take_step()

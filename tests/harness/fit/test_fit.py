@@ -249,6 +249,20 @@ def test_poses_that_do_not_go_with_the_wheels_are_left_out(
     assert said in problem
 
 
+def test_poses_of_a_place_far_from_the_middle_go_with_the_wheels(tmp_path: Path) -> None:
+    def aside(table: pd.DataFrame) -> pd.DataFrame:
+        left, ahead = 4.0 * np.cos(table.yaw), 4.0 * np.sin(table.yaw)
+        return table.assign(x=table.x - ahead, y=table.y + left)
+
+    assert read([write(driven(HUSKY), tmp_path / "drive.csv", aside)], HUSKY, {}).problems == ()
+
+
+def test_what_is_replayed_begins_at_0_and_goes_ahead_across_any_course() -> None:
+    poses = replay(HUSKY, np.array([[0.0, 0.5, 0.0]]), 1.5, course=flat(*PLANE, 0.3)).poses
+    assert poses[0, 1:] == pytest.approx(np.zeros(3), abs=0.02)
+    assert poses[-1, 1:] == pytest.approx([0.6, 0.0, 0.0], abs=0.15)
+
+
 def test_commands_above_a_limit_of_the_rover_are_not_of_other_units(tmp_path: Path) -> None:
     def slow(table: pd.DataFrame) -> pd.DataFrame:
         v, wheels = np.sign(table.cmd_v), table.cmd_v.shift(4).clip(-0.15, 0.15)
