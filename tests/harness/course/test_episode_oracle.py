@@ -134,6 +134,8 @@ def test_goals_of_a_ground_are_as_far_and_as_free_as_its_track_says(
     assert sum(legs) - 0.3 < task.shortest < 2.0 * sum(legs)
     assert task.optimal == pytest.approx(task.shortest / rover.top_speed)
     assert task.run.duration == task.rule.limit + 5.0
+    fails = BLIND.faults[seed] if track == "blind" else ()
+    assert tuple(map(str, task.run.rover.faults)) == fails
 
 
 def test_a_goal_has_as_much_room_around_it_as_is_asked_for() -> None:
