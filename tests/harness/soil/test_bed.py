@@ -77,7 +77,7 @@ def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
         for episode in episodes[:back]:
             episode.reset()
         next(driven)
-        assert bool(between.min() < -0.005) is (keep or back < count)
+        assert bool(np.ptp(between) > 1e-6) is (keep or back < count)  # ruts and heaps
 
 
 @pytest.mark.parametrize("robot", ["leo", "jackal"])
