@@ -8,14 +8,16 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from harness.base.errors import UsageError
 from harness.spec.world import MESH_UNITS
 
-METRE, FOOT, US_FOOT, OTHER = 9001, 9002, 9003, 32767
+METRE, FOOT, US_FOOT, BRITISH_FOOT, OTHER = 9001, 9002, 9003, 9095, 32767
 FOOT_LENGTH, US_FOOT_LENGTH = MESH_UNITS["ft"], 1200.0 / 3937.0  # [m]
 UNITS = {  # EPSG's numbers: name, length [m]
     METRE: ("metre", 1.0),
     FOOT: ("foot", FOOT_LENGTH),
     US_FOOT: ("US survey foot", US_FOOT_LENGTH),
+    BRITISH_FOOT: ("British foot (1936)", 0.3048007491),
     9036: ("kilometre", 1000.0),
 }
 NAMED = {  # as GDAL's unit types of bands are written
@@ -27,11 +29,16 @@ NAMED = {  # as GDAL's unit types of bands are written
     "km": 1e3,
     "yd": 0.9144,
 }
-HEIGHTS = {  # EPSG's numbers of vertical CRSs whose unit is known: all in feet, and NAVD88 in metres
+HEIGHTS = {  # EPSG's numbers of vertical CRSs whose unit is known: all in feet, and NAVD88
     **dict.fromkeys((5702, 6360, 8052), US_FOOT),
     **dict.fromkeys((6130, 6131, 6132, 8050, 8228), FOOT),
     5703: METRE,
+    5754: BRITISH_FOOT,
 }
+DEPTHS = (  # EPSG's numbers of vertical CRSs that count downwards
+    "5336 5612 5614 5706 5715 5734 5739 5789 5831 5861-5867 5873 6357-6359 7976 8051 8053 8358 8378 "
+    "8897 9287-9288 9672 10150-10151 10349 10364 10370-10379 10547-10552 10649-10650 10678"
+)
 # EPSG's numbers of projected CRSs by their unit, FIRST-LAST/STEP; all others are in metres (PROJ 9.5).
 PROJECTED = {
     US_FOOT: (
@@ -63,6 +70,8 @@ PROJECTED = {
 RANGE = re.compile(r"(\d+)(?:-(\d+))?(?:/(\d+))?")
 MARK = re.compile(r"\(ft(US)?\)")  # in EPSG's names of CRSs
 WKT_UNIT = re.compile(r'UNIT\["[^"]*", *([0-9.eE+-]+)')
+WKT_DOWN = re.compile(r'AXIS\["[^"]*", *DOWN', re.IGNORECASE)
+TURN = "(gdal_calc --calc=-A turns them round)"
 WKT_VERTICAL = re.compile(r"VERT_?CR?S|VERTICALCRS")
 
 
@@ -88,8 +97,13 @@ def height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:
     Args:
         keys: GeoKeys.
         horizontal: Length of the ground's unit [m].
+
+    Raises:
+        UsageError: They are depths.
     """
-    number = keys.get("VerticalUnitsGeoKey", HEIGHTS.get(keys.get("VerticalCSTypeGeoKey", 0)))
+    if _is_in(DEPTHS, crs := keys.get("VerticalCSTypeGeoKey", 0)):
+        raise UsageError(f"it has depths (EPSG:{crs}), not heights {TURN}")
+    number = keys.get("VerticalUnitsGeoKey", HEIGHTS.get(crs))
     if number is not None:
         return UNITS.get(number, ("", None))[1]
     return 1.0 if horizontal == 1.0 else None
@@ -100,7 +114,12 @@ def wkt_units(wkt: str) -> tuple[float, float]:
 
     Of each of its two CRSs the last unit is that of its axes. Without one of heights, they are in the
     ground's.
+
+    Raises:
+        UsageError: Heights are depths.
     """
+    if WKT_DOWN.search(wkt):
+        raise UsageError(f"it has depths, not heights {TURN}")
     ground, *height = (WKT_UNIT.findall(part) for part in WKT_VERTICAL.split(wkt, maxsplit=1))
     metres = float(ground[-1]) if ground else 1.0
     return metres, float(height[0][-1]) if height and height[0] else metres

@@ -108,11 +108,16 @@ def test_a_survey_in_feet_becomes_metres(
 
 
 @pytest.mark.parametrize(
-    "crs", ['PROJCS["WGS 84 / Pseudo-Mercator"', 'PROJCS["a",PROJECTION["Mercator_1SP"]']
+    ("crs", "said"),
+    [
+        ('PROJCS["WGS 84 / Pseudo-Mercator"', "stretches"),
+        ('PROJCS["a",PROJECTION["Mercator_1SP"]', "stretches"),
+        ('COMPD_CS["a",PROJCS["b"],VERT_CS["c",AXIS["Depth",DOWN]', "depths"),
+    ],
 )
-def test_a_survey_in_a_projection_that_stretches_is_refused(tmp_path: Path, crs: str) -> None:
+def test_a_survey_that_stretches_or_has_depths_is_refused(tmp_path: Path, crs: str, said: str) -> None:
     write_las(tmp_path / "a.las", 1.0, {2112: f'{crs},UNIT["metre",1]]'.encode()})
-    with pytest.raises(UsageError, match="stretches"):
+    with pytest.raises(UsageError, match=said):
         world(tmp_path / "a.las")
 
 

@@ -151,7 +151,9 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
     ("name", "metres"),
     [("NAD83 / New York Long Island (ftUS)", US_FOOT), ("X (ft)", FOOT), ("WGS 84 / UTM zone 18N", 1.0)],
 )
-@pytest.mark.parametrize(("heights", "height"), [(6360, US_FOOT), (8228, FOOT), (5703, 1.0)])
+@pytest.mark.parametrize(
+    ("heights", "height"), [(6360, US_FOOT), (8228, FOOT), (5754, 0.3048007491), (5703, 1.0)]
+)
 def test_a_crs_that_is_named_alone_has_the_units_of_its_name_and_number(
     tmp_path: Path, name: str, metres: float, heights: int, height: float
 ) -> None:
@@ -160,6 +162,12 @@ def test_a_crs_that_is_named_alone_has_the_units_of_its_name_and_number(
     raster = read(tmp_path, scale=(2, 3, 0), keys=keys)
     assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
     np.testing.assert_allclose(raster.values, VALUES * height)
+
+
+@pytest.mark.parametrize("depths", [5715, 5831, 6358, 10375])
+def test_depths_are_no_heights(tmp_path: Path, depths: int) -> None:
+    with pytest.raises(UsageError, match="depths"):
+        read(tmp_path, scale=(2, 3, 0), keys={**METRES, VERTICAL: depths})
 
 
 @pytest.mark.parametrize(
