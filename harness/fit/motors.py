@@ -50,11 +50,10 @@ def _by_power(
         straight = np.ptp(rims, axis=1) <= SKEW * np.abs(rims).max(axis=1, initial=SLOWEST)
         columns, wanted, power = columns[straight], wanted[straight], power[straight]
     values, _, rank, _ = np.linalg.lstsq(columns, wanted, rcond=None)
-    halves = CERTAIN * np.hypot(
-        deviations(columns, wanted - columns @ values),
-        np.linalg.norm(np.linalg.pinv(columns) * ERROR * power[:, 0], axis=1),
-    )
-    halves[:] = halves if rank == columns.shape[1] else np.inf
+    halves = np.full(len(values), np.inf)
+    if rank == len(values):
+        by_chance = np.linalg.norm(np.linalg.pinv(columns) * ERROR * power[:, 0], axis=1)
+        halves = CERTAIN * np.hypot(deviations(columns, wanted - columns @ values), by_chance)
     if not np.isfinite(constant.after):
         constant = constant.judged(float(values[2]), float(halves[2]), "driving under load is missing")
     return [

@@ -423,6 +423,17 @@ def test_torques_currents_and_power_tell_the_constants(robot: str, motors_a_side
         assert [e.after for e in motors(rover, one)] == pytest.approx([constant, resistance], rel=0.01)
 
 
+@pytest.mark.parametrize(("robot", "sway"), [("leo", 0.0), ("husky", 3.0)])
+def test_motors_that_never_drive_straight_or_steadily_tell_nothing(robot: str, sway: float) -> None:
+    t = np.arange(0.0, 20.0, 0.1)
+    currents = np.column_stack([t, 5.0 + sway * np.sin(9 * t), 9.0 - sway * np.sin(9 * t)])
+    made = Recording(
+        "made", wheels=np.column_stack([t, 0.2 + 0 * t, 0.5 + 0 * t]), currents=currents,
+        power=np.column_stack([t, 100.0 + 0 * t]),
+    )  # fmt: skip
+    assert not any(one.is_known for one in motors(equipped(ROVERS[robot], REAL, ""), made))
+
+
 def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     store = get_typestore(Stores.LATEST)
     types = store.types
