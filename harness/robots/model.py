@@ -29,6 +29,7 @@ SENSORS = {
 # Of what harness.physics.scene adds.
 TAKEN = frozenset(("terrain", "rocks", "hazards", "rock_contact", "hazard_contact"))
 ROUND = (mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYLINDER)  # radius first
+STIFFEST = 5.0  # of a servo: gain x step / inertia that it turns; Leo's are 4.8 (models/README.md)
 ABOVE = 0.05  # [m] over the highest point: a lidar that nobody has placed
 
 

@@ -11,7 +11,8 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from harness.robots.model import UNSEEN_GROUP
+from harness.base.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS
+from harness.robots.model import STIFFEST, UNSEEN_GROUP
 from harness.robots.urdf.joints import Joints
 
 GRAVITY = 9.81
@@ -22,8 +23,7 @@ TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.15, 0.95
 DEFAULT_COLOR, RUBBER = (0.5, 0.5, 0.5, 1.0), (0.07, 0.07, 0.075, 1.0)
 STIFFNESS = 0.05  # of the top speed: so far behind it, a motor gives all its torque
 ROTOR = 0.2  # of a wheel's share of the mass, as a point at its rim: rotor and gear
-TIMESTEP = 0.0025  # [s]
-CALM = 5.0  # gain x TIMESTEP / armature of a wheel, at most: a lighter one flips between its limits
+TIMESTEP = DEFAULT_TIMESTEP_NS / NANOSECONDS  # [s]
 STEERING_SPEED = 2.0  # [rad/s]
 STEERING_LIMIT = 0.5  # [rad]
 LIDAR = re.compile(r"lidar|laser|scan|velodyne|ouster|hokuyo|sick|livox", re.IGNORECASE)
@@ -135,7 +135,9 @@ class _Workshop:
             motor = self._motor(name, effort, [-speed, speed])
             gain, joint = effort / (STIFFNESS * speed), self._spec.joint(name)
             motor.set_to_velocity(kv=gain)
-            joint.armature = max(joint.armature, gain * TIMESTEP / CALM)
+            if (heavy := gain * TIMESTEP / STIFFEST) > joint.armature:
+                joint.armature = heavy  # a servo so stiff would flip between its limits
+                guesses["model: rotors"] = f"{heavy:.2g} kg m^2 at a wheel, as its stiff motor needs"
 
     def fit_steering(self) -> None:
         """Adds position servos that turn the wheels of a car that stands, or hold them straight."""

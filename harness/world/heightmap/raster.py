@@ -18,9 +18,10 @@ from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
 from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
-from harness.world.heightmap.geotiff import MOST_DEGREES, SIZE_UNKNOWN, read_grid
+from harness.world.heightmap.esri import is_esri, read_grid_in_text
+from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
-from harness.world.heightmap.units import NAMED, WKT_VERTICAL, wkt_units
+from harness.world.heightmap.units import NAMED
 from rover_metrics.number import number
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
@@ -32,10 +33,6 @@ LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
 UNTAGGED = -9999.0  # [m]: marks it too, even if no tag says so
 METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
-ESRI = (b"ncols", b"nrows")  # how its grids in text begin
-ESRI_KEY = re.compile(
-    r"\s*(ncols|nrows|[xy]ll(?:corner|center)|cellsize|d[xy]|nodata_value)\s+(\S+)", re.IGNORECASE
-)
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
 REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
@@ -108,7 +105,7 @@ def _kind(path: Path) -> str:
     for magic, kind in FORMATS.items():
         if start.startswith(magic):
             return kind
-    if start.lstrip()[:5].lower() in ESRI:
+    if is_esri(start):
         return "esri"
     raise UsageError(
         f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, .asc, PLY, LAS, LAZ, meshes as "
@@ -144,28 +141,7 @@ def _read_npy(path: Path) -> Raster:
 
 
 def _read_esri(path: Path) -> Raster:
-    """A grid in text: keys with their numbers, then the heights, the northern row first."""
-    text, at, header = path.read_bytes().decode("ascii", "replace").replace(",", "."), 0, {}
-    while (match := ESRI_KEY.match(text, at)) is not None:
-        header[match[1].lower()], at = number(match[2]), match.end()
-    rows, columns = int(header["nrows"]), int(header["ncols"])
-    _check_size(columns, rows)
-    values = np.fromstring(text[at:], sep=" ")
-    if values.size != rows * columns:
-        raise UsageError(f"it has {values.size} heights, not {columns} x {rows}; is it whole?")
-    values[values == header.get("nodata_value", UNTAGGED)] = np.nan
-    width, depth = (header.get(key, header.get("cellsize", np.nan)) for key in ("dx", "dy"))
-    crs = path.with_suffix(".prj")
-    wkt = crs.read_text("utf-8", "replace") if crs.is_file() else ""
-    if wkt.startswith("GEOG") or max(width, depth) < MOST_DEGREES:
-        pixel: tuple[float, float] | str = (
-            "its cells are degrees (gdalwarp -t_srs EPSG:... gives metres)"
-        )
-        return Raster(values.reshape(rows, columns), pixel, in_metres=True)
-    ground, height = wkt_units(wkt)
-    in_metres = ground == 1.0 or WKT_VERTICAL.search(wkt) is not None
-    values = values.reshape(rows, columns) * (height if in_metres else 1.0)
-    return Raster(values, (width * ground, depth * ground), in_metres)
+    return Raster(*read_grid_in_text(path, _check_size))
 
 
 def _read_png(path: Path) -> Raster:
@@ -196,13 +172,13 @@ def _read_tiff(path: Path) -> Raster:
         scale, offset = (_gdal_number(said, role) for role in ("scale", "offset"))
         unit_type = _gdal_text(said, "unittype").strip()
         is_float = page.dtype is not None and page.dtype.kind == "f"
-        masks = [mask.asarray() for mask in file.pages if getattr(mask, "is_mask", False)]
+        for mask in file.pages:  # overviews have their own
+            if isinstance(mask, tifffile.TiffPage) and mask.is_mask and mask.shape == values.shape:
+                values[mask.asarray() == 0] = np.nan
     if (beside := path.with_name(f"{path.name}.msk")).is_file():
         with tifffile.TiffFile(beside) as file:
-            masks.append(_tiff_values(file.pages.first))
-    for mask in masks:
-        if mask.shape == values.shape:  # overviews have their own
-            values[mask == 0] = np.nan
+            if file.pages.first.shape == values.shape:
+                values[_tiff_values(file.pages.first) == 0] = np.nan
     if nodata:
         values[np.isclose(values, number(str(nodata)), rtol=1e-6, atol=0.0)] = np.nan
     if is_scaled := (scale, offset) != (None, None):

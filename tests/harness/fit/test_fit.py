@@ -226,6 +226,21 @@ def test_steps_are_on_the_clock_of_the_commands_and_of_a_paused_one_the_longest_
     assert found.steps[:2] == pytest.approx(np.array([[3.0, 10.0], [13.0, 20.0]]), abs=0.11)
 
 
+def test_a_limit_that_no_command_met_is_not_told() -> None:
+    """The fastest turn of a minute is over before the wheels have got there, as at a limit."""
+    leo = equipped(ROVERS["leo"], REAL, "")
+    slow = {"actuators.delay": 0.12, "actuators.lag": 0.15, "controller_separation": 0.5}
+    rng, rows, t = np.random.default_rng(7), list[tuple[float, float, float]](), 0.0
+    while t < 60.0:
+        kind = rng.integers(4)
+        ahead = 0.0 if kind == 0 else float(rng.uniform(0.12, 0.4))
+        rows.append((t, ahead, 0.0 if kind == 1 else 1.5 * float(rng.uniform(-1.0, 1.0))))
+        t += float(rng.choice([2.0, 4.0, 6.0]))
+    drive = replay(with_values(leo, slow.items()), np.array(rows), 60.0, course=flat(*PLANE, 0.3))
+    *_, told = response(leo, drive)
+    assert not told.is_known
+
+
 def noisy_and_late(table: pd.DataFrame) -> pd.DataFrame:
     """Poses as of a GNSS without a heading."""
     away = np.random.default_rng(1).normal(0.0, 0.05, (2, len(table)))
