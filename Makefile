@@ -77,8 +77,7 @@ $(RUNS): pyproject.toml tools/run.txt tools/build.txt tools/setup.sh
 	tools/setup.sh run
 
 $(COLLECTED): $(READY)
-	-$(BIN)/python -m pytest --collect-only --quiet tests/harness >/dev/null & \
-	$(BIN)/python -m pytest --collect-only --quiet --ignore tests/harness >/dev/null; wait
+	-$(BIN)/python -m pytest --collect-only --quiet >/dev/null
 	touch $@
 
 clean:  ## removes the environment and everything that was built
