@@ -45,7 +45,7 @@ def read_text(path: Path) -> str:
     try:
         return read_bytes(path, MOST_BYTES).decode("utf-8")
     except UnicodeDecodeError as error:
-        raise UsageError(f"cannot read {path}: {error}") from error
+        raise UsageError(f"cannot read {path} ({error}); save it as UTF-8") from error
 
 
 def parsed(text: str, path: Path) -> ET.Element:

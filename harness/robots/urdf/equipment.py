@@ -126,14 +126,15 @@ class _Workshop:
             if name not in driven:
                 continue
             effort, speed = self._limit(name, "effort"), self._limit(name, "velocity")
+            joint, fastest = self._spec.joint(name), speed or round(TOP_SPEED / radius, 2)
             if not effort:
-                effort = round(GRIP * self._mass * GRAVITY * radius / len(driven), 3)
+                lost = joint.damping[0] * fastest + joint.frictionloss
+                effort = round(GRIP * self._mass * GRAVITY * radius / len(driven) + lost, 3)
                 guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
             if not speed:
-                speed = round(TOP_SPEED / radius, 2)
-                guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
-            motor = self._motor(name, effort, [-speed, speed])
-            gain, joint = effort / (STIFFNESS * speed), self._spec.joint(name)
+                guesses["model: wheel speed"] = f"{fastest:g} rad/s, {TOP_SPEED:g} m/s"
+            motor = self._motor(name, effort, [-fastest, fastest])
+            gain = effort / (STIFFNESS * fastest)
             motor.set_to_velocity(kv=gain)
             if (heavy := gain * TIMESTEP / STIFFEST) > joint.armature:
                 joint.armature = heavy  # a servo so stiff would flip between its limits

@@ -11,6 +11,8 @@ from harness.robots.model import at_origin, body_box, by_side
 
 ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis
 NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
+ENDLESS = 4 * np.pi  # [rad] of a joint's range, from which on its limits mean none
+TRAIL = 0.2  # of a wheel's radius: so far beside the axis about which it turns freely, it is a caster's
 SMALLEST_WHEEL, LARGEST_WHEEL = 0.005, 3.0  # [m] of radius; others are in another unit
 
 
@@ -99,19 +101,35 @@ def _rolling(
     names: dict[str, int],
     boxes: dict[str, NDArray[np.float64]],
 ) -> list[str]:
-    """Hinges about y without limits whose shapes reach the ground."""
+    """Hinges about y without limits whose shapes reach the ground; none of a caster."""
     rolling = [
         name
         for name, joint in names.items()
         if abs(data.xaxis[joint][1]) > ALONG
-        and not model.jnt_limited[joint]
+        and _is_endless(model, joint)
         and np.isfinite(boxes[name]).all()
+        and not _is_on_caster(model, data, joint, boxes[name])
     ]
     if not rolling:
         return []
     lowest = min((boxes[name] for name in rolling), key=lambda box: box[0][2])
     reach = lowest[0][2] + NEAR_GROUND * np.ptp(lowest[:, 2]) / 2
     return [name for name in rolling if boxes[name][0][2] <= reach]
+
+
+def _is_endless(model: mujoco.MjModel, joint: int) -> bool:
+    return not model.jnt_limited[joint] or bool(np.ptp(model.jnt_range[joint]) >= ENDLESS)
+
+
+def _is_on_caster(
+    model: mujoco.MjModel, data: mujoco.MjData, wheel: int, box: NDArray[np.float64]
+) -> bool:
+    """Whether a wheel trails the joint about z that carries it."""
+    swivel = _steering_above(model, data, wheel)
+    if swivel is None or not _is_endless(model, swivel):
+        return False
+    trail = abs(data.xanchor[wheel][0] - data.xanchor[swivel][0])
+    return bool(trail > TRAIL * np.ptp(box[:, 2]) / 2)
 
 
 def _steering_above(model: mujoco.MjModel, data: mujoco.MjData, wheel: int) -> int | None:

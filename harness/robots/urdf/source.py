@@ -5,6 +5,7 @@ is only expanded where the user says that it is trusted.
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,11 +14,14 @@ from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
+import trimesh
 
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
-from harness.robots.strangers import parsed, read_text
+from harness.robots.strangers import MOST_BYTES, parsed, read_text
 
 READABLE = (".stl", ".obj", ".msh")
+LFS = b"version https://git-lfs"
 XACRO = re.compile(r"<xacro:|\$[({]")  # its namespace alone is what old versions of it leave behind
 
 
@@ -42,10 +46,7 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
         UsageError: It cannot be read, is not URDF, or a mesh that collides is missing.
     """
     robot = parsed(_text(path, folders, trust_xacro=trust_xacro), path)
-    if robot.tag != "robot":
-        raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
-    if robot.find("link") is None:
-        raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
+    _check_content(robot, path)
     notes: list[str] = []
     for link in robot.iter("link"):
         notes += _find_meshes(link, path, folders)
@@ -60,12 +61,43 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
         raise UsageError(
             f"{path} is no URDF that MuJoCo reads: {' '.join(str(error).split())}"
         ) from error
+    for mesh in filter(_is_text, spec.meshes):
+        _take_in(mesh, path)
     without = {link.get("name") for link in robot.iter("link") if link.find("inertial") is None}
     for body in spec.bodies:
         if body.name in without:  # MuJoCo would give its shapes the density of water
             for geom in body.geoms:
                 geom.mass = 0.0
     return Source(spec, robot, notes)
+
+
+def _check_content(robot: ET.Element, path: Path) -> None:
+    if robot.tag != "robot":
+        raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
+    if robot.find("link") is None:
+        raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
+    joints = Counter(joint.get("name", "") for joint in robot.findall("joint"))
+    if twice := [name for name, times in joints.items() if times > 1]:
+        raise UsageError(f"{path}: {joints[twice[0]]} joints are called '{twice[0]}'; rename them")
+
+
+def _is_text(mesh: mujoco.MjsMesh) -> bool:
+    """Whether it is an STL in text, which MuJoCo does not read."""
+    if not mesh.file.lower().endswith(".stl"):
+        return False
+    data = read_bytes(Path(mesh.file), MOST_BYTES)
+    faces = int.from_bytes(data[80:84], "little")
+    return data.lstrip().startswith(b"solid") and len(data) != 84 + 50 * faces
+
+
+def _take_in(mesh: mujoco.MjsMesh, path: Path) -> None:
+    """Puts the triangles of a file that MuJoCo does not read into the model."""
+    try:
+        triangles = trimesh.load_mesh(mesh.file, file_type="stl")
+        mesh.uservert, mesh.userface = triangles.vertices.ravel(), triangles.faces.ravel()
+    except Exception as error:  # whatever a damaged file brings about
+        raise UsageError(f"{path}: mesh {mesh.file} cannot be read: {error}; export it anew") from error
+    mesh.file = ""
 
 
 def _text(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> str:
@@ -145,6 +177,9 @@ def _file(name_in_file: str, path: Path, folders: Sequence[Path]) -> tuple[Path 
         return None, "is outside of the URDF's folder", "name its folder by --resource-path"
     if file.suffix.lower() not in READABLE:
         return None, f"is no {' or '.join(READABLE)}", "convert it"
+    with file.open("rb") as mesh:
+        if mesh.read(len(LFS)) == LFS:
+            return None, "is only Git LFS's pointer to it", "git lfs pull fetches it"
     return file, "", ""
 
 
