@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from harness.base.errors import UsageError, find_named
 from harness.drivers import point_nav
 from harness.drivers.base import DriverContext, Observation
+from harness.drivers.beeline import Beeline
 from harness.robots import RoverSpec
 from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
 
@@ -144,7 +145,7 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
         )
 
 
-class PolicyDriver:
+class PolicyDriver(Beeline):
     """Drives to each goal that it is given as its policy does; stands there, and before any."""
 
     summary: ClassVar[str] = "drives to each /goal_pose as a policy trained on PointNav does"
@@ -152,24 +153,20 @@ class PolicyDriver:
     file: ClassVar[Path]
 
     def __init__(self, context: DriverContext) -> None:
-        self._policy, self._rover = read_policy(self.file), context.rover
+        super().__init__(context)
+        self._policy = read_policy(self.file)
         beams = len(context.bearings)
         if beams != self._policy.beams:
             raise UsageError(
                 f"policy {self.file} is for {self._policy.beams} beams, the lidar has {beams}; "
                 f"give --lidar-beams {self._policy.beams}"
             )
-        self._goal: tuple[float, float] | None = None
-
-    def head_for(self, x: float, y: float, _yaw: float) -> None:
-        """Takes the next goal [m]; PointNav is at its goal whatever the heading."""
-        self._goal = x, y
 
     def command(self, observation: Observation) -> Twist:
         """Returns the policy's command."""
         if self._goal is None or not observation.readings.keys() >= point_nav.SENSED:
             return Twist()
-        return self._policy.command(observation.readings, self._goal, self._rover)
+        return self._policy.command(observation.readings, self._goal, self.rover)
 
 
 @lru_cache(maxsize=4)

@@ -14,9 +14,7 @@ from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.rays.bundle import Surroundings, turn
-from harness.sensors.rays.heightfield_kernel import cast_rays
-from harness.sensors.rays.obstacle_kernel import cast_fan
+from harness.sensors.rays.bundle import RayBundle, Surroundings
 
 
 class Lidar:
@@ -35,12 +33,10 @@ class Lidar:
         self.spec = spec
         self._site = model.site(site).id
         self.surroundings = Surroundings(model, others)
-        self._terrain, self._obstacles = self.surroundings.terrain, self.surroundings.obstacles
         angles = self.spec.angles
-        self._beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
-        self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
-        self._directions, self._distances = np.empty_like(self._beams), np.empty_like(angles)
-        self._pose, self._clear = np.empty((4, 3)), np.zeros_like(angles)
+        beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+        self._fan = RayBundle(self.surroundings, beams, spec.range_max, horizon=False)
+        self._pose = np.empty((4, 3))
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
@@ -48,15 +44,9 @@ class Lidar:
         +inf: nothing within range_max; -inf: something nearer than range_min. The poses in `data`
         must be those of its qpos: after mj_step, call mj_kinematics first.
         """
-        pose, directions, distances = self._pose, self._directions, self._distances
+        pose = self._pose
         pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
-        turn(self._beams, pose, directions)
-        distances.fill(np.inf)
-        poses = data.geom_xpos, data.geom_xmat, pose
-        cast_fan(*self._obstacles, *poses, directions, self._fan, distances)
-        # Obstacles first: the terrain is then walked no further than to them.
-        cast_rays(*self._terrain, pose[0], directions, self._clear, self.spec.range_max, distances)
-        self.surroundings.cast_meshes(data, pose[0], directions, self.spec.range_max, distances)
+        distances = self._fan.cast(data, pose)
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
 

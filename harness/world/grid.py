@@ -1,6 +1,6 @@
 """Grids of cells: how far each is from what is occupied, and how far to travel from it to a goal.
 
-Sums are made in a fixed order and no library of vectors takes part, so every machine gets the same bits.
+Distances are roots of whole numbers, sums are made in a fixed order: every machine gets the same bits.
 """
 
 import heapq
@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from harness.base.compiled import inlined, kernel
 
@@ -22,47 +23,11 @@ Cells = NDArray[np.bool_]
 Lengths = NDArray[np.float64]
 
 
-@inlined
-def _squared(values: Lengths, out: Lengths, hull: NDArray[np.int64], ends: Lengths) -> None:
-    """Lower envelope of parabolas over squared distances (Felzenszwalb and Huttenlocher 2012)."""
-    top, hull[0], ends[0], ends[1] = 0, 0, -FAR, FAR
-    for q in range(1, len(values)):
-        while True:
-            p = hull[top]
-            meet = ((values[q] + q * q) - (values[p] + p * p)) / (2.0 * (q - p))
-            if meet > ends[top] or top == 0:
-                break
-            top -= 1
-        if meet <= ends[top]:
-            hull[0], ends[1] = q, FAR
-        else:
-            top += 1
-            hull[top], ends[top], ends[top + 1] = q, meet, FAR
-    at = 0
-    for q in range(len(values)):
-        while ends[at + 1] < q:
-            at += 1
-        out[q] = (q - hull[at]) * (q - hull[at]) + values[hull[at]]
-
-
-@kernel("f8[:,:](b1[:,:])")
 def distances(occupied: Cells) -> Lengths:
     """Returns how far each cell's middle is from that of the nearest occupied one, in cells."""
-    rows, columns = occupied.shape
-    longest = max(rows, columns)
-    hull, ends = np.empty(longest, np.int64), np.empty(longest + 1)
-    line, out = np.empty(longest), np.empty(longest)
-    squares = np.empty((rows, columns))
-    for column in range(columns):
-        for row in range(rows):
-            line[row] = 0.0 if occupied[row, column] else FAR
-        _squared(line[:rows], out[:rows], hull, ends)
-        squares[:, column] = out[:rows]
-    for row in range(rows):
-        _squared(squares[row], out[:columns], hull, ends)
-        for column in range(columns):
-            squares[row, column] = math.sqrt(min(out[column], FAR))
-    return squares
+    if not occupied.any():
+        return np.full(occupied.shape, math.sqrt(FAR))
+    return np.asarray(distance_transform_edt(~occupied), np.float64)
 
 
 @inlined

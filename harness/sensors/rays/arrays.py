@@ -54,7 +54,7 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
 def obstacle_arrays(
     model: mujoco.MjModel, group: int, others: Sequence[int] = ()
 ) -> tuple[Integers, Doubles]:
-    """Returns geoms that are no meshes, with kinds, and their sizes as cast_fan takes them.
+    """Returns geoms that are no meshes, with kinds, and their sizes as cast_bundle takes them.
 
     Args:
         model: The scene.

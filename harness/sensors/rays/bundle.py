@@ -1,7 +1,4 @@
-"""Rays in any directions from one point, against all that a lidar can see: exact, as MuJoCo's are.
-
-The planar lidar's fan needs less than this and has a way of its own (harness.sensors.lidar).
-"""
+"""Rays in any directions from one point, against all that a lidar can see: exact, as MuJoCo's are."""
 
 import math
 from collections.abc import Sequence
@@ -72,18 +69,22 @@ class RayBundle:
         surroundings: What they can meet; several bundles may share them.
         directions: Unit vectors in the sensor's frame, shape (n, 3).
         range_max: Where they end [m].
+        horizon: Whether to look first how far the ground lets rays go, which takes longer than a fan of
+            hundreds of rays and saves time with thousands; what they meet is the same.
 
     Attributes:
         on_obstacle: Of each ray of the last cast, whether it met an obstacle, shape (n,).
     """
 
-    def __init__(self, surroundings: Surroundings, directions: Doubles, range_max: float) -> None:
-        self._surroundings, self._range_max = surroundings, range_max
+    def __init__(
+        self, surroundings: Surroundings, directions: Doubles, range_max: float, *, horizon: bool = True
+    ) -> None:
+        self._surroundings, self._range_max, self._horizon = surroundings, range_max, horizon
         self._local = np.ascontiguousarray(directions, np.float64)
-        self._bins = _sorted_into_bins(self._local)
+        self._bins = sorted_into_bins(self._local)
         self._directions = np.empty_like(self._local)
         self._profile = np.empty((SECTORS, RINGS))
-        self._clear, self._distances = np.empty(len(directions)), np.empty(len(directions))
+        self._clear, self._distances = np.zeros(len(directions)), np.empty(len(directions))
         self.on_obstacle = np.zeros(len(directions), bool)
 
     def cast(self, data: mujoco.MjData, pose: Doubles) -> Doubles:
@@ -103,8 +104,10 @@ class RayBundle:
         self._surroundings.cast_meshes(data, origin, directions, self._range_max, distances)
         np.isfinite(distances, out=self.on_obstacle)
         nearest = distances.copy()
-        highest_points(terrain[0].shape, *terrain[1:], origin, self._range_max, self._profile)
-        clear_ways(self._profile, terrain[3], origin, directions, self._range_max, self._clear)
+        if self._horizon:
+            highest_points(terrain[0].shape, *terrain[1:], origin, self._range_max, self._profile)
+            clear_ways(self._profile, terrain[3], origin, directions, self._range_max, self._clear)
+        # Obstacles first: the terrain is then walked no further than to them.
         cast_rays(*terrain, origin, directions, self._clear, self._range_max, distances)
         self.on_obstacle &= distances == nearest
         return distances
@@ -125,7 +128,7 @@ def turn(local: Doubles, pose: Doubles, directions: Doubles) -> None:
             directions[i, axis] = local[i, 0] * row[0] + local[i, 1] * row[1] + local[i, 2] * row[2]
 
 
-def _sorted_into_bins(directions: Doubles) -> tuple[Integers, Integers, Doubles]:
+def sorted_into_bins(directions: Doubles) -> tuple[Integers, Integers, Doubles]:
     """The rays bin by bin, where the bins begin, and their grid, as cast_bundle takes them."""
     azimuth = np.arctan2(directions[:, 1], directions[:, 0])
     elevation = np.arcsin(np.clip(directions[:, 2], -1.0, 1.0))

@@ -1,7 +1,7 @@
-"""Beams against boxes, cylinders, capsules, ellipsoids, compiled by numba: a fan, or any bundle.
+"""Beams against boxes, cylinders, capsules, ellipsoids, compiled by numba.
 
-Each obstacle is asked only by the beams whose directions its bounding sphere covers: those of a fan by
-their azimuths, those of a bundle by the bins of azimuth and elevation into which they are sorted once.
+Each obstacle is asked only by the beams whose directions its bounding sphere covers, by the bins of
+azimuth and elevation into which they are sorted once.
 The shapes are convex: a ray is inside for one interval of t, and the hit is the interval's begin, or
 its end if the ray starts inside, as MuJoCo has it.
 """
@@ -105,71 +105,6 @@ def _to_local(matrix: NDArray[np.float64], x: float, y: float, z: float) -> Vect
         matrix[1] * x + matrix[4] * y + matrix[7] * z,
         matrix[2] * x + matrix[5] * y + matrix[8] * z,
     )
-
-
-@inlined
-def _sector(center: Vector, radius: float, range_max: float) -> tuple[float, float]:
-    """Azimuth and half-width of the sphere's disc in the fan's plane; a width < 0: out of sight."""
-    x, y, z = center
-    disc_squared = radius * radius - z * z
-    if disc_squared < 0.0:
-        return 0.0, -1.0
-    disc, distance = math.sqrt(disc_squared), math.hypot(x, y)
-    if distance - disc > range_max:
-        return 0.0, -1.0
-    if distance <= disc:
-        return 0.0, math.pi
-    return math.atan2(y, x), math.asin(disc / distance)
-
-
-@kernel(
-    "void(int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64[:,::1], float64[::1], float64[::1])"
-)
-def cast_fan(
-    obstacles: NDArray[np.int64],
-    sizes: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    matrices: NDArray[np.float64],
-    pose: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    fan: NDArray[np.float64],
-    ranges: NDArray[np.float64],
-) -> None:
-    """Lowers `ranges` to the distance of the obstacles where that is nearer.
-
-    Args:
-        obstacles: Geom and kind (BOX, CYLINDER, CAPSULE or ELLIPSOID) of each, shape (k, 2).
-        sizes: Half sizes as MuJoCo has them and the bounding radius [m], shape (k, 4).
-        positions: World positions of all geoms [m], shape (ngeom, 3).
-        matrices: World rotations of all geoms, shape (ngeom, 9).
-        pose: World position [m] of the fan's frame, then its rotation's rows, shape (4, 3).
-        directions: Beams as unit vectors in the world, in the xy plane of that frame, shape (n, 3).
-        fan: Azimuth of beam 0 and step between beams [rad], range_max [m].
-        ranges: Distances [m] to what else was hit, or inf; shape (n,).
-    """
-    origin, axes = pose[0], pose[1:].ravel()
-    first_azimuth, step, range_max = fan[0], fan[1], fan[2]
-    last = ranges.shape[0] - 1
-    for k in range(obstacles.shape[0]):
-        geom, kind = obstacles[k, 0], obstacles[k, 1]
-        position, matrix = positions[geom], matrices[geom]
-        x, y, z = origin[0] - position[0], origin[1] - position[1], origin[2] - position[2]
-        azimuth, width = _sector(_to_local(axes, -x, -y, -z), sizes[k, 3], range_max)
-        if width < 0.0:
-            continue
-        size = (sizes[k, 0], sizes[k, 1], sizes[k, 2])
-        start = _to_local(matrix, x, y, z)
-        for turn in (-2.0 * math.pi, 0.0, 2.0 * math.pi):
-            # One beam more on either side, so that rounding never costs a hit.
-            begin = math.floor((azimuth + turn - width - first_azimuth) / step)
-            end = math.ceil((azimuth + turn + width - first_azimuth) / step)
-            for i in range(max(int(begin), 0), min(int(end), last) + 1):
-                beam = directions[i]
-                speed = _to_local(matrix, beam[0], beam[1], beam[2])
-                hit = _hit_shape(kind, size, start, speed)
-                if hit <= min(ranges[i], range_max):
-                    ranges[i] = hit
 
 
 @inlined

@@ -131,8 +131,12 @@ def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
     lidar = Lidar(model, LidarSpec(beams=720), "lidar", others)
     data.qpos[7:] = (-1.8, 0.6, 0.5, np.cos(0.9), 0.0, 0.0, np.sin(0.9))  # it has driven on since
     mujoco.mj_kinematics(model, data)
-    place, axes = data.site_xpos[lidar._site], data.site_xmat[lidar._site].reshape(3, 3)
-    directions = lidar._beams @ axes.T
+    place, axes, angles = (
+        data.site("lidar").xpos,
+        data.site("lidar").xmat.reshape(3, 3),
+        lidar.spec.angles,
+    )
+    directions = np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles]) @ axes.T
     model.geom_group[[g for g in range(model.ngeom) if model.geom_bodyid[g] == 1]] = 5
     geoms, expected = meets(model, data, place, directions, (0, 1, 3))
     assert {g for g in geoms.tolist() if g in others} == set(others)

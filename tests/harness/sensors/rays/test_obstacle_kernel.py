@@ -8,7 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.sensors.rays.arrays import obstacle_arrays
-from harness.sensors.rays.obstacle_kernel import cast_fan
+from harness.sensors.rays.bundle import sorted_into_bins
+from harness.sensors.rays.obstacle_kernel import cast_bundle
 from tests.harness.sensors.mujoco_rays import meets
 
 Array = NDArray[np.float64]
@@ -38,11 +39,12 @@ def fans(world: tuple[mujoco.MjModel, mujoco.MjData], origin: Array, turn: Array
     """Our ranges and MuJoCo's, of a fan in the xy plane of a frame."""
     model, data = world
     angles = FIRST + STEP * np.arange(BEAMS)
-    beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(BEAMS)]) @ turn.T
-    ours = np.full(BEAMS, np.inf)
-    fan = np.array([FIRST, STEP, RANGE_MAX])
-    pose = np.ascontiguousarray(np.vstack([origin, turn]))
-    cast_fan(*obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ours)
+    local = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(BEAMS)])
+    ours, beams = np.full(BEAMS, np.inf), local @ turn.T
+    poses = data.geom_xpos, data.geom_xmat, np.ascontiguousarray(np.vstack([origin, turn]))
+    order, starts, grid = sorted_into_bins(local)
+    obstacles = obstacle_arrays(model, 1)
+    cast_bundle(*obstacles, *poses, beams, order, starts, grid, RANGE_MAX, ours)
     _, theirs = meets(model, data, origin, beams, (1,))
     theirs[theirs > RANGE_MAX] = np.inf
     return ours, theirs
@@ -73,10 +75,10 @@ def test_a_fan_meets_mujoco() -> None:
 
 def test_what_is_nearer_already_stays_and_without_obstacles_all_does() -> None:
     model, data = scene({"type": SHAPES[0], "size": [0.5] * 3, "pos": [2.0, 0.0, 0.0]})
-    ranges, pose = np.array([1.0, 1.6]), np.vstack([np.zeros(3), np.eye(3)])
-    beams, fan = np.tile([1.0, 0.0, 0.0], (2, 1)), np.array([0.0, 1e-3, 9.0])
-
-    cast_fan(*obstacle_arrays(model, 2), data.geom_xpos, data.geom_xmat, pose, beams, fan, ranges)
-    assert ranges.tolist() == [1.0, 1.6]
-    cast_fan(*obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ranges)
-    assert ranges == pytest.approx([1.0, 1.5])
+    ranges, beams = np.array([1.0, 1.6]), np.tile([1.0, 0.0, 0.0], (2, 1))
+    poses = data.geom_xpos, data.geom_xmat, np.vstack([np.zeros(3), np.eye(3)])
+    order, starts, grid = sorted_into_bins(beams)
+    for group, expected in ((2, 1.6), (1, 1.5)):
+        obstacles = obstacle_arrays(model, group)
+        cast_bundle(*obstacles, *poses, beams, order, starts, grid, 9.0, ranges)
+        assert ranges == pytest.approx([1.0, expected])
