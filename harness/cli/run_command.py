@@ -6,7 +6,7 @@ The drive is in harness.ros.session (through ROS) and harness.episode.direct (wi
 import argparse
 import importlib
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -50,6 +50,9 @@ def _command(options: RunOptions, console: Console) -> int:
     run = options.run
     backend = keep_opengl_out()  # before MuJoCo is loaded
     files = options.files
+    if files.out is not None:
+        with suppress(OSError):  # which is told by who writes there
+            files.out.mkdir(parents=True, exist_ok=True)
     drawing = Drawing(
         files.picture, files.video, lidar=files.picture_lidar, backend=backend, camera=files.camera
     )

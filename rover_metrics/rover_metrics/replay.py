@@ -64,6 +64,8 @@ def _replay(options: argparse.Namespace) -> int:
                 code = INTERRUPTED
     _print_summary(playback, log)
     warnings, problems = _warnings(playback), _problems(playback, bag)
+    if not log.rows:
+        warnings.append(f"no full second of {playback.time_source.value} time; choose another --time")
     labelled = (*(f"note: {note}" for note in playback.notes), *(f"warning: {w}" for w in warnings))
     for line in (*labelled, *problems):
         print(f"replay: {line}", file=sys.stderr)

@@ -31,6 +31,7 @@ class Source:
     best_effort: bool = False  # only the newest message matters, so that old ones are not queued
     has_stamp: bool = True  # its messages have a header
     is_truth: bool = False  # for the extended columns; many robots do not publish it
+    also: tuple[str, ...] = ()  # types that say the same, which recordings may have instead
 
 
 def nanoseconds(time: Message) -> int:
@@ -64,9 +65,10 @@ def _imu(session: MetricsSession, imu: Message, stamp_ns: int) -> Remark | None:
     return session.take_imu(stamp_ns, acceleration, rate, orientation)
 
 
-def _pose(session: MetricsSession, poses: Message, stamp_ns: int) -> Remark | None:
-    position = _vector(poses.poses[0].position) if poses.poses else None
-    return session.take_pose(stamp_ns, position)
+def _pose(session: MetricsSession, message: Message, stamp_ns: int) -> Remark | None:
+    pose = next(iter(getattr(message, "poses", ())), None) or getattr(message, "pose", None)
+    pose = getattr(pose, "pose", pose)  # one with a covariance
+    return session.take_pose(stamp_ns, None if pose is None else _vector(pose.position))
 
 
 def _traversal(session: MetricsSession, values: Message, _: int) -> Remark | None:
@@ -92,7 +94,18 @@ def sources_of(session: MetricsSession) -> tuple[Source, ...]:
 SENSORS = (
     Source(SCAN.name, "sensor_msgs/msg/LaserScan", _scan, SCAN),
     Source(IMU.name, "sensor_msgs/msg/Imu", _imu, IMU),
-    Source(POSE.name, "geometry_msgs/msg/PoseArray", _pose, POSE, best_effort=True),
+    Source(
+        POSE.name,
+        "geometry_msgs/msg/PoseArray",
+        _pose,
+        POSE,
+        best_effort=True,
+        also=(
+            "geometry_msgs/msg/PoseStamped",
+            "geometry_msgs/msg/PoseWithCovarianceStamped",
+            "nav_msgs/msg/Odometry",
+        ),
+    ),
     Source(
         ODOMETRY.name,
         "nav_msgs/msg/Odometry",

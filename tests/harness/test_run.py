@@ -55,8 +55,10 @@ def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
     assert wrong.startswith("hit ")
     assert f"<strong>H{wrong[1:]}</strong>" in log.with_suffix(".html").read_text()
     assert told[-3:-1] == [f"page: {log.with_suffix('.html')}", "there is no picture: no OpenGL here"]
-    assert main([*hit, str(tmp_path / "b"), "--fail-on", "hazard"]) == 1
+    recorded = ["--record", str(tmp_path / "b" / "run.mcap")]
+    assert main([*hit, str(tmp_path / "b"), "--fail-on", "hazard", *recorded]) == 1
     assert capsys.readouterr().err == f"harness.run: {wrong}\n"
+    assert (tmp_path / "b" / "run.mcap").is_file()
     (manifest,) = (tmp_path / "b").glob("*.json")
     assert json.loads(manifest.read_text())["outcome"] == {"status": "failed", "reason": wrong}
 

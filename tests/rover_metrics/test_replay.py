@@ -280,7 +280,44 @@ def test_remapped_topics_are_read_as_recorded(tmp_path: Path, capsys: Capsys) ->
     assert replay(bag, *words) == cells(expected_rows())
     told = complaint(main, [str(bag)], capsys)
     assert "no topic to replay" in told
-    assert "/rover1/scan" in told
+    assert "/scan is missing (/rover1/scan would do)" in told
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_recording_written_topic_by_topic_is_played_in_the_order_of_its_times(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    """As programs write them that make a bag of tables."""
+    messages = sorted(drive(offset_s=1e9, clock=False), key=lambda message: message[0])
+    rows = replay(write_folder(tmp_path / "bag", messages, storage=storage))
+    assert [row[1:] for row in rows] == [row[1:] for row in cells(expected_rows())]
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "geometry_msgs/msg/PoseStamped",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        "nav_msgs/msg/Odometry",
+    ],
+)
+def test_poses_of_a_real_rover_are_no_arrays(tmp_path: Path, kind: str) -> None:
+    messages = []
+    for topic, time_ns, data in drive():
+        if topic == "/rover/pose_array":
+            (pose, _), message = STORE.deserialize_cdr(data, TYPES[topic]).poses, stamped(kind, time_ns)  # type: ignore[attr-defined]  # rosbags' classes have no types
+            of = message if isinstance(message.pose, type(pose)) else message.pose
+            of.pose = pose
+            topic, data = "/where", cdr(message)  # noqa: PLW2901 - another message in its place
+        messages.append((topic, time_ns, data))
+    bag = write_folder(tmp_path / "bag", messages, types=TYPES | {"/where": kind})
+    assert replay(bag, "--remap", "rover/pose_array:=where") == cells(expected_rows())
+
+
+def test_a_recording_without_the_time_that_is_asked_for_says_so(tmp_path: Path, capsys: Capsys) -> None:
+    messages = [(topic, t, recorded(topic, 0)) for topic, t, _ in drive()]
+    assert replay(write_mcap(tmp_path / "bag.mcap", messages), "--time", "header") == []
+    assert "no full second of header time" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from typing import Any, BinaryIO
 import zstandard
 
 from rover_metrics.bag.mcap_stream import LARGEST_RECORD, BagError, McapFile, Message
+from rover_metrics.bag.order import in_time
 from rover_metrics.log.documents import DocumentError, read_yaml
 
 LARGEST_SKIP = 2**32  # rows
@@ -112,9 +113,12 @@ class Bag(ExitStack):
         self.topics = {t: _full_name(kind) for file in self._files for t, kind in file.topics.items()}
 
     def messages(self, wanted: Collection[str]) -> Iterator[Message]:
-        """Yields all messages in recorded order, those of the wanted topics with their bytes."""
+        """Yields all messages in recorded order, those of the wanted topics with their bytes.
+
+        Of a file that was written topic by topic the wanted ones alone, in the order of their times.
+        """
         for file in self._files:
-            for message in file.messages(wanted, self.problems):
+            for message in in_time(file.messages, wanted, self.problems):
                 # A bare file does not say so; CDR begins with a zero.
                 is_packed = self._message_compression or message.data.startswith(ZSTD_MAGIC)
                 yield self._decompressed(message) if is_packed else message

@@ -100,7 +100,7 @@ class Playback:
         source = self._sources.get(message.topic)
         if source is None:
             return None
-        parsed = deserialised(message.data, source.message_type)
+        parsed = deserialised(message.data, self._bag.topics[message.topic])
         self.counts[message.topic].unreadable += parsed is None
         return parsed
 
@@ -133,10 +133,13 @@ class Playback:
         wished = {remaps.get(source.name, source.name): source for source in sources}
         there, reasons = {}, []
         for topic, source in wished.items():
-            recorded = self._bag.topics.get(topic)
+            recorded, types = self._bag.topics.get(topic), (source.message_type, *source.also)
             if recorded is None:
-                reasons.append(f"{topic} is missing")
-            elif recorded != source.message_type:
+                others = self._bag.topics.keys() - wished.keys()
+                alike = sorted(name for name in others if self._bag.topics[name] in types)
+                would_do = f" ({', '.join(alike[:MOST_NOTES])} would do)" if alike else ""
+                reasons.append(f"{topic} is missing{would_do}")
+            elif recorded not in types:
                 reasons.append(f"{topic} is {recorded}, not {source.message_type}")
             else:
                 there[topic] = source
