@@ -9,23 +9,15 @@ from typing import TYPE_CHECKING
 from harness.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from harness.base.errors import HarnessError, RunFailed, UsageError
-    from harness.episode.batch import Batch
-    from harness.episode.episode import Episode
-    from harness.episode.result import RunResult
-    from harness.episode.run import run_episode
-    from harness.spec.run import Run
+    from harness.base.errors import HarnessError as HarnessError
+    from harness.base.errors import RunFailed as RunFailed
+    from harness.base.errors import UsageError as UsageError
+    from harness.episode.batch import Batch as Batch
+    from harness.episode.episode import Episode as Episode
+    from harness.episode.result import RunResult as RunResult
+    from harness.episode.run import run_episode as run_episode
+    from harness.spec.run import Run as Run
 
-__all__ = [
-    "Batch",
-    "Episode",
-    "HarnessError",
-    "Run",
-    "RunFailed",
-    "RunResult",
-    "UsageError",
-    "run_episode",
-]
 _PLACES = {
     "Batch": "harness.episode.batch",
     "Episode": "harness.episode.episode",
@@ -36,6 +28,7 @@ _PLACES = {
     "UsageError": "harness.base.errors",
     "run_episode": "harness.episode.run",
 }
+__all__ = list(_PLACES)
 
 
 def __getattr__(name: str) -> object:

@@ -7,24 +7,14 @@ from pathlib import Path
 from harness.base.errors import UsageError
 from harness.base.version import __version__
 from harness.course.receipt import Receipt, interval, read_receipt
-from harness.course.summary import TrackSummary, difference
+from harness.course.result import EpisodeResult
+from harness.course.summary import difference
 from harness.course.tracks import TRACKS
-from harness.page.figure import (
-    INK,
-    METRIC,
-    PANEL,
-    Layout,
-    Plot,
-    Trace,
-    common_layout,
-    named,
-    numbers,
-    titled,
-)
+from harness.page.figure import METRIC, Plot, named
 from harness.page.shell import fill
+from harness.page.strips import beside, dots, means, strips
 from rover_metrics.sheet.sheet import NONE, Sheet
 
-SPREAD = 0.3  # of a row's height: how far its dots lie apart
 ROOM = (-0.03, 1.03)  # what a plot of scores shows
 
 
@@ -102,53 +92,22 @@ def _score(receipt: Receipt, track: str) -> str:
 
 def _plot(number: int, track: str, receipts: Sequence[Receipt]) -> Plot:
     known = [(one.entry, one.tracks[track]) for one in receipts if track in one.tracks]
-    means = "; ".join(f"{name}: {summary.score.mean:.3f}" for name, summary in known)
-    rows = {"tickvals": [*range(len(known))], "ticktext": [escape(name) for name, _ in known]}
-    layout = common_layout(
-        margin={"l": 10, "r": 14, "t": 24, "b": 44},
-        xaxis=titled("score", range=list(ROOM)),
-        yaxis=titled("", range=[len(known) - 0.5, -0.5], **rows),
-    )
-    summaries = [summary for _, summary in known]
-    figure = {"data": [_episodes(summaries), _means(summaries)], "layout": layout}
-    summary = f"Scores on track {track}, mean of each entry: {means}"
+    scores, names = [summary.score for _, summary in known], [name for name, _ in known]
+    episodes = [
+        (one.score, beside(row, place, len(summary.episodes)), _about(one))
+        for row, (_, summary) in enumerate(known)
+        for place, one in enumerate(summary.episodes)
+    ]
+    intervals = [None if one.low is None or one.high is None else (one.low, one.high) for one in scores]
+    traces = [
+        dots("episode", episodes, "%{customdata}, %{x}", METRIC),
+        means("mean with its 95 % interval", [one.mean for one in scores], intervals),
+    ]
+    shown = "; ".join(f"{name}: {summary.score.mean:.3f}" for name, summary in known)
+    summary = f"Scores on track {track}, mean of each entry: {shown}"
+    figure = strips(traces, names, "score", ROOM)
     return Plot(f"track-{number}", summary, figure, track, TRACKS[track].summary)
 
 
-def _episodes(known: Sequence[TrackSummary]) -> Trace:
-    """A dot per episode, those of an entry over its row's height."""
-    dots = [
-        (one, row + SPREAD * (2 * (place + 0.5) / len(summary.episodes) - 1))
-        for row, summary in enumerate(known)
-        for place, one in enumerate(summary.episodes)
-    ]
-    return {
-        **_markers("episode", PANEL, {"symbol": "circle", "size": 6, "line": METRIC}),
-        "x": numbers([one.score for one, _ in dots]),
-        "y": numbers([y for _, y in dots]),
-        "customdata": [f"seed {one.seed}: {escape(one.ending[:60])}" for one, _ in dots],
-        "hovertemplate": "%{customdata}, %{x}<extra></extra>",
-    }
-
-
-def _means(known: Sequence[TrackSummary]) -> Trace:
-    """The mean of each entry with its interval."""
-    scores = [summary.score for summary in known]
-    # Both ways: an interval that meets 0 or 1 is cut there.
-    below = numbers([0.0 if one.low is None else one.mean - one.low for one in scores])
-    above = numbers([0.0 if one.high is None else one.high - one.mean for one in scores])
-    whiskers = {"type": "data", "symmetric": False, "array": above, "arrayminus": below}
-    return {
-        **_markers(
-            "mean with its 95 % interval", INK, {"symbol": "diamond-open", "size": 11, "line": INK}
-        ),
-        "x": numbers([one.mean for one in scores]),
-        "y": [*range(len(scores))],
-        "error_x": whiskers | {"color": INK, "thickness": 1.5, "width": 4},
-        "hovertemplate": "%{x}<extra></extra>",
-    }
-
-
-def _markers(name: str, color: str, style: Layout) -> Trace:
-    marker = style | {"color": color, "line": {"color": style["line"], "width": 1.5}}
-    return {"type": "scatter", "mode": "markers", "name": name, "marker": marker}
+def _about(one: EpisodeResult) -> str:
+    return f"seed {one.seed}: {escape(one.ending[:60])}"

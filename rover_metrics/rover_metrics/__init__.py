@@ -7,24 +7,16 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rover_metrics.core.columns import COLUMNS, Row
-    from rover_metrics.core.metrics import TraversalMetrics
-    from rover_metrics.core.thresholds import Thresholds
-    from rover_metrics.extended.settings import ExtendedSettings, Settings
-    from rover_metrics.log.csv_log import CsvLog
-    from rover_metrics.session import MetricsSession, Remark
+    from rover_metrics.core.columns import COLUMNS as COLUMNS
+    from rover_metrics.core.columns import Row as Row
+    from rover_metrics.core.metrics import TraversalMetrics as TraversalMetrics
+    from rover_metrics.core.thresholds import Thresholds as Thresholds
+    from rover_metrics.extended.settings import ExtendedSettings as ExtendedSettings
+    from rover_metrics.extended.settings import Settings as Settings
+    from rover_metrics.log.csv_log import CsvLog as CsvLog
+    from rover_metrics.session import MetricsSession as MetricsSession
+    from rover_metrics.session import Remark as Remark
 
-__all__ = [
-    "COLUMNS",
-    "CsvLog",
-    "ExtendedSettings",
-    "MetricsSession",
-    "Remark",
-    "Row",
-    "Settings",
-    "Thresholds",
-    "TraversalMetrics",
-]
 _PLACES = {
     "COLUMNS": "rover_metrics.core.columns",
     "CsvLog": "rover_metrics.log.csv_log",
@@ -36,6 +28,7 @@ _PLACES = {
     "Thresholds": "rover_metrics.core.thresholds",
     "TraversalMetrics": "rover_metrics.core.metrics",
 }
+__all__ = list(_PLACES)
 
 
 def __getattr__(name: str) -> object:

@@ -2,30 +2,13 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from html import escape
 
-from harness.page.figure import (
-    COLUMN,
-    DASH,
-    INK,
-    METRIC,
-    PANEL,
-    TRUTH,
-    Figure,
-    Layout,
-    Plot,
-    Trace,
-    common_layout,
-    level,
-    numbers,
-    titled,
-)
+from harness.page.figure import COLUMN, DASH, METRIC, TRUTH, Figure, Layout, Plot, Trace, level
+from harness.page.strips import beside, dots, means, strips
 from harness.scenario.comparison import Cell, Compared, Comparisons
 from harness.scenario.verdict import outcome_of
 from rover_metrics.analysis.statistics.summary import Interval
 
-DECIMALS = 6
-SPREAD = 0.3  # of a row's height: how far its dots lie apart
 ROOM = 0.06  # of a plot's width beside what is in it
 AS_EXPECTED, NOT_AS_EXPECTED = "run as expected", "run not as expected"
 
@@ -37,8 +20,8 @@ def plots_of(name: str, compared: Comparisons) -> Iterator[Plot]:
     )
     for index, quantity in enumerate(compared.quantities):
         rows = ((row.cell.name, row.summary.mean) for row in quantity.rows)
-        means = "; ".join(f"{cell}: {DASH if mean is None else f'{mean:.4g}'}" for cell, mean in rows)
-        summary = f"{quantity.heading}, mean of each cell: {means}"
+        shown = "; ".join(f"{cell}: {DASH if mean is None else f'{mean:.4g}'}" for cell, mean in rows)
+        summary = f"{quantity.heading}, mean of each cell: {shown}"
         yield Plot(f"{name}-{index}", summary, _strips(quantity), quantity.heading)
 
 
@@ -52,25 +35,27 @@ def _passed(compared: Comparisons) -> Figure:
     cells = compared.cells
     rates = [100 * cell.good / len(cell.attempts) for cell in cells]
     intervals = [(100 * cell.interval[0], 100 * cell.interval[1]) for cell in cells]
-    mean = _means("pass rate with its 95 % interval", rates, intervals)
+    mean = means("pass rate with its 95 % interval", rates, intervals)
     asked = compared.verdict.attempts[0].case.scenario.pass_rate
     limits = [] if asked is None else [_limit("pass rate of all runs, at least", 100 * asked.min, "%")]
-    return _figure([mean], limits, cells, "%", (-ROOM * 100, 100 * (1 + ROOM)))
+    shown = -ROOM * 100, 100 * (1 + ROOM)
+    return strips([mean], [cell.name for cell in cells], "%", shown, limits)
 
 
 def _strips(quantity: Compared) -> Figure:
     cells = [row.cell for row in quantity.rows]
     summaries = [row.summary for row in quantity.rows]
-    means, intervals = [s.mean for s in summaries], [s.interval for s in summaries]
+    averages, intervals = [s.mean for s in summaries], [s.interval for s in summaries]
     limits = list(_limits(quantity))
-    dots = [_dots(quantity, good=good) for good in (True, False)]
+    runs = [_dots(quantity, good=good) for good in (True, False)]
     shown = [value for row in quantity.rows for value in row.values if math.isfinite(value)]
     shown += [end for interval in intervals if interval for end in interval]
     shown += [limit["x0"] for limit in limits]
-    traces = [trace for trace in dots if trace["x"]]
-    if any(mean is not None for mean in means):
-        traces.append(_means("mean with its 95 % interval", means, intervals))
-    return _figure(traces, limits, cells, quantity.unit, _around(shown))
+    traces = [trace for trace in runs if trace["x"]]
+    if any(mean is not None for mean in averages):
+        traces.append(means("mean with its 95 % interval", averages, intervals))
+    names = [cell.name for cell in cells]
+    return strips(traces, names, quantity.unit, _around(shown), limits)
 
 
 def _around(shown: Sequence[float]) -> Interval:
@@ -81,49 +66,13 @@ def _around(shown: Sequence[float]) -> Interval:
 
 def _dots(quantity: Compared, *, good: bool) -> Trace:
     points = [
-        (value, index + SPREAD * (2 * (number + 0.5) / len(row.values) - 1), attempt.case.run.seed)
+        (value, beside(index, number, len(row.values)), attempt.case.run.seed)
         for index, row in enumerate(quantity.rows)
         for number, (value, attempt) in enumerate(zip(row.values, row.cell.attempts, strict=True))
         if math.isfinite(value) and outcome_of(attempt).is_good == good
     ]
-    color, symbol = (METRIC, "circle") if good else (TRUTH, "x-thin-open")
-    return {
-        **_markers(AS_EXPECTED if good else NOT_AS_EXPECTED, color, symbol, 8),
-        "x": numbers([x for x, _, _ in points], DECIMALS),
-        "y": numbers([y for _, y, _ in points]),
-        "customdata": [seed for _, _, seed in points],
-        "hovertemplate": "seed %{customdata}: %{x}<extra></extra>",
-    }
-
-
-def _means(name: str, means: Sequence[float | None], intervals: Sequence[Interval | None]) -> Trace:
-    known = [
-        (index, mean, interval or (mean, mean))
-        for index, (mean, interval) in enumerate(zip(means, intervals, strict=True))
-        if mean is not None
-    ]
-    return {
-        **_markers(name, INK, "diamond-open", 11),
-        "x": numbers([mean for _, mean, _ in known], DECIMALS),
-        "y": [index for index, _, _ in known],
-        "error_x": {
-            "type": "data",
-            "symmetric": False,
-            "array": numbers([high - mean for _, mean, (_, high) in known], DECIMALS),
-            "arrayminus": numbers([mean - low for _, mean, (low, _) in known], DECIMALS),
-            "color": INK,
-            "thickness": 1.5,
-            "width": 4,
-        },
-        "hovertemplate": "%{x}<extra></extra>",
-    }
-
-
-def _markers(name: str, color: str, symbol: str, size: int) -> Trace:
-    line = {"color": color, "width": 2}
-    fill = PANEL if symbol == "circle" else color  # open symbols have no other colour
-    marker = {"symbol": symbol, "size": size, "color": fill, "line": line}
-    return {"type": "scatter", "mode": "markers", "name": name, "marker": marker}
+    name, *look = (AS_EXPECTED, METRIC, "circle") if good else (NOT_AS_EXPECTED, TRUTH, "x-thin-open")
+    return dots(name, points, "seed %{customdata}: %{x}", *look)
 
 
 def _limits(quantity: Compared) -> Iterator[Layout]:
@@ -141,18 +90,3 @@ def _limit(name: str, value: float, unit: str) -> Layout:
     dash = "dash" if "least" in name else "dot"
     text = f"{name} {value:g} {unit}".rstrip()
     return level(text, COLUMN | {"x0": value, "x1": value}, dash, TRUTH)
-
-
-def _figure(
-    traces: list[Trace], limits: list[Layout], cells: Sequence[Cell], title: str, shown: Interval
-) -> Figure:
-    rows = [escape(cell.name).replace(", ", "<br>") for cell in cells]
-    layout = common_layout(
-        margin={"l": 10, "r": 14, "t": 24, "b": 44},
-        xaxis=titled(title, range=numbers(shown, DECIMALS)),
-        yaxis=titled(
-            "", range=[len(cells) - 0.5, -0.5], tickvals=list(range(len(cells))), ticktext=rows
-        ),
-        shapes=limits,
-    )
-    return {"data": traces, "layout": layout}
