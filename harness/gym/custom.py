@@ -97,7 +97,7 @@ def truth_of(
         time_s=time_s,
         position=(x, y, z),
         yaw=rotation.yaw(simulation.orientation),
-        tilt=math.acos(max(-1.0, min(1.0, driven.upright))),
+        tilt=rotation.tilt(simulation.orientation),
         speed=float(simulation.velocity[0]),
         goal=goal,
         distance=distance,

@@ -110,9 +110,3 @@ class DrivenRover:
             readings[RangeReading] = self._camera.read()
         self._late.append(readings)
         self.readings = self._late[0]
-
-    @property
-    def upright(self) -> float:
-        """Cosine of the angle between the rover's and the world's vertical."""
-        _, x, y, _ = self.simulation.pose[3:].tolist()
-        return 1.0 - 2.0 * (float(x) ** 2 + float(y) ** 2)

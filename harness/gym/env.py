@@ -25,7 +25,6 @@ from harness.gym.observation import Limits, Observation, Part, space_of
 from harness.gym.options import CurriculumSchedule, Options, parse_options
 from harness.gym.picture import Painter
 from harness.samples import Twist
-from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
 
 if TYPE_CHECKING:
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
 
 LARGEST_SEED = 2**31
 BY_THEMSELVES = ("human", "live")  # render modes that show each step without being asked
-FLIPPED = math.cos(TIPPED_OVER)
 
 Info = dict[str, Any]
 Action = NDArray[np.float32]

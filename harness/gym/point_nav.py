@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, model_validator
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed, visible
 from harness.gym.driven_rover import DrivenRover
-from harness.gym.env import FLIPPED, Info, RoverEnv
+from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import (
     Part,
     depth_part,
@@ -27,6 +27,8 @@ from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
 from harness.spec.value import Finite, Length, Value, as_tuple, checked, made
+from harness.truth.recorder import TIPPED_OVER
+from rover_metrics.core import rotation
 
 ENERGY = "energy"  # the only term that is left out where it is not weighed
 
@@ -199,7 +201,7 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         return sum(terms.values()), ending, info
 
     def _ending(self, driven: DrivenRover) -> str:
-        if driven.upright < FLIPPED:
+        if rotation.tilt(driven.simulation.orientation) > TIPPED_OVER:
             return "flipped"
         if self._hazard_s >= self.options.hazard_budget - 1e-9:  # a sum of hundredths
             return "hazard"

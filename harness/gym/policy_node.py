@@ -41,7 +41,7 @@ from harness.drivers.policy import Policy, read_policy
 from harness.robots import RoverSpec, find_rover
 from rover_metrics.ros.arguments import complaint, refusal, split_ros_args
 from rover_metrics.ros.guarded_node import GuardedNode
-from rover_metrics.topics import stamp_ns
+from rover_metrics.topics import quaternion, stamp_ns, vector
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -81,18 +81,16 @@ class PolicyNode(GuardedNode):
         )
 
     def _on_imu(self, message: ImuMessage) -> None:
-        rate, force = message.angular_velocity, message.linear_acceleration
         self._readings[samples.Imu] = samples.Imu(
             stamp_ns(message),
-            _quaternion(message.orientation),
-            (rate.x, rate.y, rate.z),
-            (force.x, force.y, force.z),
+            quaternion(message.orientation),
+            vector(message.angular_velocity),
+            vector(message.linear_acceleration),
         )
 
     def _on_pose(self, message: PoseArray) -> None:
         for pose in message.poses[:1]:
-            place = (pose.position.x, pose.position.y, pose.position.z)
-            attitude = _quaternion(pose.orientation)
+            place, attitude = vector(pose.position), quaternion(pose.orientation)
             self._readings[samples.Pose] = samples.Pose(stamp_ns(message), place, attitude)
 
     def _on_odometry(self, message: OdometryMessage) -> None:
@@ -115,11 +113,6 @@ class PolicyNode(GuardedNode):
             twist = Twist()
             twist.linear.x, twist.angular.z = command.linear, command.angular
             self._command.publish(twist)
-
-
-def _quaternion(orientation: object) -> samples.Quaternion:
-    x, y, z, w = (float(getattr(orientation, name)) for name in "xyzw")
-    return x, y, z, w
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -15,13 +15,14 @@ from harness.base.files import modified_ns
 from harness.episode.assembly import actor_names
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover
-from harness.samples import ActorPoses, Quaternion, Vector3
+from harness.samples import ActorPoses
 from harness.sensors.message_types import read_message
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from harness.view.states import PERIOD_NS, people_row
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
+from rover_metrics.topics import quaternion, vector
 
 POSE, JOINTS, SCAN = "/rover/pose_array", "/joint_states", "/scan"
 
@@ -148,7 +149,7 @@ def _take(track: Track, kind: str | int, joints: Sequence[str], time_ns: int, re
         before = track.people.values[-1] if track.people.values else np.zeros((0, 4))
         rows = np.zeros((max(len(before), kind + 1), 4))
         rows[: len(before)] = before
-        places = (_vector(read.position),), (_quaternion(read.orientation),)
+        places = (vector(read.position),), (quaternion(read.orientation),)
         rows[kind] = people_row(ActorPoses(time_ns, *places))
         track.people.put(time_ns, rows)
     elif time_ns % PERIOD_NS == 0:
@@ -156,13 +157,5 @@ def _take(track: Track, kind: str | int, joints: Sequence[str], time_ns: int, re
             positions = dict(zip(read.name, read.position, strict=False))
             track.joints.put(time_ns, tuple(float(positions.get(name, 0.0)) for name in joints))
         elif read.poses:
-            x, y, z, w = _quaternion(read.poses[0].orientation)
-            track.poses.put(time_ns, (_vector(read.poses[0].position), (w, x, y, z)))
-
-
-def _vector(of: Any) -> Vector3:  # noqa: ANN401 - rosbags makes its classes
-    return of.x, of.y, of.z
-
-
-def _quaternion(of: Any) -> Quaternion:  # noqa: ANN401
-    return of.x, of.y, of.z, of.w
+            x, y, z, w = quaternion(read.poses[0].orientation)
+            track.poses.put(time_ns, (vector(read.poses[0].position), (w, x, y, z)))

@@ -28,6 +28,7 @@ from harness.world.heightfield import EDGE_MARGIN
 from harness.world.occupancy import OccupancyMap, occupancy
 from rover_metrics.core import rotation
 from rover_metrics.errors import shown
+from rover_metrics.topics import quaternion
 
 FRAMES = ("map", "odom", "world")
 
@@ -127,5 +128,4 @@ class Navigation:
 
 def place_of(pose: Any) -> Place:  # noqa: ANN401 - rclpy's classes have no types
     """Returns where a geometry_msgs/Pose is, seen from above."""
-    q = pose.orientation
-    return Place(pose.position.x, pose.position.y, rotation.yaw((q.x, q.y, q.z, q.w)))
+    return Place(pose.position.x, pose.position.y, rotation.yaw(quaternion(pose.orientation)))

@@ -14,7 +14,7 @@ from harness.sensors.message_types import GRID_MAP
 from harness.world.grading import Cells, GradedMap
 from harness.world.heightfield import EDGE_MARGIN
 from rover_metrics.core import rotation
-from rover_metrics.topics import stamp_ns
+from rover_metrics.topics import quaternion, stamp_ns
 
 TYPES = ("nav_msgs/msg/OccupancyGrid", GRID_MAP)
 FREE, OCCUPIED = 0.25, 0.65  # map_server's thresholds of a map that is drawn
@@ -57,7 +57,7 @@ def _occupancy_grid(message: Any) -> Grid:  # noqa: ANN401
     values = np.array(message.data, dtype=np.int8).astype(np.float32).reshape(info.height, info.width)
     values[values < 0] = np.nan
     at = info.origin.position
-    origin = (at.x, at.y, _yaw(info.origin.orientation))
+    origin = (at.x, at.y, rotation.yaw(quaternion(info.origin.orientation)))
     return Grid(stamp_ns(message), values / 100.0, float(info.resolution), origin)
 
 
@@ -73,16 +73,12 @@ def _grid_map(message: Any) -> Grid:  # noqa: ANN401
     values = np.array(array.data, dtype=np.float32).reshape(columns, rows).T
     values = np.roll(values, (-message.outer_start_index, -message.inner_start_index), (0, 1))
     costs = values[::-1, ::-1].T  # rows with y, columns with x
-    yaw, at = _yaw(info.pose.orientation), info.pose.position
+    yaw, at = rotation.yaw(quaternion(info.pose.orientation)), info.pose.position
     half = 0.5 * np.array([info.length_x, info.length_y])
     cos, sin = np.cos(yaw), np.sin(yaw)
     x, y = at.x - cos * half[0] + sin * half[1], at.y - sin * half[0] - cos * half[1]
     cost = 1.0 - costs if name in MERITS else costs
     return Grid(stamp_ns(message), cost, float(info.resolution), (float(x), float(y), yaw))
-
-
-def _yaw(q: Any) -> float:  # noqa: ANN401
-    return rotation.yaw((q.x, q.y, q.z, q.w)) if any((q.x, q.y, q.z, q.w)) else 0.0
 
 
 def map_series(quantity: HeardQuantity, grids: Sequence[Grid], truth: GradedMap) -> Series:

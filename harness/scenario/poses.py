@@ -16,7 +16,7 @@ from harness.samples import GroundTruth
 from harness.scenario import trajectory
 from harness.scenario.names import OF_POSES, TF, TF_STATIC, HeardQuantity
 from harness.scenario.series import Series
-from rover_metrics.topics import stamp_ns
+from rover_metrics.topics import quaternion, stamp_ns, vector
 
 TYPES = (
     "nav_msgs/msg/Odometry",
@@ -53,11 +53,11 @@ def rows_of(message: Any) -> Iterator[Row]:  # noqa: ANN401 - of rclpy or of ros
 
 def _matrix(position: Any, orientation: Any) -> np.ndarray:  # noqa: ANN401
     """T_parent_child; NaN where the attitude is none."""
-    q = np.array([orientation.x, orientation.y, orientation.z, orientation.w], dtype=float)
+    q = np.array(quaternion(orientation), dtype=float)
     pose = np.full((4, 4), np.nan)
     if np.isfinite(q).all() and q.any():
         pose[:3, :3] = Rotation.from_quat(q).as_matrix()
-    pose[:3, 3], pose[3] = (position.x, position.y, position.z), (0.0, 0.0, 0.0, 1.0)
+    pose[:3, 3], pose[3] = vector(position), (0.0, 0.0, 0.0, 1.0)
     return pose
 
 

@@ -27,6 +27,7 @@ from harness.episode.result import RunResult, TopicCount
 from harness.ros.context import QUIET, spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
+from harness.scenario.attempt import SCRATCH
 from harness.scenario.case import Case, plan
 from harness.scenario.judged import heard_series
 from harness.scenario.steps import PauseEvent
@@ -43,7 +44,6 @@ from rover_metrics.errors import LogError
 KEPT = 10.0  # [s] of the recording
 RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
-SCRATCH = "rover-scenario-"
 LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from rover_metrics.core.rotation import Vector3
+from rover_metrics.core.rotation import Quaternion, Vector3
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.session import MetricsSession, Remark
@@ -49,6 +49,16 @@ def stamp_ns(message: Message) -> int:
     return nanoseconds(message.header.stamp)
 
 
+def vector(value: Message) -> Vector3:
+    """Returns the coordinates of a geometry_msgs/Vector3 or Point."""
+    return value.x, value.y, value.z
+
+
+def quaternion(value: Message) -> Quaternion:
+    """Returns a geometry_msgs/Quaternion as (x, y, z, w)."""
+    return value.x, value.y, value.z, value.w
+
+
 def _scan(session: MetricsSession, scan: Message, stamp_ns: int) -> Remark | None:
     return session.take_scan(
         stamp_ns,
@@ -59,16 +69,16 @@ def _scan(session: MetricsSession, scan: Message, stamp_ns: int) -> Remark | Non
 
 
 def _imu(session: MetricsSession, imu: Message, stamp_ns: int) -> Remark | None:
-    acceleration, rate = _vector(imu.linear_acceleration), _vector(imu.angular_velocity)
-    q, is_given = imu.orientation, imu.orientation_covariance[0] != UNKNOWN
-    orientation = (q.x, q.y, q.z, q.w) if is_given else None
+    acceleration, rate = vector(imu.linear_acceleration), vector(imu.angular_velocity)
+    is_given = imu.orientation_covariance[0] != UNKNOWN
+    orientation = quaternion(imu.orientation) if is_given else None
     return session.take_imu(stamp_ns, acceleration, rate, orientation)
 
 
 def _pose(session: MetricsSession, message: Message, stamp_ns: int) -> Remark | None:
     pose = next(iter(getattr(message, "poses", ())), None) or getattr(message, "pose", None)
     pose = getattr(pose, "pose", pose)  # one with a covariance
-    return session.take_pose(stamp_ns, None if pose is None else _vector(pose.position))
+    return session.take_pose(stamp_ns, None if pose is None else vector(pose.position))
 
 
 def _traversal(session: MetricsSession, values: Message, _: int) -> Remark | None:
@@ -77,11 +87,7 @@ def _traversal(session: MetricsSession, values: Message, _: int) -> Remark | Non
 
 
 def _velocity(odometry: Message) -> Vector3:
-    return _vector(odometry.twist.twist.linear)
-
-
-def _vector(value: Message) -> Vector3:
-    return value.x, value.y, value.z
+    return vector(odometry.twist.twist.linear)
 
 
 def sources_of(session: MetricsSession) -> tuple[Source, ...]:

@@ -112,14 +112,13 @@ def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: 
     assert 0.1 < seconds < 1.4
 
 
-def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:
+def test_a_body_on_the_ground_is_a_scrape(flat_with_post: Course) -> None:
     rover, parts = DrivenRover(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0), 0
     model, data = rover.simulation.model, rover.simulation.data
     scrapes = [model.sensor(n) for n in range(model.nsensor)]
     scrapes = [sensor for sensor in scrapes if sensor.name.startswith(SCRAPE_CONTACT)]
     for turn in Rotation.random(30, rng=np.random.default_rng(1)):  # on several parts at once, too
         data.qpos[2:7] = 0.05, *np.roll(turn.as_quat(), 1)
-        assert rover.upright == pytest.approx(turn.as_matrix()[2, 2])
         data.qvel[:] = 0.0
         rover.advance(Twist())
         assert rover.scrape_s in [pytest.approx(0.01 * n) for n in range(6)]
