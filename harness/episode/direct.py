@@ -18,7 +18,6 @@ from harness.base.sim_time import NANOSECONDS
 from harness.drivers import sensed_by
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
-from harness.episode.diagnostics import Diagnostics
 from harness.episode.episode import Episode
 from harness.episode.helm import Helm
 from harness.episode.loop import Observer, Pacer, Route, drive
@@ -26,7 +25,6 @@ from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
 from harness.episode.stream import EpisodeStream
 from harness.episode.together import together
-from harness.episode.topics import RunTopics
 from harness.faults.injector import FaultInjector
 from harness.messages.sinks import sinks_of
 from harness.samples import Sample, Tick
@@ -86,8 +84,11 @@ def run_direct(
             faults = injector(run, episode.number)
             routes.append(Route(faults, log.advance, (*output.observers, log)))
         if sinks:
+            # Imported here: 20 ms that most runs save.
+            from harness.episode.topics import RunTopics  # noqa: PLC0415
+
             described = [each.description for each in episodes if each.description is not None]
-            routes = _published(routes, logged, RunTopics(run, described, sinks, at_end))
+            routes = _published(routes, logged, RunTopics(run, described, sinks, at_end).tell)
         batches = stream.batches()
         if helm is not None:
             helm.metered = logged
@@ -137,6 +138,8 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         self.advance = metrics.advance
         space = f"/{begun.rover.name}" if begun.rover.name else ""
         if diagnoses:
+            from harness.episode.diagnostics import Diagnostics  # noqa: PLC0415 - loads messages
+
             stale_after_ns = round(settings.stale_after * NANOSECONDS)
             metrics.diagnostics = Diagnostics(session, space, stale_after_ns)
 
@@ -182,15 +185,19 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         self._session.metrics.thresholds = thresholds
 
 
-def _published(routes: Sequence[Route], logs: Sequence[LoggedRun], topics: RunTopics) -> list[Route]:
-    """The same routes, whose ticks are published when all rovers have had theirs."""
+def _published(
+    routes: Sequence[Route],
+    logs: Sequence[LoggedRun],
+    tell: Callable[[Tick, Sequence[Tick], Sequence[bytes | None]], None],
+) -> list[Route]:
+    """The same routes, whose ticks are told to topics when all rovers have had theirs."""
     sent: list[Tick] = []
 
     def take(log: LoggedRun, tick: Tick, left: Tick) -> None:
         log.advance(tick, left)
         sent.append(left)
         if len(sent) == len(logs):
-            topics.tell(tick, sent, [each.diagnosis for each in logs])
+            tell(tick, sent, [each.diagnosis for each in logs])
             sent.clear()
 
     return [replace(route, sink=partial(take, log)) for route, log in zip(routes, logs, strict=True)]

@@ -3,7 +3,6 @@
 from contextlib import ExitStack
 
 from harness.base.errors import UsageError
-from harness.messages.recorder import Recorder
 from harness.messages.sink import Sink
 from harness.spec.ros import RosOptions
 
@@ -18,6 +17,8 @@ def sinks_of(options: RosOptions, at_end: ExitStack) -> list[Sink]:
     """
     sinks: list[Sink] = []
     if options.record is not None:
+        from harness.messages.recorder import Recorder  # noqa: PLC0415 - most runs record nothing
+
         sinks.append(at_end.enter_context(Recorder(options.record, overwrite=options.overwrite)))
     if options.foxglove is not None:
         try:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
-from harness.world.heightmap.geotiff import CYLINDERS, MERCATOR, WEB
 from harness.world.heightmap.units import UNITS, height_unit, horizontal_unit, wkt_units
 
 SUFFIXES = (".ply", ".las", ".laz")
@@ -82,7 +81,10 @@ def _read_las(path: Path) -> tuple[Points, tuple[str, ...]]:
 
 def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
     """Lengths of the units of ground and heights [m] by the records of a LAS file: WKT, or GeoKeys."""
-    from tifffile.geodb import GeoKeys as TiffKeys  # noqa: PLC0415 - no run without a cloud waits for it
+    # Imported here: no run without a cloud waits for it.
+    from tifffile.geodb import GeoKeys as TiffKeys  # noqa: PLC0415
+
+    from harness.world.heightmap.geotiff import CYLINDERS, MERCATOR, WEB  # noqa: PLC0415
 
     wkt = records.get(WKT, b"").decode("utf-8", "replace")
     directory = np.frombuffer(records.get(GEO_KEYS, b"")[8:], "<u2").reshape(-1, 4).tolist()
