@@ -33,8 +33,8 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "ax": ("ax", "acc_x", "accel_x", "linear_acceleration_x"),
     "ay": ("ay", "acc_y", "accel_y", "linear_acceleration_y"),
     "az": ("az", "acc_z", "accel_z", "linear_acceleration_z"),
-    "x": ("x", "pose_x", "position_x", "px"),
-    "y": ("y", "pose_y", "position_y", "py"),
+    "x": ("x", "pose_x", "position_x", "px", "pos_x"),
+    "y": ("y", "pose_y", "position_y", "py", "pos_y"),
     "yaw": ("yaw", "heading", "theta"),
     "qx": ("qx", "orientation_x"),
     "qy": ("qy", "orientation_y"),
@@ -44,6 +44,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "state": ("state", "phase"),
     "ground": ("ground", "terrain", "surface"),
 }
+KNOWN = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
 UNITS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1.0, "mm": 1e-3, "cm": 1e-2, "m/s": 1.0,
     "mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "rad": 1.0, "rad/s": 1.0, "deg": math.pi / 180,
@@ -51,9 +52,26 @@ UNITS = {
     "g": 9.80665, "nm": 1.0, "n m": 1.0, "w": 1.0, "mg": 9.80665e-3, "ft": 0.3048, "ft/s": 0.3048,
     "mph": 0.44704, "dps": math.pi / 180, "°": math.pi / 180, "°/s": math.pi / 180, "m/s²": 1.0,
 }  # fmt: skip
+SUFFIXES = {  # of names, as in gyro_z_deg_s, where they are not units with _ for /
+    **dict.fromkeys(("degs", "deg_per_s", "deg_per_sec"), "deg/s"), "degrees": "deg", "kph": "km/h",
+    **dict.fromkeys(("rads", "radps", "rad_per_s", "rad_per_sec"), "rad/s"), "radians": "rad",
+    **dict.fromkeys(("mps", "ms", "m_per_s"), "m/s"), "ms2": "m/s2", "mps2": "m/s2", "kmh": "km/h",
+    **dict.fromkeys(("sec", "secs", "seconds"), "s"), "msec": "ms", "usec": "us", "nsec": "ns",
+    "n_m": "nm", "m_s_2": "m/s2",
+}  # fmt: skip
 UNIT = re.compile(r"^(?P<name>[^\[(]*?)[\s_]*(?:[\[(](?P<unit>[^\])]+)[\])])?$")
 NANOSECONDS = re.compile(r"^(?P<before>.*?)n(?:ano)?(?P<seconds>secs?)$")  # header.stamp.nanosec
 OF_TURNING = ("rad/s", "deg/s", "dps", "°/s", "rpm")  # a speed in these is that of a wheel's turning
+OF_SPEED = ("m/s", "mm/s", "cm/s", "km/h", "ft/s", "mph")
+MEASURED_IN: Mapping[str, tuple[str, ...]] = {
+    "t": ("s", "ms", "us", "ns"), "v": OF_SPEED, "yaw": ("rad", "deg", "°"), "power": ("w",),
+    **dict.fromkeys(("left", "right", "left_turn", "right_turn"), OF_SPEED + OF_TURNING),
+    **dict.fromkeys(("w", "wx", "wy", "wz"), OF_TURNING),
+    **dict.fromkeys(("ax", "ay", "az"), ("m/s2", "m/s^2", "m/s²", "g", "mg")),
+    **dict.fromkeys(("x", "y"), ("m", "mm", "cm", "ft")),
+    **dict.fromkeys(("left_current", "right_current"), ("a", "ma")),
+    **dict.fromkeys(("left_torque", "right_torque"), ("nm", "n m")),
+}  # fmt: skip
 # [s]: times without a unit that are farther apart are in milli-, micro- or nanoseconds.
 LONGEST_PERIOD = 0.5
 # [s]: with such periods they are seconds all the same where as milliseconds they would be over so soon.
@@ -66,15 +84,14 @@ def read_columns(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as o
     Its `attrs` tell by "stated" which columns had a unit.
     """
     table = _with_whole_stamps(read_csv(path, **how))
-    known = {spelling: name for name, spellings in NAMES.items() for spelling in spellings}
     columns, stated = dict[str, pd.Series](), set[str]()
     for column in table.columns:
-        match = UNIT.match(str(column).strip().casefold())
-        spelled, unit = (match["name"].strip(), match["unit"]) if match else (str(column), None)
-        name = known.get(spelled.replace(" ", "_"), spelled)
-        if unit and unit not in UNITS:
+        name, unit = _named(str(column))
+        if unit and unit not in MEASURED_IN.get(name, UNITS):
             if name in NAMES:
-                raise UsageError(f"{path}: {column}: {unknown('unit', unit, UNITS)}")
+                raise UsageError(
+                    f"{path}: {column}: {unknown('unit', unit, MEASURED_IN.get(name, UNITS))}"
+                )
             unit = None
         if unit and (side := name.removesuffix("_turn")) in ("left", "right"):
             name = f"{side}_turn" if unit in OF_TURNING else side
@@ -92,6 +109,21 @@ def read_columns(path: Path, **how: Any) -> pd.DataFrame:  # noqa: ANN401 - as o
             times = _seconds(times) if times.notna().any() else _dates(read["t"])
         read["t"] = times
     return read
+
+
+def _named(column: str) -> tuple[str, str | None]:
+    """Our name of a column, its own if we have none, and its unit, which may be the end of its name."""
+    match = UNIT.match(column.strip().casefold())
+    spelled, unit = (match["name"].strip(), match["unit"]) if match else (column, None)
+    words = re.sub(r"[ ./]+", "_", spelled.removeprefix("field.")).strip("_").split("_")
+    if (name := KNOWN.get("_".join(words))) is not None:
+        return name, unit
+    for end in range(len(words) - 1, 0, -1) if unit is None else ():
+        name, suffix = KNOWN.get("_".join(words[:end]), ""), "_".join(words[end:])
+        for told in (SUFFIXES.get(suffix), suffix.replace("_", "/")):
+            if told in MEASURED_IN.get(name, ()):
+                return name, told
+    return spelled, unit
 
 
 def _with_whole_stamps(table: pd.DataFrame) -> pd.DataFrame:

@@ -29,6 +29,9 @@ CYLINDERS = {  # by EPSG's numbers
     **dict.fromkeys((4087, 4088, 32662), EQUIRECTANGULAR),
     **dict.fromkeys(WEB_MERCATOR, WEB),
 }
+SINUSOIDAL = 24
+OF_THE_GLOBE = (20, 23, 25, 28)  # Miller's, Robinson's, Van der Grinten's, cylindrical of equal areas
+EQUAL_AREAS = (6933, 3410, 3975)  # EPSG's numbers of the last kind
 CALLED = {MERCATOR: "Mercator's", EQUIRECTANGULAR: "equirectangular", WEB: "Web Mercator's"}
 LEAST_STRETCH = 1e-3  # of such metres that counts
 WGS84 = Ellipsoid.from_name("wgs84")
@@ -36,6 +39,7 @@ NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
 MOST_DEGREES = 1e-3  # of a pixel, if nothing says what its unit is: metres so small are no ground
 MOST_SKEW = math.radians(0.5)  # of rows and columns that count as at right angles
 SMALLEST_TURN = 0.05  # [deg] that is noted
+SQUEEZED = "its map squeezes the ground (gdalwarp -t_srs EPSG:..., of a UTM zone, gives metres)"
 SIZE_UNKNOWN = "it does not say how large it is"
 Affine = NDArray[np.float64]  # (2, 3): columns, rows, 1 -> coordinates
 
@@ -137,6 +141,16 @@ def _unrolled(
     return degrees, CALLED[kind]
 
 
+def _is_of_the_globe(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> bool:
+    """Whether squares of ground are none in its projection; a sinusoidal one is true in its middle."""
+    kind = keys.get("ProjCoordTransGeoKey")
+    if kind == SINUSOIDAL:
+        radius = _ellipsoid(keys).semimajor_axis
+        x, y = (affine @ _half(keys, page) - [keys.get("ProjFalseEastingGeoKey", 0.0), 0.0]) / radius
+        return bool(abs(x * math.tan(y)) > math.sin(MOST_SKEW))
+    return kind in OF_THE_GLOBE or keys.get("ProjectedCSTypeGeoKey") in EQUAL_AREAS
+
+
 def _parallel(latitude: float, body: Ellipsoid) -> float:
     """Radius of a parallel [m]."""
     return float(rcurve.transverse(latitude, body)) * math.cos(math.radians(latitude))
@@ -204,7 +218,7 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
     x, y = (affine @ _half(keys, page)).tolist()
     notes.append(f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates")
     return Grid(
-        pixel=(columns * metres, rows * metres),
+        pixel=SQUEEZED if _is_of_the_globe(affine, keys, page) else (columns * metres, rows * metres),
         height_unit=height_unit(keys, metres),
         transposed=transposed,
         mirrored=mirrored,

@@ -160,12 +160,7 @@ def _read_tiff(path: Path) -> Raster:
     logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # a file's flaws are one line, or nothing
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
-        if len(page.shape) != 2:
-            raise UsageError(
-                f"it has {page.samplesperpixel} bands; a heightmap has one "
-                "(gdal_translate -b 1 takes the first)"
-            )
-        _check_size(page.shape[1], page.shape[0])
+        _check_page(page)
         values, grid = _tiff_values(page), read_grid(page)
         said = f"{page.tags.valueof(METADATA_TAG)}{_beside(path)}"
         nodata = page.tags.valueof(NODATA_TAG) or _gdal_text(said, "NoDataValue")
@@ -194,6 +189,17 @@ def _read_tiff(path: Path) -> Raster:
             grid = replace(grid, notes=(*grid.notes, note))
     values = grid.north_up(values) * (1.0 if unit is None else unit)
     return Raster(values, grid.pixel, unit is not None, grid.notes)
+
+
+def _check_page(page: tifffile.TiffPage) -> None:
+    if len(page.shape) != 2:
+        raise UsageError(
+            f"it has {page.samplesperpixel} bands; a heightmap has one "
+            "(gdal_translate -b 1 takes the first)"
+        )
+    if page.photometric == tifffile.PHOTOMETRIC.PALETTE:
+        raise UsageError("its values are numbers of colours (gdal_translate -expand gray mends grey)")
+    _check_size(page.shape[1], page.shape[0])
 
 
 def _beside(path: Path) -> str:

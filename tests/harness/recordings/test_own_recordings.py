@@ -1,5 +1,6 @@
 """A bag of ours tells the rover that drove, and a CSV file the same in whatever words and units."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from scipy import constants
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.episode.direct import run_direct
 from harness.episode.result import Outputs
@@ -89,15 +91,21 @@ def made() -> Recording:
     return Recording("drive", **series)  # type: ignore[arg-type]  # of series alone
 
 
+@pytest.mark.parametrize("written", ["{} ({})", "{}_{}"], ids=["apart", "as one word"])
 @pytest.mark.parametrize(("unit", "seconds"), TIMES)
 def test_a_column_is_the_same_in_other_words_and_units(
-    unit: str, seconds: float, tmp_path: Path
+    unit: str, seconds: float, written: str, tmp_path: Path
 ) -> None:
     drive, file = made(), tmp_path / "drive.csv"
-    table = {f"Time [{unit}]": drive.wheels[:, 0] / seconds}
+
+    def called(name: str, unit: str) -> str:
+        is_word = "(" not in written
+        return written.format(name, re.sub(r"[/^ ]", "_", unit) if is_word else unit)
+
+    table = {called("Time", unit): drive.wheels[:, 0] / seconds}
     for name, columns in COLUMNS.items():
         values = getattr(drive, name)[:, 1:].T
-        table |= {f"{c} ({u})": one / si for (c, u, si), one in zip(columns, values, strict=True)}
+        table |= {called(c, u): one / si for (c, u, si), one in zip(columns, values, strict=True)}
     pd.DataFrame(table).to_csv(file, index=False)
     read = recording_of([file], "drive", 0.1)
     assert read.series.keys() == COLUMNS.keys()
@@ -115,3 +123,17 @@ def test_sides_that_turn_roll_by_the_radius_and_an_attitude_is_a_heading(tmp_pat
     read = recording_of([file], "drive", 0.25)
     assert read.wheels == pytest.approx(drive.wheels, abs=1e-6)
     assert read.poses == pytest.approx(drive.poses, abs=1e-6)
+
+
+@pytest.mark.parametrize("column", ["left [A]", "t [m]", "wz [m/s]"])
+def test_a_unit_of_another_quantity_is_refused(column: str, tmp_path: Path) -> None:
+    file = tmp_path / "drive.csv"
+    file.write_text(f"{column},right,time\n1,2,3\n4,5,6\n")
+    with pytest.raises(UsageError, match="unit"):
+        recording_of([file], "drive", 0.1)
+
+
+def test_the_end_of_a_name_is_a_unit_only_of_its_quantity(tmp_path: Path) -> None:
+    file = tmp_path / "drive.csv"
+    file.write_text("time_ms,left_speed_ms,right_speed_mps,left_a,x_s\n0,1,2,3,4\n500,1,2,3,4\n")
+    assert recording_of([file], "drive", 0.1).wheels.tolist() == [[0.0, 1.0, 2.0], [0.5, 1.0, 2.0]]

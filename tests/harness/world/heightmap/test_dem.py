@@ -353,6 +353,12 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "pickle.npy": (_array(np.full((9, 9), print, object), allow_pickle=True), "damaged or cut short: "),
     "color.png": (lambda path: Image.new("RGB", (50, 50)).save(path), "a colour picture"),
     "bands.tif": (_tiff(np.zeros((64, 64, 3), np.uint8), photometric="rgb"), "it has 3 bands"),
+    "palette.tif": (
+        _tiff(
+            np.zeros((64, 64), np.uint8), photometric="palette", colormap=np.zeros((3, 256), np.uint16)
+        ),
+        "its values are numbers of colours",
+    ),
     "photo-cd.png": (
         lambda path: path.write_bytes(b"\x89PNG".ljust(2048) + b"PCD_".ljust(2048)),
         "damaged or cut short",

@@ -295,6 +295,20 @@ def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
         assert read(tmp_path, scale=(scale, scale, 0), tie=where).pixel == pytest.approx((scale, scale))
 
 
+@pytest.mark.parametrize("east", [0.0, 3e4, 6e6])  # [m] of the meridian that is straight
+@pytest.mark.parametrize(
+    "keys", [{TRANSFORM: 24, MAJOR_AXIS: 6371007.181}, {TRANSFORM: 28}, {PROJECTED: 6933}]
+)
+def test_maps_of_the_globe_that_squeeze_the_ground_are_refused(
+    tmp_path: Path, keys: Mapping[int, Any], east: float
+) -> None:
+    """But for the middle of a sinusoidal one, as surveys of planets have it."""
+    tie = (0.0, 0.0, 0.0, east, 4.4e6, 0.0)  # at 40 deg
+    raster = read(tmp_path, scale=(2.0, 2.0, 0.0), tie=tie, keys={MODEL_TYPE: 1, **keys})
+    assert (raster.pixel == (2.0, 2.0)) is (keys.get(TRANSFORM) == 24 and east < 1e5)
+    assert raster.pixel == (2.0, 2.0) or "gdalwarp" in str(raster.pixel)
+
+
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
