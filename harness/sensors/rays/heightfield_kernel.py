@@ -259,6 +259,8 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
         if clear[i] > 0.0:  # it begins over the map and above the surface: no base, no walls
             stay = clear[i], min(_over_map(heights, ray)[1], limit)
+            if stay[0] > stay[1]:  # it has left the map
+                continue
             hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, min(NEAR_LEVEL, top))
         elif above and _well_over(heights, u + limit * ray[3], v + limit * ray[4], w + limit * ray[5]):
             if min(w, w + limit * ray[5]) > extent[1]:

@@ -18,9 +18,10 @@ Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]
 
 TOLERANCE = 1e-5  # [m]
-BOX, CYLINDER, ELLIPSOID, MESH = (
+BOX, CYLINDER, CAPSULE, ELLIPSOID, MESH = (
     mujoco.mjtGeom.mjGEOM_BOX,
     mujoco.mjtGeom.mjGEOM_CYLINDER,
+    mujoco.mjtGeom.mjGEOM_CAPSULE,
     mujoco.mjtGeom.mjGEOM_ELLIPSOID,
     mujoco.mjtGeom.mjGEOM_MESH,
 )
@@ -49,7 +50,7 @@ def add_rover(spec: mujoco.MjSpec, lidar_height: float) -> None:
 
 def add_random_obstacles(spec: mujoco.MjSpec, rng: np.random.Generator, half: float) -> None:
     obstacles = spec.worldbody.add_body(name="obstacles")
-    for shape in islice(cycle((BOX, CYLINDER, ELLIPSOID)), 15):
+    for shape in islice(cycle((BOX, CYLINDER, ELLIPSOID, CAPSULE)), 15):
         size, place = rng.uniform(0.05, 0.5, 3), [*rng.uniform(-half, half, 2), rng.uniform(-0.2, 0.6)]
         obstacles.add_geom(type=shape, size=size, pos=place, quat=rng.normal(size=4), group=1)
     for name in ("a", "b", "c"):

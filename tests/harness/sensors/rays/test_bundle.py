@@ -52,8 +52,8 @@ def test_random_bundles_meet_mujoco() -> None:
         add_rover(world, 0.5)
         scene = compiled(world)
         surroundings = Surroundings(scene[0])
-        for tilt in (0.0, 0.1, 2.0) * 3:
-            directions = spread(rng, 150, rng.choice([0.1, 1.0]))
+        for tilt in (0.0, 0.1, 2.0) * 8:
+            directions = spread(rng, 500, rng.choice([0.0, 0.1, 1.0]))
             place_rover(
                 scene, np.append(rng.uniform(-1.2, 1.2, 2) * half, rng.uniform(-0.8, 0.8)), tilt, rng
             )
@@ -64,6 +64,7 @@ def test_random_bundles_meet_mujoco() -> None:
             hit = np.isfinite(theirs)
             np.testing.assert_allclose(ours[hit], theirs[hit], rtol=0.0, atol=TOLERANCE)
             np.testing.assert_array_equal(bundle.on_obstacle, obstacle)
+            np.testing.assert_allclose(ours[obstacle], theirs[obstacle], rtol=0.0, atol=1e-9)
             on_ground, on_obstacle = on_ground + (hit & ~obstacle).sum(), on_obstacle + obstacle.sum()
     assert min(on_ground, on_obstacle) > 400
 
