@@ -151,9 +151,13 @@ def _read_png(path: Path) -> Raster:
         raise UsageError(f"too many pixels; at most {MOST_PIXELS / 1e6:.0f} million are read") from error
     with image:
         _check_size(*image.size)
+        pixels = np.asarray(image)
         if image.mode not in GREY_MODES and not image.mode.startswith("I;16"):
-            raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
-        return Raster(np.asarray(image).astype(np.float64), SIZE_UNKNOWN, in_metres=False)
+            pixels = np.asarray(image.convert("RGB"))
+            if (pixels != pixels[..., :1]).any():
+                raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
+            pixels = pixels[..., 0]
+        return Raster(pixels.astype(np.float64), SIZE_UNKNOWN, in_metres=False)
 
 
 def _read_tiff(path: Path) -> Raster:

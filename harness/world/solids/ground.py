@@ -88,7 +88,9 @@ def partition(
         else:
             parts.standing.append((solid, mesh))
     if not parts.ground and parts.plane is None:
-        _put_on_plane(parts, notes, "" if is_loose and solids else _groundless(solids, candidates))
+        left_out = [f"; {note}" for note in notes if note.startswith("left out: ")][:1]
+        refused = "" if is_loose and solids else "".join((_groundless(solids, candidates), *left_out))
+        _put_on_plane(parts, notes, refused)
     return parts
 
 

@@ -351,7 +351,7 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "cube.npy": (_array(np.zeros((9, 9, 9))), "a heightmap has 2"),
     "text.npy": (_array(np.full((9, 9), "a")), "heights are numbers"),
     "pickle.npy": (_array(np.full((9, 9), print, object), allow_pickle=True), "damaged or cut short: "),
-    "color.png": (lambda path: Image.new("RGB", (50, 50)).save(path), "a colour picture"),
+    "color.png": (lambda path: Image.new("RGB", (50, 50), "red").save(path), "a colour picture"),
     "bands.tif": (_tiff(np.zeros((64, 64, 3), np.uint8), photometric="rgb"), "it has 3 bands"),
     "palette.tif": (
         _tiff(
@@ -398,3 +398,10 @@ def test_a_bad_file_is_one_line_that_names_it(
     assert str(path) in message
     assert "\n" not in message
     assert caplog.records == []
+
+
+@pytest.mark.parametrize("mode", ["RGB", "RGBA", "LA", "P"])
+def test_a_picture_of_colours_that_are_all_grey_is_one_of_heights(tmp_path: Path, mode: str) -> None:
+    heights = np.arange(144, dtype=np.uint8).reshape(12, 12)
+    Image.fromarray(heights).convert(mode).save(tmp_path / "a.png")
+    np.testing.assert_array_equal(read_raster(tmp_path / "a.png").values, heights)
