@@ -90,6 +90,8 @@ def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(
     again, _ = driven(tmp_path / "b", helm.driven(run), None)
     alone, _ = driven(tmp_path / "c", run, None)
     assert steered == again != alone
+    (both,) = (given.order for given in helm.given if given.at_ns == 4_000_000_000)
+    assert both == BY_HAND._replace(command=Twist(0.1, 0.0))
     assert "repeat it" in helm.note(run)
 
 

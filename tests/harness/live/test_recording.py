@@ -19,6 +19,7 @@ from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
+from harness.view.states import PERIOD_NS
 
 SECOND = 1_000_000_000
 
@@ -58,6 +59,7 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: t
             assert (watch.sight, watch.time_s) == (sight, at / SECOND)
             assert np.array_equal(np.asarray(watch.ranges), np.asarray(ranges))
             assert watch.people == pytest.approx(people)
+            assert len(watch.path) <= at / PERIOD_NS + 2  # of the drive up to then
         assert watch.path[0] == pytest.approx(one.watch.path[0], abs=0.02)
 
 

@@ -12,7 +12,7 @@ from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.outcome import split
 from harness.fit.response import difference
-from harness.fit.steady import kinds, steady
+from harness.fit.steady import LENGTH, kinds, steady
 from harness.recordings.recording import Recording, Series, at, lag, moved
 from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.real.commanded import as_driven, response_times, step_ends
@@ -74,6 +74,7 @@ def told(recording: Recording) -> Told:
     """All that fits and comparisons compute of a recording, but for what drives ours."""
     some, (fitted, held) = steady(recording), split(recording)
     own = as_driven(HUSKY, recording)
+    assert (np.diff(some.begin) >= LENGTH - 1e-9).all()  # none is counted twice
     assert held is not None
     assert own.actuators is not None
     return {

@@ -41,11 +41,11 @@ def test_energy_is_what_motors_and_standby_take_and_charge_what_is_left() -> Non
 
 
 def test_a_run_ends_when_its_battery_is_empty_if_that_is_asked_for() -> None:
-    """Standing still: the standby power alone empties a battery of 10 mW h in 1.8 s.
+    """Standing still: the standby power alone takes the 10 mW h of a battery that is half full in 1.8 s.
 
     A hair less is in it, so that no rounding decides at which tick.
     """
-    entry = {"kind": "battery", "capacity": 0.00999, "ends_run": True}
+    entry = {"kind": "battery", "capacity": 0.01998, "charge": 0.5, "ends_run": True}
     rover = HUSKY.but(sensors=(entry,))
     assert rover.battery is not None
     with pytest.MonkeyPatch.context() as patch:

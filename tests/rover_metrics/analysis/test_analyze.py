@@ -213,7 +213,7 @@ def test_any_column_is_a_metric(
     names = ["a/b", "A b", "../..", "X\x1b"]  # each gets a file of its own
     logs[0].write_text("\n".join([",".join([head, *names]), *(f"{line},1,2,3,4" for line in rows)]))
     drawn.clear()
-    twice = (logs[0], logs[0].parent / "." / logs[0].name)
+    twice = (logs[0], logs[0].parent / ".." / logs[0].parent.name / logs[0].name)
     last = as_json(run(*twice, "-m", *names, "--gap", "0.5", "--json"))
     assert [name.removeprefix("time_series_") for name in drawn] == ["a_b", "A_b_2", "column", "X"]
     assert [log["episodes"] for log in last["logs"]] == [len(rows)]  # named twice, counted once

@@ -64,6 +64,8 @@ def test_who_is_at_two_points_at_one_time_jumps() -> None:
     points = [(x, 2.0) for x in (0.0, 1.0, 5.0, 6.0, 9.0)]
     route = timed((0.0, 1.0, 1.0, 2.0, 2.0), points, loops=False, delay=0.0, who="x")
     assert [route.place(time_s).x for time_s in (0.5, 1.0, 1.5, 2.0, 7.0)] == [0.5, 5.0, 5.5, 9.0, 9.0]
+    later = timed((2.0, 3.0, 3.0, 4.0, 4.0), points, loops=False, delay=1.5, who="x")
+    assert [later.place(3.5 + t) for t in (0.0, 0.5, 1.5)] == [route.place(t) for t in (0.0, 0.5, 1.5)]
 
 
 @pytest.mark.parametrize("times", [(0.0, 2.0, 1.0), (-0.1, 2.0, 3.0)])

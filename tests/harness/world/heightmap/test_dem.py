@@ -278,6 +278,12 @@ def _cut(path: Path) -> None:
             (0.3048,) * 2,
             0.3048,
         ),
+        (
+            "cellsize 1",
+            'PROJCS["a",UNIT["Foot",0.3048]],VERTCS["b",UNIT["Meter",1.0]]',
+            (0.3048,) * 2,
+            1.0,
+        ),
         ("cellsize 1", "Projection  STATEPLANE\nUnits  FEET\n", (0.3048,) * 2, None),
         ("cellsize 0.01", "Projection  GEOGRAPHIC\nUnits  DD\n", "its cells are degrees", 1.0),
         ("cellsize -1", "", "it does not say how large it is", 1.0),
