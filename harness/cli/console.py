@@ -5,6 +5,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from shlex import quote
 from typing import Self
 
 from rich.console import Console
@@ -153,10 +154,10 @@ def next_step(results: Sequence[result.RunResult]) -> str:
     if "hazard" in kinds:
         robot = next(e.rover.robot for e in results if "hazard" in {m.kind for m in mishaps(e)})
         return f"did the metrics notice? Thresholds that do: {sibling('harness.tune')} --robot {robot}"
-    folder = (
-        "" if run.log_path is None else f"; {sibling('rover_metrics.analyze')} {run.log_path.parent}"
-    )
-    return f"{program} --terrain dunes --robot rover_zero4wd --out other{folder}"
+    more = f"{program} --terrain dunes --robot rover_zero4wd --out other"
+    if run.log_path is None:
+        return more
+    return f"{more}; {sibling('rover_metrics.analyze')} {quote(str(run.log_path.parent))}"
 
 
 def _messages(run: result.RunResult) -> Sheet:

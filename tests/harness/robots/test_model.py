@@ -119,6 +119,10 @@ MISTAKES = {
     "damping": (hinge('damping="-1"'), "damping -1 of joint 'd'"),
     "dry friction": (hinge('frictionloss="-1"'), "friction -1 of joint 'd'"),
     "stiffness": (hinge('stiffness="1e99"'), "give 0 to 1e+09"),
+    "no gravity": (
+        {"<worldbody>": '<option><flag gravity="disable"/></option><worldbody>'},
+        "without gravity no rover drives",
+    ),
     "a heightfield": (
         asset('<hfield nrow="30000" ncol="30000"/>'),
         "<hfield>: 30000 x 30000 cells are more than 4,194,304",
