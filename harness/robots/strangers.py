@@ -21,12 +21,7 @@ MOST_CELLS = 4_194_304  # rows x columns of a heightfield, pixels of a texture
 MOST_COPIES = 1_000  # of what <replicate>, <composite> and <flexcomp> repeat, one within the other
 MOST_FILES = 100  # that a model may include
 PNG = b"\x89PNG"
-NEEDED = (
-    "constraint",
-    "contact",
-    "gravity",
-    "actuation",
-)  # of what MuJoCo can switch off for a whole world
+NEEDED = "constraint", "contact", "gravity", "actuation"  # of what <flag> can switch off
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)  # MuJoCo's may hold --
 # Range, unit and arrays of MuJoCo's model: what a rover of 1 g to 1000 t may be made of.
 _QUANTITIES = (
@@ -142,9 +137,7 @@ def check_quantities(model: mujoco.MjModel, path: Path) -> None:
     """
     for flag in NEEDED:
         if model.opt.disableflags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"):
-            raise UsageError(
-                f'{path}: without {flag} no rover drives; take <flag {flag}="disable"/> out'
-            )
+            raise UsageError(f'{path}: no rover drives so; take <flag {flag}="disable"/> out')
     for quantity, unit, low, high, kind, array in _QUANTITIES:
         values = np.asarray(getattr(model, array), float).reshape(len(getattr(model, array)), -1)
         wrong = np.argwhere(~((values >= low) & (values <= high)))

@@ -121,7 +121,7 @@ MISTAKES = {
     "stiffness": (hinge('stiffness="1e99"'), "give 0 to 1e+09"),
     "no gravity": (
         {"<worldbody>": '<option><flag gravity="disable"/></option><worldbody>'},
-        "without gravity no rover drives",
+        'take <flag gravity="disable"/> out',
     ),
     "a heightfield": (
         asset('<hfield nrow="30000" ncol="30000"/>'),
