@@ -5,15 +5,15 @@ The drive is in harness.ros.session (through ROS) and harness.episode.direct (wi
 
 import argparse
 import importlib
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
 from harness.base.edge import loading
-from harness.base.errors import HarnessError, needing_ros
+from harness.base.errors import HarnessError, UsageError, needing_ros
 from harness.base.files import BESIDE, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.base.opengl import keep_opengl_out
@@ -43,16 +43,31 @@ def run_command(given: argparse.Namespace, ros_args: Sequence[str]) -> int:
     if given.list:
         print_choices(console)
         return 0
-    return _command(run_options(given, ros_args), console)
+    options = run_options(given, ros_args)
+    with _folder(options.files.out):
+        return _command(options, console)
+
+
+@contextmanager
+def _folder(out: Path | None) -> Iterator[None]:
+    """Makes the folder of --out, in which files may be named; takes it back if the run is refused."""
+    made = [] if out is None else [each for each in (out, *out.parents) if not each.exists()]
+    for each in reversed(made):
+        with suppress(OSError):  # which is told by who writes there
+            each.mkdir()
+    try:
+        yield
+    except UsageError:
+        for each in made:
+            with suppress(OSError):  # where something is in it, or it could not be made
+                each.rmdir()
+        raise
 
 
 def _command(options: RunOptions, console: Console) -> int:
     run = options.run
     backend = keep_opengl_out()  # before MuJoCo is loaded
     files = options.files
-    if files.out is not None:
-        with suppress(OSError):  # which is told by who writes there
-            files.out.mkdir(parents=True, exist_ok=True)
     drawing = Drawing(
         files.picture, files.video, lidar=files.picture_lidar, backend=backend, camera=files.camera
     )

@@ -61,6 +61,8 @@ def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
     assert (tmp_path / "b" / "run.mcap").is_file()
     (manifest,) = (tmp_path / "b").glob("*.json")
     assert json.loads(manifest.read_text())["outcome"] == {"status": "failed", "reason": wrong}
+    assert main([*hit, str(tmp_path / "c" / "d"), "--record", str(tmp_path / "c/d/e/run.mcap")]) == 2
+    assert not (tmp_path / "c").exists()
 
 
 def test_a_run_with_people_has_a_social_log_and_drives_as_without(
