@@ -30,6 +30,7 @@ from harness.world.berths import Member
 from harness.world.world import World
 
 ARENA = 40 << 20  # [B]: beyond the 32 MiB that glibc takes from its heap, where freed ones leave holes
+ITERATIONS = 100, 50  # at least, MuJoCo's own: a model for training may stop after one
 FIRST_OF_FLEET = 4  # the contact bit of the second rover; the next one has twice that
 
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
@@ -125,6 +126,8 @@ def build_scenes(
         if world.soil is not None:
             _let_sink(one, rover)
         one.option.timestep = timestep
+        one.option.iterations = max(one.option.iterations, ITERATIONS[0])
+        one.option.ls_iterations = max(one.option.ls_iterations, ITERATIONS[1])
         fit_motors(one, rover)
     spec = specs[0]
     spec.memory = max(spec.memory, ARENA)  # a model may ask for more
@@ -165,7 +168,8 @@ def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
     Raises:
         KeyError: A joint has none.
     """
-    on = {int(model.actuator_trnid[motor, 0]): motor for motor in range(model.nu)}
+    moving = np.flatnonzero(model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT).tolist()
+    on = {int(model.actuator_trnid[motor, 0]): motor for motor in moving}
     return [on[model.joint(name).id] for name in joints]
 
 

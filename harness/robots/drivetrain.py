@@ -57,11 +57,13 @@ class Drivetrain:
         limits = []
         for joint in self.drive.driven:
             _, motor = self._servos()[joint]
-            if not self._model.actuator_ctrllimited[motor]:
+            low, high = self._model.actuator_ctrlrange[motor] * self._model.actuator_ctrllimited[motor]
+            if not low < 0.0 < high:
                 raise UsageError(
-                    f"{self._path}: the motor of '{joint}' has no limit; give it a ctrlrange [rad/s]"
+                    f"{self._path}: the motor of '{joint}' has no limit ahead and back; give it a "
+                    "ctrlrange of -LIMIT LIMIT [rad/s]"
                 )
-            limits.append(float(self._model.actuator_ctrlrange[motor, 1]))
+            limits.append(float(min(-low, high)))
         return min(limits)
 
     def _box(self, joint: str) -> NDArray[np.float64]:
@@ -144,6 +146,7 @@ class Drivetrain:
                 f"{self._path}: the motor of '{geared}' has gear {gears[geared]:g}: ctrlrange is not "
                 "the wheel's; give it gear 1, and ctrlrange, kv and forcerange of the wheel"
             )
+        self._check_free(driven)
         if len(stated.steering) != (2 if stated.kind == "ackermann" else 0):
             raise UsageError(
                 f"{self._where}: drive: steering = {list(stated.steering)} is not valid with "
@@ -154,6 +157,24 @@ class Drivetrain:
                 raise UsageError(
                     f"{self._path}: steering joint '{name}' needs a <position> actuator; give it one"
                 )
+
+    def _check_free(self, driven: tuple[str, ...]) -> None:
+        """Wheels turn on and on, and nothing else turns them."""
+        model = self._model
+        on_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
+        for name in driven:
+            joint = model.joint(name).id
+            holds = {
+                "a range": model.jnt_limited[joint],
+                "a stiffness": model.jnt_stiffness[joint],
+                "a second actuator": (on_joint & (model.actuator_trnid[:, 0] == joint)).sum() > 1,
+            }
+            for what, is_there in holds.items():
+                if is_there:
+                    raise UsageError(
+                        f"{self._path}: wheel '{name}' has {what}, against which it does not turn as "
+                        "commanded; take it out"
+                    )
 
     def _steering_limit(self, stated: Drive) -> float:
         """The smallest of the ranges of the steering's joints and motors [rad]."""

@@ -60,7 +60,10 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
     _add_site(spec, "imu", rover.imu or (None if has_imu else Mount()), path)
     _add_site(spec, "lidar", rover.lidar, path)
     for name, kind in SENSORS.items():
-        if all(sensor.name != name for sensor in spec.sensors):
+        there = [sensor.type for sensor in spec.sensors if sensor.name == name]
+        if there not in ([], [kind]):
+            raise UsageError(f"{path}: sensor '{name}' is of another kind; take it out, or rename it")
+        if not there:
             spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="imu")
     return spec
 

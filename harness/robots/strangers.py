@@ -21,8 +21,10 @@ MOST_CELLS = 4_194_304  # rows x columns of a heightfield, pixels of a texture
 MOST_COPIES = 1_000  # of what <replicate>, <composite> and <flexcomp> repeat, one within the other
 MOST_FILES = 100  # that a model may include
 PNG = b"\x89PNG"
-NEEDED = "constraint", "contact", "gravity", "actuation"  # of what <flag> can switch off
+NEEDED = "constraint", "contact", "gravity", "actuation", "sensor"  # of what <flag> can switch off
+MEDIUM = "wind", "density", "viscosity"  # of <option>: of a fluid that no world has
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)  # MuJoCo's may hold --
+TIES = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD
 # Range, unit and arrays of MuJoCo's model: what a rover of 1 g to 1000 t may be made of.
 _QUANTITIES = (
     ("friction", "", 0.0, 100.0, "geom", "geom_friction"),
@@ -33,6 +35,7 @@ _QUANTITIES = (
     ("friction", "", 0.0, 1e6, "joint", "dof_frictionloss"),
     ("armature", "", 0.0, 1e6, "joint", "dof_armature"),
     ("stiffness", "", 0.0, 1e9, "joint", "jnt_stiffness"),
+    ("gravcomp", "", 0.0, 0.0, "body", "body_gravcomp"),
 )
 
 
@@ -133,11 +136,23 @@ def _check_copies(element: ET.Element, copies: float, path: Path) -> None:
 def check_quantities(model: mujoco.MjModel, path: Path) -> None:
     """Checks a model, compiled alone; UsageError if a friction, mass or the like can be no rover's.
 
-    Nor may it switch off what its world needs, for its options are the world's.
+    Nor may it switch off or add what its world needs or lacks, for its options are the world's, nor be
+    held by the world.
     """
+    options = model.opt
     for flag in NEEDED:
-        if model.opt.disableflags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"):
+        if options.disableflags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"):
             raise UsageError(f'{path}: no rover drives so; take <flag {flag}="disable"/> out')
+    added = [name for name in MEDIUM if np.any(getattr(options, name))]
+    added += ["actuatorgroupdisable"] if options.disableactuator else []
+    if added:
+        raise UsageError(f"{path}: no rover drives so; take {' and '.join(added)} out of <option>")
+    x, y, z = options.gravity.tolist()
+    if x or y or z >= 0.0:
+        raise UsageError(f"{path}: gravity {x:g} {y:g} {z:g} does not point down; give 0 0 -9.81")
+    bodies = np.isin(model.eq_type, TIES) & (model.eq_objtype == mujoco.mjtObj.mjOBJ_BODY)
+    if model.eq_active0[bodies & ((model.eq_obj1id == 0) | (model.eq_obj2id == 0))].any():
+        raise UsageError(f"{path}: an <equality> ties the rover to the world; take it out")
     for quantity, unit, low, high, kind, array in _QUANTITIES:
         values = np.asarray(getattr(model, array), float).reshape(len(getattr(model, array)), -1)
         wrong = np.argwhere(~((values >= low) & (values <= high)))

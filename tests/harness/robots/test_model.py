@@ -92,6 +92,10 @@ def asset(text: str) -> dict[str, str]:
     return {"<worldbody>": f"<asset>{text}</asset><worldbody>"}
 
 
+def option(text: str) -> dict[str, str]:
+    return {"<worldbody>": f"<option {text}/><worldbody>"}
+
+
 def hinge(text: str) -> dict[str, str]:
     return {'name="d" axis': f'name="d" {text} axis'}
 
@@ -102,7 +106,8 @@ MISTAKES = {
     "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "need <velocity> actuators; it has 0"),
     "an axis": ({'name="d" axis="0 1 0"': 'name="d" axis="0 -1 0"'}, "joint 'd' must turn about +y"),
     "a gear": ({'kv="5"': 'kv="5" gear="2"'}, "the motor of 'a' has gear 2"),
-    "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit; give it a ctrlrange"),
+    "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit ahead and back"),
+    "no way back": ({'ctrlrange="-10': 'ctrlrange="0'}, "'a' has no limit ahead and back"),
     "no mass": ({'size="0.1 0.03"': 'size="0.1 0.03" mass="0"'}, "an <inertial> with a mass"),
     "no name": (
         {'joint name="d" axis': "joint axis", '<velocity joint="d"': '<velocity joint="c"'},
@@ -112,6 +117,21 @@ MISTAKES = {
     "no XML": ({"<mujoco>": "<mujoco"}, "is not valid XML"),
     "no MJCF": ({"plane": "plain"}, "is no model that MuJoCo reads"),
     "entities": ({"<mujoco>": "<!DOCTYPE m><mujoco>"}, "declares entities"),
+    "a medium": (option('density="1.2" wind="9 0 0"'), "take wind and density out of <option>"),
+    "motors off": (option('actuatorgroupdisable="0"'), "take actuatorgroupdisable out"),
+    "gravity": (option('gravity="0 -9.81 0"'), "gravity 0 -9.81 0 does not point down"),
+    "a balloon": ({'name="car"': 'name="car" gravcomp="1"'}, "gravcomp 1 of body 'car'"),
+    "an anchor": ({"<actuator>": '<equality><weld body1="car"/></equality><actuator>'}, "to the world"),
+    "a wheel's range": (hinge('range="-9 9"'), "wheel 'd' has a range"),
+    "a wheel's spring": (hinge('stiffness="1"'), "wheel 'd' has a stiffness"),
+    "two motors": ({"<actuator>": '<actuator><motor joint="a"/>'}, "wheel 'a' has a second actuator"),
+    "no IMU": (
+        {
+            "<actuator>": '<sensor><gyro name="imu_accelerometer" site="x"/></sensor><actuator>',
+            '<geom name="hull"': '<site name="x"/><geom name="hull"',
+        },
+        "sensor 'imu_accelerometer' is of another kind",
+    ),
     "friction": ({'name="hull"': 'name="hull" friction="-5"'}, "friction -5 of geom 'hull'"),
     "endless friction": ({'name="hull"': 'name="hull" friction="1e30"'}, "give 0 to 100"),
     "mass": ({'name="hull"': 'name="hull" mass="1e30"'}, "mass 1e+30 kg of body 'car'"),
