@@ -1,4 +1,4 @@
-"""In which order messages are played: as they stand in a file, but for one that was made of tables."""
+"""In which order messages are played: as they stand in a file, but for one of another program."""
 
 from collections.abc import Callable, Collection, Iterator
 from heapq import merge
@@ -6,19 +6,24 @@ from heapq import merge
 from rover_metrics.bag.mcap_stream import Message
 from rover_metrics.timing import NANOSECONDS
 
+MOST_SET_BACK = 10  # times, by less than a second, that a recorder's clock may be
 # A file's messages, those of some topics with their bytes; what could not be read goes into the list.
 Read = Callable[[Collection[str], list[str]], Iterator[Message]]
 
 
 def in_time(read: Read, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-    """Returns what a file holds as it stands there, or by its times if it was written topic by topic.
+    """Returns what a file holds as it stands there; by its times if it was written in another order.
 
     Args:
         read: Reads the file.
-        wanted: Topics; of a file by topic the others are left out.
+        wanted: Topics; of a file in another order the others are left out.
         problems: Takes what could not be read, a line each.
     """
-    if not _is_by_topic(read):
+    is_shuffled, is_by_topic = _order(read)
+    if is_shuffled:
+        messages = (message for message in read(wanted, problems) if message.topic in wanted)
+        return iter(sorted(messages, key=lambda message: message.time_ns))
+    if not is_by_topic:
         return read(wanted, problems)
 
     def of(topic: str, problems: list[str]) -> Iterator[Message]:
@@ -28,12 +33,18 @@ def in_time(read: Read, wanted: Collection[str], problems: list[str]) -> Iterato
     return merge(*parts, key=lambda message: message.time_ns)
 
 
-def _is_by_topic(read: Read) -> bool:
-    """Whether time goes back in a file, but in none of its topics: no clock was set back then."""
-    latest, newest, goes_back = dict[str, int](), 0, False
+def _order(read: Read) -> tuple[bool, bool]:
+    """Whether a file's messages are shuffled, and whether they stand topic by topic.
+
+    Within a topic time goes back a little, again and again; or it goes back in none, but in the file. A
+    clock that is set back goes back seldom, or far: what it did is told, not mended.
+    """
+    latest, newest = dict[str, int](), 0
+    steps_back, goes_back, is_set_back = 0, False, False
     for topic, time_ns, _ in read((), []):
-        if time_ns < latest.get(topic, 0):
-            return False
+        back = latest.get(topic, 0) - time_ns
+        is_set_back |= back > 0
+        steps_back += 0 < back < NANOSECONDS
         goes_back |= time_ns < newest - NANOSECONDS
         latest[topic], newest = time_ns, max(newest, time_ns)
-    return goes_back
+    return steps_back > MOST_SET_BACK, goes_back and not is_set_back

@@ -18,6 +18,7 @@ from rosbags.typesys.store import Typestore
 
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
+from rover_metrics.bag.oddities import Oddities
 from rover_metrics.core.columns import Row
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing import NANOSECONDS, ClockRows, FullSeconds, TimeSource, age
@@ -58,8 +59,6 @@ class Playback:
         time_source: TimeSource = TimeSource.AUTO,
     ) -> None:
         self._bag, self._session, self.metrics = bag, session, session.metrics
-        if len({remaps.get(source.name, source.name) for source in SENSORS}) < len(SENSORS):
-            raise BagError("two topics are remapped to the same one; each sensor needs its own")
         self._sources, self.missing = self._there(SENSORS, remaps)
         if not self._sources:
             recorded = ", ".join(sorted(bag.topics)) or "none"
@@ -75,13 +74,15 @@ class Playback:
         self.counts = {topic: Count() for topic in self._sources}
         self._timer = ClockRows() if self.time_source is TimeSource.SIM else FullSeconds()
         self._other_clock: list[str] = []  # a line at most
+        self._oddities = Oddities()
 
     @property
     def notes(self) -> list[str]:
-        """What was odd about time so far; a line each."""
+        """What was odd about time and samples so far; a line each."""
         notes = [*self._other_clock, *self._timer.jumps]
         more = len(notes) - MOST_NOTES
-        return [*notes[:MOST_NOTES], f"{more} more jumps of time"] if more > 0 else notes
+        notes = [*notes[:MOST_NOTES], f"{more} more jumps of time"] if more > 0 else notes
+        return notes + self._oddities.notes(self.metrics)
 
     def rows(self) -> Iterator[Row]:
         """Plays everything; yields each row when it is due."""
@@ -92,13 +93,12 @@ class Playback:
                 for at_ns in self._timer.due(now):
                     yield self._session.row(at_ns)
             if parsed is not None:
-                self._take(message.topic, parsed)
+                self._take(message, parsed)
         for at_ns in self._timer.rest():
             yield self._session.row(at_ns)
 
     def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
-        source = self._sources.get(message.topic)
-        if source is None:
+        if message.topic not in self._sources:
             return None
         parsed = deserialised(message.data, self._bag.topics[message.topic])
         self.counts[message.topic].unreadable += parsed is None
@@ -118,31 +118,32 @@ class Playback:
             )
         return message.time_ns
 
-    def _take(self, topic: str, parsed: Any) -> None:  # noqa: ANN401
-        source, count = self._sources[topic], self.counts[topic]
-        remark = source.take(self._session, parsed, stamp_ns(parsed) if source.has_stamp else 0)
-        if remark is not None and remark.left_out:
-            count.rejected += 1
-        else:
-            count.used += 1
+    def _take(self, message: Message, parsed: Any) -> None:  # noqa: ANN401
+        count, is_used = self.counts[message.topic], False
+        for source in self._sources[message.topic]:
+            remark = source.take(self._session, parsed, stamp_ns(parsed) if source.has_stamp else 0)
+            self._oddities.add(source, message.topic, parsed, remark)
+            is_used |= remark is None or not remark.left_out
+        count.used += is_used
+        count.rejected += not is_used
 
     def _there(
         self, sources: Iterable[Source], remaps: Mapping[str, str]
-    ) -> tuple[dict[str, Source], list[str]]:
+    ) -> tuple[dict[str, list[Source]], list[str]]:
         """The sources that can be used, by recorded topic, and why the others cannot."""
-        wished = {remaps.get(source.name, source.name): source for source in sources}
-        there, reasons = {}, []
-        for topic, source in wished.items():
+        wished = [(remaps.get(source.name, source.name), source) for source in sources]
+        there, reasons = dict[str, list[Source]](), []
+        for topic, source in wished:
             recorded, types = self._bag.topics.get(topic), (source.message_type, *source.also)
             if recorded is None:
-                others = self._bag.topics.keys() - wished.keys()
+                others = self._bag.topics.keys() - dict(wished).keys()
                 alike = sorted(name for name in others if self._bag.topics[name] in types)
                 would_do = f" ({', '.join(alike[:MOST_NOTES])} would do)" if alike else ""
                 reasons.append(f"{topic} is missing{would_do}")
             elif recorded not in types:
                 reasons.append(f"{topic} is {recorded}, not {source.message_type}")
             else:
-                there[topic] = source
+                there.setdefault(topic, []).append(source)
         return there, reasons
 
 

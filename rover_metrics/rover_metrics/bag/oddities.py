@@ -1,0 +1,76 @@
+"""What is odd about a recording: samples that count all the same, units, lengths of other drives.
+
+A node counts the former, too. A robot of somebody else may have the others, of which no sample is wrong
+by itself.
+"""
+
+import math
+from collections import Counter
+from typing import Any
+
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE
+from rover_metrics.health.rejections import ZERO_OR_LESS
+from rover_metrics.session import Remark
+from rover_metrics.timing import NANOSECONDS
+from rover_metrics.topics import Source, stamp_ns, vector
+
+ABOUT = 0.1  # of 1 g
+NO_GRAVITY = 0.5  # [m/s^2]: less than a third of the Moon's
+MOST_TURNING = 3.0  # [rad/s] on average, half a turn a second: no rover
+LEAST_WAY, MOST_RATIO = 1.0, 3.0  # [m] of a drive of which two lengths are compared; of these
+LONGEST_STEP = NANOSECONDS  # between two odometries; in longer ones nobody knows what happened
+
+
+class Oddities:
+    """Takes each message that was played; `notes` are a line each."""
+
+    def __init__(self) -> None:
+        self._counted = Counter[tuple[str, str]]()  # by topic and finding
+        self._imu, self._accelerations, self._rates, self._samples = "", 0.0, 0.0, 0
+        self._odometry, self._way, self._latest, self._has_poses = "", 0.0, 0, False
+
+    def add(self, source: Source, topic: str, parsed: Any, remark: Remark | None) -> None:  # noqa: ANN401
+        """Takes a message, and what the session said of it."""
+        if remark is not None:
+            if remark.left_out:
+                return
+            self._counted[topic, remark.finding] += 1
+        if source.topic is IMU:
+            self._imu, self._samples = topic, self._samples + 1
+            self._accelerations += math.hypot(*vector(parsed.linear_acceleration))
+            self._rates += math.hypot(*vector(parsed.angular_velocity))
+        elif source.topic is ODOMETRY:
+            stamp = stamp_ns(parsed)
+            if 0 < stamp - self._latest <= LONGEST_STEP:
+                speed = math.hypot(*vector(parsed.twist.twist.linear))
+                self._way += speed * (stamp - self._latest) / NANOSECONDS
+            self._odometry, self._latest = topic, stamp
+        elif source.topic is POSE:
+            self._has_poses = True
+
+    def notes(self, metrics: TraversalMetrics) -> list[str]:
+        """Returns what is odd, beside what the metrics made of it."""
+        notes = []
+        for (topic, finding), count in sorted(self._counted.items()):
+            mend = "; if 0 stands for no return, make it inf (REP-117)" * (finding == ZERO_OR_LESS)
+            notes.append(f"{topic}: {count:,} messages: {finding}{mend}")
+        if self._samples:
+            notes += self._of_imu(self._accelerations / self._samples, self._rates / self._samples)
+        shorter, longer = sorted((self._way, metrics.total_distance))
+        if self._odometry and self._has_poses and longer > max(LEAST_WAY, MOST_RATIO * shorter):
+            notes.append(
+                f"poses go {metrics.total_distance:.2f} m, the speeds of {self._odometry} "
+                f"{self._way:.2f} m: is one of them empty, or in other units?"
+            )
+        return notes
+
+    def _of_imu(self, acceleration: float, rate: float) -> list[str]:
+        notes = []
+        if abs(acceleration - 1.0) < ABOUT:
+            notes.append(f"{self._imu}: accelerations of {acceleration:.2f} on average look like g")
+        elif acceleration < NO_GRAVITY:
+            notes.append(f"{self._imu}: accelerations of {acceleration:.2f} on average lack gravity")
+        if rate > MOST_TURNING:
+            notes.append(f"{self._imu}: rates of {rate:.1f} on average look like deg/s")
+        return [f"{note}; columns and thresholds are of m/s2 and rad/s" for note in notes]
