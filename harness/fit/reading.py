@@ -62,7 +62,11 @@ def _check(recording: Recording, rover: RoverSpec) -> None:
     if missing := [one for one in NEEDED if one not in there]:
         present = ", ".join(there) or "nothing that a rover's model is fitted to"
         joints = f"; wheels are a JointState with {', '.join(rover.wheel_joints)}, or an Odometry"
-        hint = joints if recording.sources and "wheels" in missing else ""
+        if not recording.sources:
+            columns = "columns t, cmd_v, cmd_w, left_speed, right_speed (docs/real_rovers.md)"
+            hint = f"; a CSV file says it by {columns}, a bag by its types"
+        else:
+            hint = joints if "wheels" in missing else ""
         raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}{hint}")
     spans = {one: (float(v[0, 0]), float(v[-1, 0])) for one, v in there.items()}
     begin, end = max(b for b, _ in spans.values()), min(e for _, e in spans.values())

@@ -1,5 +1,6 @@
 """Bags -> recordings: commands, joints or wheel odometry, IMU, poses, currents, battery, by type."""
 
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
     tied = rover.actuators is not None and rover.actuators.one_motor_a_side
     rims, efforts = list[float](), list[float]()
     for side in (rover.drive.left, rover.drive.right):
-        if not all(name in speeds for name in side):
+        if not all(math.isfinite(speeds.get(name, math.nan)) for name in side):  # a dead encoder: NaN
             return {}
         rims.append(rover.controller_radius * float(np.mean([speeds[name] for name in side])))
         driven = [name for name in side if name in rover.drive.driven and name in torques]

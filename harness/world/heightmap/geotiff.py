@@ -33,6 +33,7 @@ SINUSOIDAL = 24
 OF_THE_GLOBE = (20, 23, 25, 28)  # Miller's, Robinson's, Van der Grinten's, cylindrical of equal areas
 EQUAL_AREAS = (6933, 3410, 3975)  # EPSG's numbers of the last kind
 CALLED = {MERCATOR: "Mercator's", EQUIRECTANGULAR: "equirectangular", WEB: "Web Mercator's"}
+STEREOGRAPHIC, POLAR = 15, {3413: 70.0, 3031: 71.0, 3995: 71.0, 3976: 70.0}  # EPSG's: true at latitude
 LEAST_STRETCH = 1e-3  # of such metres that counts
 WGS84 = Ellipsoid.from_name("wgs84")
 NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
@@ -141,6 +142,20 @@ def _unrolled(
     return degrees, CALLED[kind]
 
 
+def _polar_stretch(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> float:
+    """How much longer than the ground a polar stereographic map is in its middle (Snyder's sphere)."""
+    true_at = POLAR.get(keys.get("ProjectedCSTypeGeoKey", 0))
+    if keys.get("ProjCoordTransGeoKey") == STEREOGRAPHIC:
+        true_at = abs(keys.get("ProjNatOriginLatGeoKey", 90.0))
+    if true_at is None:
+        return 1.0
+    x, y = affine @ _half(keys, page)
+    origin = keys.get("ProjFalseEastingGeoKey", 0.0), keys.get("ProjFalseNorthingGeoKey", 0.0)
+    at_true = (1.0 + math.sin(math.radians(true_at))) * keys.get("ProjScaleAtNatOriginGeoKey", 1.0)
+    away = math.hypot(x - origin[0], y - origin[1]) / (_ellipsoid(keys).semimajor_axis * at_true)
+    return at_true / (1.0 + math.cos(2.0 * math.atan(away)))
+
+
 def _is_of_the_globe(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> bool:
     """Whether squares of ground are none in its projection; a sinusoidal one is true in its middle."""
     kind = keys.get("ProjCoordTransGeoKey")
@@ -215,6 +230,9 @@ def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) ->
         notes.append("rows do not run from west to east, from north to south: turned so that they do")
     if abs(turn) > SMALLEST_TURN:
         notes.append(f"+x is {turn:.1f} deg north of its coordinates' east")
+    if abs((stretch := _polar_stretch(affine, keys, page)) - 1.0) > LEAST_STRETCH:
+        notes.append(f"its polar map is {stretch:.4g} times as long as the ground here: made as long")
+        columns, rows = columns / stretch, rows / stretch
     x, y = (affine @ _half(keys, page)).tolist()
     notes.append(f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates")
     return Grid(

@@ -124,7 +124,8 @@ def _of_cloud(path: Path, cell: float | None) -> Raster:
 def _check_size(columns: int, rows: int, fewest: int = FEWEST_PIXELS) -> None:
     if columns * rows > MOST_PIXELS:
         raise UsageError(
-            f"{columns} x {rows} pixels are too many; at most {MOST_PIXELS / 1e6:.0f} million are read"
+            f"{columns} x {rows} pixels are too many; at most {MOST_PIXELS / 1e6:.0f} million are read: "
+            "give a part (gdal_translate -srcwin), or coarser ones (-outsize, --terrain-cell of a cloud)"
         )
     if min(columns, rows) < fewest:
         raise UsageError(f"{columns} x {rows} pixels are too few; a side needs {fewest} or more")

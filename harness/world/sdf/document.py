@@ -34,6 +34,7 @@ class Document:
     # alone, which may be the ground in another unit
     is_loose: bool = False
     movable: list[str] = field(default_factory=list)  # names of the models that Gazebo would let fall
+    restored: list[str] = field(default_factory=list)  # those that Gazebo classic had saved elsewhere
     includes: int = 0  # how many there were
 
     @property
@@ -42,6 +43,7 @@ class Document:
         left = (
             ("plugins are not run", self.plugins),
             ("not static, but nothing moves here", self.movable),
+            ("stand where the <state> that Gazebo classic saved puts them", self.restored),
         )
         lists = (f"{title}: {', '.join(names)}" for title, names in left if names)
         return (*(f"left out: {name}" for name in self.missing), *lists)

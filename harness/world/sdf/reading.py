@@ -17,6 +17,7 @@ from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file, of_gazebo
+from harness.world.sdf.saved import restore
 from harness.world.solid import Primitive, Solid
 
 MOST_SOLIDS = 20_000
@@ -108,6 +109,7 @@ class _Reading:
         where = [text_of(world.find("spherical_coordinates"), tag, "0") for tag in ON_EARTH]
         if any(word.strip("-+.0") for word in where):
             self._left_out(f"<spherical_coordinates>; --datum {','.join(where)} says the same")
+        self._document.restored += restore(world)
         self._scope(world, Frames("world"), place)
         if world is root:
             several = models is not None or sum(item.tag in ("model", "include") for item in root) > 1

@@ -295,6 +295,22 @@ def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
         assert read(tmp_path, scale=(scale, scale, 0), tie=where).pixel == pytest.approx((scale, scale))
 
 
+@pytest.mark.parametrize(
+    ("keys", "middle", "metres"),  # of 10 m of the map, by pyproj
+    [
+        ({PROJECTED: 3413}, (400.0, -3300320.0), 9.629512),
+        ({PROJECTED: 3031}, (400.0, 999680.0), 10.214080),
+        ({TRANSFORM: 15, 3081: 75.0}, (1000400.0, 999680.0), 10.046313),
+    ],
+)
+def test_polar_maps_become_as_long_as_the_ground(
+    tmp_path: Path, keys: Mapping[int, Any], middle: tuple[float, float], metres: float
+) -> None:
+    tie = (5.0, 4.5, 0.0, *middle, 0.0)
+    raster = read(tmp_path, scale=(10.0, 10.0, 0.0), tie=tie, keys={MODEL_TYPE: 1, **keys})
+    assert raster.pixel == pytest.approx((metres, metres), rel=3e-4)
+
+
 @pytest.mark.parametrize("east", [0.0, 3e4, 6e6])  # [m] of the meridian that is straight
 @pytest.mark.parametrize(
     "keys", [{TRANSFORM: 24, MAJOR_AXIS: 6371007.181}, {TRANSFORM: 28}, {PROJECTED: 6933}]

@@ -235,6 +235,15 @@ def test_the_first_colour_of_a_links_visuals_is_that_of_its_collisions(
     assert (solid.name, solid.color) == ("m::l::c", color)
 
 
+def test_models_stand_where_gazebo_classic_saved_them(tmp_path: Path) -> None:
+    link = f"<link name='l'><collision name='c'>{BOX}</collision></link>"
+    models = model(pose(A) + link, "a", static=False) + model(pose(B) + link, "b")
+    states = [f"<model name='{n}'>{pose(p)}</model>" for n, p in (("a", C), ("b", B), ("gone", D))]
+    document = read(tmp_path, f"{models}<state world_name='w'>{''.join(states)}</state>")
+    assert_placed(document, [("a::l::c", at(*C)), ("b::l::c", at(*B))])
+    assert document.restored == ["a"]
+
+
 def test_gravity_friction_and_names_have_the_defaults_of_sdf(tmp_path: Path) -> None:
     bare = f"<model><link><collision>{BOX}</collision></link></model>"
     alone = read_document(written(tmp_path, bare, "yard.sdf"), Resources())
