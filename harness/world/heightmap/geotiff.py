@@ -153,7 +153,7 @@ def _polar_stretch(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffP
     origin = keys.get("ProjFalseEastingGeoKey", 0.0), keys.get("ProjFalseNorthingGeoKey", 0.0)
     at_true = (1.0 + math.sin(math.radians(true_at))) * keys.get("ProjScaleAtNatOriginGeoKey", 1.0)
     away = math.hypot(x - origin[0], y - origin[1]) / (_ellipsoid(keys).semimajor_axis * at_true)
-    return at_true / (1.0 + math.cos(2.0 * math.atan(away)))
+    return float(at_true / (1.0 + math.cos(2.0 * math.atan(away))))
 
 
 def _is_of_the_globe(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> bool:
