@@ -308,7 +308,7 @@ def test_polar_maps_become_as_long_as_the_ground(
 ) -> None:
     tie = (5.0, 4.5, 0.0, *middle, 0.0)
     raster = read(tmp_path, scale=(10.0, 10.0, 0.0), tie=tie, keys={MODEL_TYPE: 1, **keys})
-    assert raster.pixel == pytest.approx((metres, metres), rel=3e-4)
+    assert raster.pixel == pytest.approx((metres, metres), rel=2e-3)  # of a sphere
 
 
 @pytest.mark.parametrize("east", [0.0, 3e4, 6e6])  # [m] of the meridian that is straight
