@@ -56,6 +56,8 @@ def find_joints(
         if name not in names:
             raise UsageError(f"{where}: {unknown('hinge', name, names)}")
     boxes = {name: body_box(model, data, model.jnt_bodyid[j]) for name, j in names.items()}
+    if bare := [name for name in (*left, *right) if not np.isfinite(boxes[name]).all()]:
+        raise UsageError(f"{where}: the wheel of '{bare[0]}' has no <collision>; give it a shape")
     wheels = [*left, *right] or _rolling(model, data, names, boxes)
     on_left, on_right = by_side({name: boxes[name].mean(axis=0) for name in wheels})
     left, right = left or on_left, right or on_right
@@ -137,7 +139,8 @@ def _steering_above(model: mujoco.MjModel, data: mujoco.MjData, wheel: int) -> i
     body = int(model.body_parentid[model.jnt_bodyid[wheel]])
     while body > 1:
         for joint in range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]):
-            if abs(data.xaxis[joint][2]) > ALONG:
+            is_hinge = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE  # no suspension
+            if is_hinge and abs(data.xaxis[joint][2]) > ALONG:
                 return joint
         body = int(model.body_parentid[body])
     return None

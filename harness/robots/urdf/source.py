@@ -4,6 +4,7 @@ A URDF is data. xacro is a program: it evaluates Python expressions of its autho
 is only expanded where the user says that it is trusted.
 """
 
+import io
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -21,6 +22,8 @@ from harness.base.errors import UsageError
 from harness.robots.strangers import MOST_BYTES, parsed, read_text
 
 READABLE = (".stl", ".obj", ".msh")
+HEAD, FACE, LAST_LINE = 84, 50, 1000  # bytes of a binary STL's head and triangle; of a text's last line
+MOST_FACES = 200_000  # that MuJoCo's decoder reads
 LFS = b"version https://git-lfs"
 XACRO = re.compile(r"<xacro:|\$[({]")  # its namespace alone is what old versions of it leave behind
 
@@ -61,7 +64,7 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
         raise UsageError(
             f"{path} is no URDF that MuJoCo reads: {' '.join(str(error).split())}"
         ) from error
-    for mesh in filter(_is_text, spec.meshes):
+    for mesh in filter(_is_other, spec.meshes):
         _take_in(mesh, path)
     without = {link.get("name") for link in robot.iter("link") if link.find("inertial") is None}
     for body in spec.bodies:
@@ -76,24 +79,49 @@ def _check_content(robot: ET.Element, path: Path) -> None:
         raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
     if robot.find("link") is None:
         raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
+    for joint in robot.findall("joint"):
+        if joint.get("type") in ("floating", "planar"):
+            child = joint.find("child")
+            root = "" if child is None else f" '{child.get('link')}'"
+            raise UsageError(
+                f"{path}: joint '{joint.get('name')}' is {joint.get('type')}; take it out with all above "
+                f"it, so that its child{root} is the root, which moves freely"
+            )
     joints = Counter(joint.get("name", "") for joint in robot.findall("joint"))
     if twice := [name for name, times in joints.items() if times > 1]:
         raise UsageError(f"{path}: {joints[twice[0]]} joints are called '{twice[0]}'; rename them")
 
 
-def _is_text(mesh: mujoco.MjsMesh) -> bool:
-    """Whether it is an STL in text, which MuJoCo does not read."""
+def _is_other(mesh: mujoco.MjsMesh) -> bool:
+    """Whether it is an STL that MuJoCo does not read: in text, cut short, with more behind."""
     if not mesh.file.lower().endswith(".stl"):
         return False
+    faces, data = _stl(mesh)
+    return len(data) != HEAD + FACE * faces or faces > MOST_FACES
+
+
+def _stl(mesh: mujoco.MjsMesh) -> tuple[int, bytes]:
+    """How many triangles a binary STL has by its head, and its bytes."""
     data = read_bytes(Path(mesh.file), MOST_BYTES)
-    faces = int.from_bytes(data[80:84], "little")
-    return data.lstrip().startswith(b"solid") and len(data) != 84 + 50 * faces
+    return int.from_bytes(data[HEAD - 4 : HEAD], "little"), data
 
 
 def _take_in(mesh: mujoco.MjsMesh, path: Path) -> None:
-    """Puts the triangles of a file that MuJoCo does not read into the model."""
+    """Puts the triangles of such a file into the model."""
+    (faces, data), why = _stl(mesh), ""
+    end = HEAD + FACE * faces
+    if data.lstrip().startswith(b"solid") and len(data) != end:
+        faces, is_whole = data.count(b"endfacet"), b"endsolid" in data[-LAST_LINE:]
+    else:
+        is_whole, data = len(data) >= end, data[:end]
+    if not is_whole:
+        why = "is cut short; export it anew"
+    elif faces > MOST_FACES:
+        why = f"has {faces:,} triangles, more than {MOST_FACES:,}; simplify it"
+    if why:
+        raise UsageError(f"{path}: mesh {mesh.file} {why}")
     try:
-        triangles = trimesh.load_mesh(mesh.file, file_type="stl")
+        triangles = trimesh.load_mesh(io.BytesIO(data), file_type="stl")
         mesh.uservert, mesh.userface = triangles.vertices.ravel(), triangles.faces.ravel()
     except Exception as error:  # whatever a damaged file brings about
         raise UsageError(f"{path}: mesh {mesh.file} cannot be read: {error}; export it anew") from error

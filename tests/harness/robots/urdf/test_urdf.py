@@ -366,6 +366,12 @@ MISTAKES = {
     ),
     "DAE": (with_mesh("a.dae"), "is no .stl or .obj or .msh; convert it"),
     "no STL": (with_mesh("a.stl"), "a.stl is only Git LFS's pointer to it; git lfs pull fetches it"),
+    "half an STL": (with_mesh("c.stl"), "c.stl is cut short; export it anew"),
+    "half an STL in text": (with_mesh("d.stl"), "d.stl is cut short; export it anew"),
+    "a floating root": (
+        of_wheel('type="continuous"', 'type="floating"'),
+        "is floating; take it out with all above it, so that its child 'front_left_wheel' is",
+    ),
     "two joints of a name": (
         HUSKY.urdf.replace("front_left_wheel_joint", "rear_left_wheel_joint"),
         "2 joints are called 'rear_left_wheel_joint'",
@@ -378,6 +384,8 @@ def test_a_urdf_that_is_no_rover_is_reported_in_one_line(urdf: str, told: str, t
     (tmp_path / "b.stl").touch()
     (folder := tmp_path / "p" / "q").mkdir(parents=True)
     (folder / "a.dae").touch()
+    (folder / "c.stl").write_bytes(bytes(80) + (12).to_bytes(4, "little") + bytes(50))
+    (folder / "d.stl").write_text("solid d\n facet normal 0 0 1\n")
     (folder / "a.stl").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n")
     with pytest.raises(UsageError) as error:
         written(folder, urdf)
