@@ -80,12 +80,10 @@ def _check_content(robot: ET.Element, path: Path) -> None:
     if robot.find("link") is None:
         raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
     for joint in robot.findall("joint"):
-        if joint.get("type") in ("floating", "planar"):
-            child = joint.find("child")
-            root = "" if child is None else f" '{child.get('link')}'"
+        name, kind = joint.get("name"), joint.get("type")
+        if kind in ("floating", "planar"):
             raise UsageError(
-                f"{path}: joint '{joint.get('name')}' is {joint.get('type')}; take it out with all above "
-                f"it, so that its child{root} is the root, which moves freely"
+                f"{path}: joint '{name}' is {kind}; take it and all above it out: roots are free"
             )
     joints = Counter(joint.get("name", "") for joint in robot.findall("joint"))
     if twice := [name for name, times in joints.items() if times > 1]:

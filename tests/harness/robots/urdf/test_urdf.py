@@ -370,7 +370,7 @@ MISTAKES = {
     "half an STL in text": (with_mesh("d.stl"), "d.stl is cut short; export it anew"),
     "a floating root": (
         of_wheel('type="continuous"', 'type="floating"'),
-        "is floating; take it out with all above it, so that its child 'front_left_wheel' is",
+        "is floating; take it and all above it out",
     ),
     "two joints of a name": (
         HUSKY.urdf.replace("front_left_wheel_joint", "rear_left_wheel_joint"),
