@@ -7,6 +7,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
+from harness.world.obstacles import Color
 from harness.world.sdf.poses import IDENTITY, Transform, transform
 from harness.world.sdf.reader import is_true, numbers, text_of
 from harness.world.sdf.resources import Missing, Resources
@@ -94,3 +95,14 @@ def _lengths(element: Element, tag: str, count: int, owner: str, default: str = 
     if not all(0.0 < value <= LARGEST_SIZE for value in values):
         raise UsageError(f"<{tag}> of {owner} '{text}' is not valid; give metres above 0, up to 100 km")
     return values
+
+
+def color_of(visual: Element) -> Color | None:
+    """Returns the colour of a visual's material, with its alpha; None if it has none."""
+    material = visual.find("material")
+    text = text_of(material, "diffuse") or text_of(material, "ambient")
+    values = text.split()
+    if len(values) not in (3, 4):
+        return None
+    red, green, blue, *alpha = numbers(text, len(values), "colour")
+    return red, green, blue, alpha[0] if alpha else 1.0

@@ -13,7 +13,7 @@ from harness.base.errors import UsageError
 from harness.robots.spec import GRAVITY
 from harness.world.obstacles import Color
 from harness.world.sdf.document import Document, Person
-from harness.world.sdf.geometry import read_shapes
+from harness.world.sdf.geometry import color_of, read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file, of_gazebo
@@ -150,10 +150,15 @@ class _Reading:
             pose, reference = call.pose(nested)  # not by its name, which another may have too
             at = place.within(call.name, frames.find(reference) @ pose)
             if call.model.tag == "actor":
-                person = Person(call.name, call.model, at.pose, call.chain[-1])
-                self._document.actors.append(person)
+                self._actor(call, at)
             else:
                 self._model(call, nested, replace(at, chain=call.chain))
+
+    def _actor(self, call: "_Call", at: _Place) -> None:
+        if call.model.find("script/trajectory") is None and call.model.find("plugin") is not None:
+            self._left_out(f"the plugin that steers actor '{call.name}', who stands still")
+        person = Person(call.name, call.model, at.pose, call.chain[-1])
+        self._document.actors.append(person)
 
     def _model(self, call: "_Call", frames: Frames, place: _Place) -> None:
         is_static = place.is_static or call.is_static
@@ -193,7 +198,7 @@ class _Reading:
     def _link(self, link: Element, frames: Frames, place: _Place) -> None:
         name = link.get("name", "link")
         at = place.within(name, frames.find(name))
-        color = next(filter(None, map(_color, link.findall("visual"))), None)
+        color = next(filter(None, map(color_of, link.findall("visual"))), None)
         for collision in link.findall("collision"):
             self._document.solids += self._solids(collision, frames, at, color)
         if len(self._document.solids) > MOST_SOLIDS:
@@ -242,13 +247,3 @@ def _entities(root: Element) -> list[Element]:
     if world is not None:
         return [world]
     return [root] if len(models) + len(actors) > 1 else [*models, *actors]
-
-
-def _color(visual: Element) -> Color | None:
-    material = visual.find("material")
-    text = text_of(material, "diffuse") or text_of(material, "ambient")
-    values = text.split()
-    if len(values) not in (3, 4):
-        return None
-    red, green, blue, *alpha = numbers(text, len(values), "colour")
-    return red, green, blue, alpha[0] if alpha else 1.0

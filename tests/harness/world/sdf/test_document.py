@@ -235,6 +235,12 @@ def test_the_first_colour_of_a_links_visuals_is_that_of_its_collisions(
     assert (solid.name, solid.color) == ("m::l::c", color)
 
 
+def test_a_plugin_that_steers_an_actor_is_told(tmp_path: Path) -> None:
+    actors = "<actor name='a'><plugin name='p'/></actor><actor name='b'/>"
+    (note,) = read(tmp_path, actors).notes
+    assert "actor 'a', who stands still" in note
+
+
 def test_models_stand_where_gazebo_classic_saved_them(tmp_path: Path) -> None:
     link = f"<link name='l'><collision name='c'>{BOX}</collision></link>"
     models = model(pose(A) + link, "a", static=False) + model(pose(B) + link, "b")
