@@ -31,11 +31,16 @@ with _kept_out("coverage", "scipy.linalg", "yaml"):
     from numba.core import cgutils
 numba.np.arraymath._HAVE_BLAS = True  # noqa: SLF001 - kernels of others find it when they need it
 
+IS_COMPILED = not numba.config.DISABLE_JIT
+
 F = TypeVar("F", bound=Callable[..., object])
 
 
-def kernel(signature: str) -> Callable[[F], F]:
+def kernel(signature: str | None = None) -> Callable[[F], F]:
     """Compiles a function for one signature; it releases the GIL, its code is kept in __pycache__.
+
+    Without a signature that is put off until it is called: mostly it is part of another kernel then, and
+    costs no start anything.
 
     Numba renews the cache when the kernel's own file changes, and only then: so the name in the cache
     tells what else a kernel is made of, the files of its `inlined` helpers and the numbers it names. No
@@ -44,7 +49,9 @@ def kernel(signature: str) -> Callable[[F], F]:
     Where neither __pycache__ nor the user's cache can be written, as in a container that is run by
     another user than built it, the code is kept in a temporary folder, or not at all.
     """
-    return partial(_cached, partial(numba.njit, signature, nogil=True, error_model="numpy"))
+    return partial(
+        _cached, partial(numba.njit, *filter(None, [signature]), nogil=True, error_model="numpy")
+    )
 
 
 def callback(signature: str) -> Callable[[F], F]:
@@ -116,6 +123,13 @@ def inlined(function: F) -> F:
     return helper
 
 
+def entry(compiled: Callable[[int], None]) -> int:
+    """Returns the address of a kernel of the signature void(int64), for `run`."""
+    made: Any = compiled  # a dispatcher, of one signature
+    (of,) = made.overloads.values()
+    return int(of.library.get_pointer_to_function(of.fndesc.llvm_func_name))
+
+
 def symbol(name: str, address: int) -> Callable[[], int]:
     """Makes a function by which kernels get an address that is another one in each process.
 
@@ -143,7 +157,7 @@ def native(*kinds: type) -> Callable[[int, Sequence[int]], None]:
     Args:
         kinds: Of the function's arguments: ctypes.c_void_p or c_int.
     """
-    if numba.config.DISABLE_JIT:
+    if not IS_COMPILED:
         return lambda address, args: ctypes.CFUNCTYPE(None, *kinds)(address)(*args)
 
     def typed(_: object, address: object, args: object) -> tuple[object, object]:

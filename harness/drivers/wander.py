@@ -100,7 +100,7 @@ class Wander:
     def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
         usable = np.minimum(free, LOOKAHEAD)
         cost = np.abs(np.remainder(HEADINGS - error + math.pi, math.tau) - math.pi) - 1.5 * usable
-        heading = float(HEADINGS[int(np.argmin(cost))])
+        heading = float(HEADINGS[cost.argmin()])
         ahead = float(free[len(HEADINGS) // 2])
         if ahead < self._stop_range:
             return Twist(0.0, math.copysign(self._rover.cruise_yaw_rate, heading))

@@ -17,6 +17,7 @@ from harness.episode.sensing import installed, sensor_noise
 from harness.episode.together import together
 from harness.frames.rover_frames import rover_frames
 from harness.frames.transforms import describe
+from harness.physics.aside import Errand
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
@@ -153,6 +154,10 @@ class Episode:
     def look_ahead(self, tick: int) -> None:
         """Reads what the driver looks at, at the end of a control period that is yet to be observed."""
         self._sensors.read_early(tick, self.pilot.senses)
+
+    def errands(self, tick: int) -> list[Errand]:
+        """Returns what of that the thread which simulates ahead can read, at a tick that is to come."""
+        return self._sensors.errands(tick, self.pilot.senses)
 
     def begin_period(self, tick: int) -> None:
         """Has the rover commanded for the control period that begins at a tick."""

@@ -100,7 +100,8 @@ def _goes_ahead(episodes: Sequence["Episode"], tick: int, asked: _Asked, *, awak
     for episode in episodes:
         episode.begin_period(tick)
         episode.pilot.drive_wheels(min(TICKS_PER_CONTROL, rest))
-    physics.launch(awake=awake)
+    end = tick + min(TICKS_PER_CONTROL, rest)
+    physics.launch([each for episode in episodes for each in episode.errands(end)], awake=awake)
     return True
 
 

@@ -88,7 +88,7 @@ class ContactWatch:
     @property
     def any(self) -> bool:
         """Whether anything was touched since `begin`."""
-        return bool(self._all[-1][..., 0].any())
+        return self.watched is self._all and bool(self._all[-1][..., 0].any())
 
     def are_known(self) -> bool:
         """Returns whether it is known where MuJoCo keeps contacts, which the first one tells."""

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
-from harness.physics.ahead import Ahead, Aside, has_second_core
+from harness.physics.ahead import Ahead, has_second_core
+from harness.physics.aside import Aside, Errand
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.health import check_health, check_place
@@ -90,7 +91,7 @@ class Physics:
         motors = np.concatenate([rover.motors for rover in self.rovers])
         self._span = Span(self.model, self.data, motors, obstacles_of(scenes, self.data))
         bounds = self.ground.bounds(EDGE_MARGIN)
-        self._span.fence = np.array([[rover.scene.qpos_at, *bounds] for rover in self.rovers])
+        self._span.fence = np.array([[rover.qpos_at, *bounds] for rover in self.rovers])
         begin = 0
         for rover in self.rovers:
             end = begin + rover.motors.size
@@ -164,12 +165,13 @@ class Physics:
         self.step_count = self._began + self._simulated * self.steps_per_tick
         return True
 
-    def launch(self, *, awake: bool) -> None:
+    def launch(self, errands: Sequence[Errand] = (), *, awake: bool) -> None:
         """Lets another core simulate what all rovers have been commanded, while `shown` shows the end.
 
         The next `run` waits for it, or does it itself where rovers park or set off within these ticks.
 
         Args:
+            errands: What it does with the state at the end, one of each rover at most.
             awake: How they wait for each other, as `Aside` has it.
         """
         if self._ahead is None:
@@ -183,7 +185,8 @@ class Physics:
                 self.halt()
             self._turn_drag()
             self._hold(ticks[0])
-            self._is_launched = self._ahead.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
+            steps = len(ticks) * self.steps_per_tick
+            self._is_launched = self._ahead.launch(steps, self.steps_per_tick, errands)
 
     def launch_aside(self) -> None:
         """Lets another thread simulate what all rovers have been commanded, with no contact watched.
@@ -258,7 +261,7 @@ class Physics:
         if self._ahead is not None and not self._is_launched:
             self._ahead.come_back()
         last, touched = self._simulated - 1, self.contacts.any
-        paths = [self._span.path(rover.scene.qpos_at) for rover in self.rovers]
+        paths = [self._span.path(rover.qpos_at) for rover in self.rovers]
         for tick in range(self._simulated):
             self._tick = tick
             if tick == last or needed(tick):

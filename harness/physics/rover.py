@@ -31,6 +31,7 @@ class Rover:
 
     Attributes:
         scene: The rover in its world.
+        qpos_at: Where its pose stands in MuJoCo's positions.
         pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
         twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, a view.
         contacts: What it touches in the tick that is shown.
@@ -65,7 +66,8 @@ class Rover:
         joints = np.flatnonzero(model.body_rootid[model.jnt_bodyid] == scene.root)
         dofs = np.flatnonzero(model.body_rootid[model.dof_bodyid] == scene.root)
         motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))
-        at, moving = scene.qpos_at, slice(int(dofs[0]), int(dofs[-1]) + 1)
+        self.qpos_at = at = scene.qpos_at
+        moving = slice(int(dofs[0]), int(dofs[-1]) + 1)
         self.pose, self.twist = data.qpos[at : at + 7], data.qvel[moving][:6]
         self.now: list[float] = self.pose.tolist()
         after = model.jnt_qposadr[joints[-1] + 1] if joints[-1] + 1 < model.njnt else model.nq

@@ -41,13 +41,17 @@ _contact_force = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c
 
 
 @cache
-def addresses() -> tuple[int, int, int, int]:
-    """Returns the addresses of mj_contactForce, mj_step, mj_step1 and mj_step2 in this process."""
+def address_of(function: str) -> int:
+    """Returns the address of a function of MuJoCo in this process."""
     name = LIBRARIES.get(sys.platform, f"libmujoco.so.{mujoco.__version__}")
     library = ctypes.CDLL(str(Path(mujoco.__file__).with_name(name)))
-    functions = library.mj_contactForce, library.mj_step, library.mj_step1, library.mj_step2
-    force, step, first, second = (ctypes.cast(each, ctypes.c_void_p).value or 0 for each in functions)
-    return force, step, first, second
+    return ctypes.cast(library[function], ctypes.c_void_p).value or 0
+
+
+def addresses() -> tuple[int, int, int, int]:
+    """Returns the addresses of mj_contactForce, mj_step, mj_step1 and mj_step2 in this process."""
+    force, step = address_of("mj_contactForce"), address_of("mj_step")
+    return force, step, address_of("mj_step1"), address_of("mj_step2")
 
 
 @inlined

@@ -12,6 +12,7 @@ if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     from numpy.typing import NDArray
 
     from harness.frames.rover_frames import RoverFrames
+    from harness.physics.aside import Errand
     from harness.physics.simulation import Simulation
     from harness.sensors.lidar import Lidar
     from harness.sensors.optional import Installation, SensorOptions
@@ -57,6 +58,11 @@ class Sensor:
     def due(self, tick: int) -> bool:
         """Returns whether a sample falls on a tick, counted from 1."""
         return tick % self.period_ticks == 0
+
+    @property
+    def errand(self) -> "Errand | None":
+        """What of a reading the thread that simulates ahead can do; None for nothing."""
+        return None
 
     def read(self) -> Sample:
         """Returns the reading at the simulation's present time."""

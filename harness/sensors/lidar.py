@@ -10,11 +10,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.compiled import IS_COMPILED, entry
+from harness.physics.aside import Errand
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.rays.bundle import RayBundle, Surroundings
+from harness.sensors.rays.bundle import RayBundle, Surroundings, cast_rays_of
 
 
 class Lidar:
@@ -33,10 +35,16 @@ class Lidar:
         self.spec = spec
         self._site = model.site(site).id
         self.surroundings = Surroundings(model, others)
+        self._fan, self._pose = self._bundle(), np.empty((4, 3))
+
+    def _bundle(self) -> RayBundle:
         angles = self.spec.angles
         beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
-        self._fan = RayBundle(self.surroundings, beams, spec.range_max, horizon=False)
-        self._pose = np.empty((4, 3))
+        return RayBundle(self.surroundings, beams, self.spec.range_max, horizon=False)
+
+    def aside(self, model: mujoco.MjModel) -> "ScanAside":
+        """Returns a scan that the thread which simulates ahead can make, where no meshes may be met."""
+        return ScanAside(model, self._site, self._bundle())
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
@@ -46,9 +54,29 @@ class Lidar:
         """
         pose = self._pose
         pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
-        distances = self._fan.cast(data, pose)
+        return self.coded(self._fan.cast(data, pose))
+
+    def coded(self, distances: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Returns distances that are cast [m] as `scan` does; they become so, too."""
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
+
+
+class ScanAside(Errand):
+    """A scan of what another thread has simulated, made there, without Python.
+
+    Args:
+        model: The compiled scene.
+        site: Index of the site from which it is made.
+        rays: Cast by nobody else; then they have the distances.
+    """
+
+    def __init__(self, model: mujoco.MjModel, site: int, rays: RayBundle) -> None:
+        self._model, self._site, self.rays = model, site, rays
+
+    def passed(self, data: mujoco.MjData) -> tuple[int, int]:
+        """Returns the addresses of the kernel that casts the rays, and of what it takes."""
+        return entry(cast_rays_of), self.rays.passed_at(self._site, self._model, data)
 
 
 class LidarSensor(Sensor):
@@ -65,14 +93,25 @@ class LidarSensor(Sensor):
     def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._lidar = lidar
+        self._aside: ScanAside | None = None
 
     @classmethod
     def of(cls, parts: EpisodeParts, period_ticks: int) -> "LidarSensor | None":
         """Returns the lidar of an episode; None without one."""
         return None if parts.lidar is None else cls(parts.simulation, parts.lidar, period_ticks)
 
+    @property
+    def errand(self) -> ScanAside | None:
+        """The scan; None where meshes may be met, or where nothing is compiled."""
+        if self._aside is None and not self._lidar.surroundings.has_meshes and IS_COMPILED:
+            self._aside = self._lidar.aside(self._simulation.model)
+        return self._aside
+
     def read(self) -> LaserScan:
         """Returns a scan from where the rover is now."""
-        simulation = self._simulation
+        simulation, aside = self._simulation, self._aside
+        if aside is not None and aside.is_done:
+            aside.is_done = False
+            return LaserScan(simulation.time_ns, self._lidar.coded(aside.rays.distances))
         mujoco.mj_kinematics(simulation.model, simulation.data)  # poses are one step old
         return LaserScan(simulation.time_ns, self._lidar.scan(simulation.data))

@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from harness.base.sim_time import HIGHEST_RATE, TICKS_PER_CONTROL
+from harness.physics.aside import Errand
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
 from harness.sensors.base import EpisodeParts, Sensor
@@ -84,6 +85,11 @@ class SensorSuite:
         for sensor in self._due[index % HIGHEST_RATE]:
             if self._kinds[sensor] in kinds:
                 self._early[sensor] = self._read(sensor)
+
+    def errands(self, index: int, kinds: Collection[type[Sample]]) -> list[Errand]:
+        """Returns what of that another thread can do, at the end of a control period that is to come."""
+        due = self._due[index % HIGHEST_RATE]
+        return [s.errand for s in due if s.errand is not None and self._kinds[s] in kinds]
 
     def before_reset(self) -> None:
         """Called when the rover is about to be put elsewhere."""

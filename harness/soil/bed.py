@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import callback, symbol
 from harness.base.errors import UsageError
-from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, pointer, press_bed
+from harness.base.passing import filled, pointer
+from harness.soil.press_kernel import BED, FELT, MUJOCO, NUMBERS, OWN, press_bed
 from harness.soil.soils import SOIL_CONTACT, Soil
 from harness.soil.stability import check_steps
 from harness.soil.wheel_force import STATE, UNPLACED, SoilWheel
@@ -129,7 +130,7 @@ class Bed:
         self._ground.field[:] = self._fresh
         self.states[:, UNPLACED] = 0.0
 
-    def _to_pass(self, model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    def _to_pass(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.void]:
         """What the kernel is passed, with the arrays whose addresses that holds kept alive."""
         ground, near = self._ground, np.flatnonzero(model.geom_conaffinity & SOIL_CONTACT)
         self._near = near, model.geom_aabb[near].copy()
@@ -138,13 +139,8 @@ class Bed:
         arrays = dict(zip(OWN, own, strict=True))
         for name in MUJOCO:
             arrays[name] = getattr(data if hasattr(data, name) else model, name)
-        passed = np.zeros(1, BED)
-        for name, array in arrays.items():
-            passed[name] = (array.ctypes.data, *array.shape, 1)[:3]
         numbers = (*ground.corner, ground.cell, ground.base, ground.relief, model.opt.timestep)
-        for name, number in zip(NUMBERS, (*numbers, ground.solid_cell), strict=True):
-            passed[name] = number
-        return passed
+        return filled(BED, arrays, dict(zip(NUMBERS, (*numbers, ground.solid_cell), strict=True)))
 
 
 def _spin(model: mujoco.MjModel, wheel: SoilWheel) -> tuple[float, ...]:
@@ -166,7 +162,7 @@ _table = np.zeros((MOST_BEDS + 1, 2), np.int64)  # the state's address, that of 
 _table_address = symbol("rover_harness_beds", _table.ctypes.data)
 
 
-def _register(data: mujoco.MjData, passed: np.ndarray, bed: Bed) -> None:
+def _register(data: mujoco.MjData, passed: NDArray[np.void], bed: Bed) -> None:
     """Lets MuJoCo press the wheels of a bed whenever it steps that state, as long as the bed lives."""
     free = np.flatnonzero(_table[:MOST_BEDS, 0] == 0)
     if not free.size:

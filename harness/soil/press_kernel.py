@@ -4,14 +4,13 @@
 """
 
 import math
-from typing import Any
 
-import numba.extending
+import numba
 import numpy as np
-from numba.core import cgutils
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
+from harness.base.passing import doubles, integers, layout, pointer, reader, singles
 from harness.soil.prints import Frame, Grids, Pair, heap, let_near_touch, level, press_down
 from harness.soil.rim import Doubles
 from harness.soil.wheel_force import REBOUND, UNPLACED, wheel_force
@@ -39,10 +38,8 @@ OWN = (
 MUJOCO: tuple[str, ...] = ("xpos", "xaxis", "cvel", "subtree_com", "xipos", "xfrc_applied")
 MUJOCO += ("geom_xpos", "geom_xmat", "geom_conaffinity", "dof_armature")
 MUJOCO += ("ctrl", "actuator_velocity", "actuator_forcerange")
-# Of an array: its address, rows and columns.
-BED = np.dtype(
-    [(name, np.int64, 3) for name in (*OWN, *MUJOCO)] + [(name, np.float64) for name in NUMBERS]
-)
+BED = layout((*OWN, *MUJOCO), NUMBERS)
+_passed = reader(BED)
 
 Triple = tuple[float, float, float]
 # spins, inertias, and MuJoCo's dof_armature to actuator_forcerange.
@@ -181,60 +178,43 @@ def _press(  # noqa: PLR0913, PLR0917 - MuJoCo's arrays one by one, as numba tak
             states[i, UNPLACED] = moved
 
 
-@numba.extending.intrinsic  # type: ignore[untyped-decorator]  # numba has no types
-def pointer(_: object, address: object) -> tuple[object, object]:  # noqa: ARG001 - its type is what counts
-    """Makes an address, an integer, a pointer that numba.carray takes."""
-
-    def generate(_: object, builder: Any, __: object, args: Any) -> object:  # noqa: ANN401 - numba's
-        return builder.inttoptr(args[0], cgutils.voidptr_t)
-
-    return numba.types.voidptr(numba.types.int64), generate
-
-
-@inlined
-def _doubles(of: NDArray[np.int64]) -> Doubles:
-    values: Doubles = numba.carray(pointer(of[0]), (of[1], of[2]), np.float64)
-    return values
-
-
 @kernel("void(int64)")
 def press_bed(address: int) -> None:
     """Presses the wheels of a bed for one step; what it is passed stands at that address."""
-    passed = numba.carray(pointer(address), (1,), BED)[0]
-    ids, near, affinity, field = passed.ids, passed.near, passed.geom_conaffinity, passed.field
-    solid = _doubles(passed.solid)
+    passed = _passed(address)
+    affinity = passed.geom_conaffinity
+    solid = doubles(passed.solid)
     let_near_touch(
-        numba.carray(pointer(near[0]), (near[1],), np.int64),
-        _doubles(passed.boxes),
-        (_doubles(passed.geom_xpos), _doubles(passed.geom_xmat)),
+        integers(passed.near).ravel(),
+        doubles(passed.boxes),
+        (doubles(passed.geom_xpos), doubles(passed.geom_xmat)),
         numba.carray(pointer(affinity[0]), (affinity[1],), np.int32),
         solid,
         (passed.x, passed.y, passed.solid_cell),
     )
-    field_of_mujoco = numba.carray(pointer(field[0]), (field[1], field[2]), np.float32)
     _press(
-        _doubles(passed.soils),
-        _doubles(passed.sizes),
-        numba.carray(pointer(ids[0]), (ids[1], 3), np.int64),
-        (_doubles(passed.virgin), _doubles(passed.surface), field_of_mujoco),
+        doubles(passed.soils),
+        doubles(passed.sizes),
+        integers(passed.ids),
+        (doubles(passed.virgin), doubles(passed.surface), singles(passed.field)),
         (passed.x, passed.y, passed.cell, passed.base, passed.relief),
-        _doubles(passed.states),
-        _doubles(passed.felt),
+        doubles(passed.states),
+        doubles(passed.felt),
         (
-            _doubles(passed.xpos),
-            _doubles(passed.xaxis),
-            _doubles(passed.cvel),
-            _doubles(passed.subtree_com),
-            _doubles(passed.xipos),
+            doubles(passed.xpos),
+            doubles(passed.xaxis),
+            doubles(passed.cvel),
+            doubles(passed.subtree_com),
+            doubles(passed.xipos),
         ),
-        _doubles(passed.xfrc_applied),
+        doubles(passed.xfrc_applied),
         (
-            numba.carray(pointer(passed.spins[0]), (ids[1], 3), np.int64),
-            _doubles(passed.inertias),
-            _doubles(passed.dof_armature),
-            _doubles(passed.ctrl),
-            _doubles(passed.actuator_velocity),
-            _doubles(passed.actuator_forcerange),
+            integers(passed.spins),
+            doubles(passed.inertias),
+            doubles(passed.dof_armature),
+            doubles(passed.ctrl),
+            doubles(passed.actuator_velocity),
+            doubles(passed.actuator_forcerange),
         ),
         passed.dt,
         numba.carray(pointer(passed.patches[0]), solid.shape, np.uint8),

@@ -216,10 +216,7 @@ def _hit_field(
     return min(surface, base)
 
 
-@kernel(
-    "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
-    " float64[:,::1], float64[::1], float64, float64[::1])"
-)
+@kernel()
 def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
     heights: NDArray[np.float32],
     pyramid: NDArray[np.float32],

@@ -83,10 +83,7 @@ def _level(shape: tuple[int, int], reach: float, levels: int) -> int:
     return levels - 1
 
 
-@kernel(
-    "void(UniTuple(int64, 2), float32[::1], int64[:,::1], float64[:,::1], float64[::1], float64,"
-    " float64[:,::1])"
-)
+@kernel()
 def highest_points(
     shape: tuple[int, int],
     pyramid: NDArray[np.float32],
@@ -129,7 +126,7 @@ def highest_points(
             _raise_block(highest, (low_u, high_u, low_v, high_v), profile)
 
 
-@kernel("void(float64[:,::1], float64[:,::1], float64[::1], float64[:,::1], float64, float64[::1])")
+@kernel()
 def clear_ways(
     profile: Doubles,
     frame: Doubles,

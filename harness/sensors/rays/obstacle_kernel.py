@@ -121,10 +121,7 @@ def _cap(center: Vector, radius: float) -> tuple[float, float, float, float]:
     return math.atan2(y, x), width, elevation, reach
 
 
-@kernel(
-    "void(int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64[:,::1], int64[::1], int64[:,::1], float64[::1], float64, float64[::1])"
-)
+@kernel()
 def cast_bundle(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
     obstacles: NDArray[np.int64],
     sizes: NDArray[np.float64],

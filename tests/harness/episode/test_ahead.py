@@ -17,6 +17,7 @@ from harness.physics import ahead, physics
 from harness.physics.physics import Physics
 from harness.robots import ROVERS
 from harness.samples import Place
+from harness.sensors.lidar import Lidar
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
 
@@ -79,6 +80,12 @@ def test_a_drive_is_the_same_with_a_second_core(name: str) -> None:
     assert ahead == driven(RUNS[name], ahead=False)
     seen = name in ("people, who see where it is", "a soil")
     assert launched.call_count == 0 if seen else launched.call_count > 20
+
+
+def test_what_drivers_look_at_is_scanned_on_the_second_core_once_it_simulates() -> None:
+    with patch.object(Lidar, "scan", autospec=True, side_effect=Lidar.scan) as scanned:
+        driven(RUNS["two"], ahead=True)
+    assert 0 < scanned.call_count < 10  # of 120
 
 
 def test_a_rover_whose_model_asks_for_rk4_is_not_stepped_by_halves(tmp_path: Path) -> None:
