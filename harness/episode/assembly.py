@@ -38,6 +38,8 @@ from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 from rover_metrics.topics import ENERGY
 
+SAME_GRAVITY = 0.1  # [m/s^2] of models for one world: Earth's is 9.78 to 9.83
+
 
 def rover_of(setup: RoverSetup) -> RoverSpec:
     """Returns a rover of a run, with its motors and tyres there; UsageError if it has none such."""
@@ -142,10 +144,14 @@ def tells_energy(rover: RoverSetup) -> bool:
     return any(topic == source.name for topic in topics for source in ENERGY)
 
 
-def gravity(run: Run, number: int = 0) -> float:
-    """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model."""
+def gravity(run: Run) -> float:
+    """Returns what IMUs read at rest [m/s^2]: of a world that says so, else of its first rover."""
     of_world = _terrain_world(run).gravity if is_terrain_file(run.world.terrain) else None
-    return find_rover(run.rovers[number].robot).gravity if of_world is None else of_world
+    of_models = {rover.robot: find_rover(rover.robot).gravity for rover in run.rovers}
+    if of_world is None and max(of_models.values()) - min(of_models.values()) > SAME_GRAVITY:
+        each = ", ".join(f"{robot} {value:g}" for robot, value in of_models.items())
+        raise UsageError(f"rovers of one world have one gravity, not {each} m/s2; mend their models")
+    return next(iter(of_models.values())) if of_world is None else of_world
 
 
 def injector(run: Run, number: int = 0) -> FaultInjector:
@@ -189,6 +195,7 @@ def fleet(run: Run, rovers: tuple[RoverSetup, ...]) -> Run:
         rovers = tuple(r if takes_goals(r.driver) else r.but(goal_area=None) for r in rovers)
     several = run.but(rovers=rovers)
     check(several)
+    gravity(several)
     return placed(several)
 
 

@@ -59,7 +59,7 @@ def metric_settings(run: Run, values: Mapping[str, Any], number: int = 0, *, ext
     if extended:
         rover = run.rovers[number]
         of_run = extended_settings(
-            find_rover(rover.robot), gravity(run, number), soil=has_soil(run), energy=tells_energy(rover)
+            find_rover(rover.robot), gravity(run), soil=has_soil(run), energy=tells_energy(rover)
         )
         settings = Settings(extended_columns=True, extended=of_run)
     return settings.updated(values)

@@ -91,7 +91,7 @@ def _map(
         meetings=near,
         others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
-        gravity=gravity_of(run, result.number),
+        gravity=gravity_of(run),
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
@@ -115,7 +115,7 @@ def _signed(value: float) -> str:
 
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
     track = recorder.track
-    touched, gravity = contacts(track), gravity_of(result.run, result.number)
+    touched, gravity = contacts(track), gravity_of(result.run)
     figures = {
         name: series_figure(name, log, result.thresholds, track, touched, gravity)
         for name in log.columns

@@ -26,6 +26,7 @@ from harness.spec import Run
 from harness.spec.fleet import parse_rovers
 from harness.world.berths import GAP
 from harness.world.obstacles import ObstacleKind
+from tests.harness.robots.test_model import brought_along
 from tests.support.rovers import LEO
 
 FLAT = Run.of(terrain="flat")
@@ -91,6 +92,14 @@ def test_a_file_that_was_written_anew_is_another_world(tmp_path: Path) -> None:
         assert np.ptp(world.ground.heights) == pytest.approx(relief)
         assert (world.ground.half_size, world.seed) == ((10.0, 15.0), 3)
     assert world_of(run) is world_of(run)
+
+
+def test_rovers_of_one_world_have_one_gravity(tmp_path: Path) -> None:
+    option = '<option gravity="0 0 -1.62"/><worldbody>'
+    moon = brought_along(tmp_path / "car", **{"<worldbody>": option})
+    assert gravity(several(f"{moon}:a", f"{moon}:b")) == 1.62
+    with pytest.raises(UsageError, match=r"not leo 9\.8, .*car 1\.62 m/s2; mend"):
+        several("leo:a", f"{moon}:b")
 
 
 def test_gravity_and_people_are_those_of_the_world(tmp_path: Path) -> None:
