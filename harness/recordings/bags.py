@@ -20,6 +20,7 @@ Row = tuple[float, ...]
 Take = Callable[[Any, RoverSpec], dict[str, Row]]
 # In the names of topics that no real rover has, and of poses where it is not, but is to be.
 NEITHER = ("truth", "goal", "initialpose")
+EACH = "each wheel"  # a series that no recording has: speeds [rad/s], left ones first
 APART = 1.0  # [s] from which on stamps are of another clock than the recorder's, and do not count
 
 
@@ -42,7 +43,8 @@ def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
         given = np.array([torques[name] * np.sign(speeds[name]) for name in driven])
         efforts.append(max(float(given.sum()), 0.0) if tied else float(given.clip(0.0).sum()))
     has_efforts = all(name in torques for name in rover.drive.driven)
-    return {"wheels": tuple(rims)} | ({"torques": tuple(efforts)} if has_efforts else {})
+    each = tuple(float(speeds[name]) for name in rover.drive.left + rover.drive.right)
+    return {"wheels": tuple(rims), EACH: each} | ({"torques": tuple(efforts)} if has_efforts else {})
 
 
 def _imu(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
@@ -107,6 +109,7 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
                     f"{path} has no topic {missing[0]}; it has {', '.join(sorted(bag.topics))}"
                 )
             rows, sources = _rows(bag, rover, chosen or {})
+            _check_encoders(rows.pop(EACH, []), rover, sources)
             problems = tuple(bag.problems)
     except BagError as error:
         raise UsageError(f"{path}: {error}") from error
@@ -118,6 +121,17 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
     sources = {name: topic for name, topic in sources.items() if name in series}
     return Recording(path.name, sources=sources, problems=problems, **series)  # type: ignore[arg-type]  # of series alone
+
+
+def _check_encoders(rows: list[Row], rover: RoverSpec, sources: Mapping[str, str]) -> None:
+    """UsageError if a wheel is said to stand all the time while others turn."""
+    moved = np.array([row[2:] for row in rows]).any(axis=0) if rows else np.ones(0, np.bool_)
+    if moved.any() and not moved.all() and sources["wheels"] == sources[EACH]:
+        wheel = (rover.drive.left + rover.drive.right)[int(moved.argmin())]
+        raise UsageError(
+            f"{sources[EACH]}: '{wheel}' stands at 0 while others turn: its encoder is dead; give "
+            "--topic wheels=TOPIC, of an Odometry"
+        )
 
 
 def _rows(

@@ -495,6 +495,36 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     assert other.commands[0, 1] == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize("said", [np.nan, 0.0])
+def test_a_dead_encoder_gives_way_to_odometry_or_is_told(tmp_path: Path, said: float) -> None:
+    store = get_typestore(Stores.LATEST)
+    types, joints, odometry = store.types, "sensor_msgs/msg/JointState", "nav_msgs/msg/Odometry"
+    header = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](1, 0), "")
+    vector, zero = types["geometry_msgs/msg/Vector3"], np.zeros(36)
+    twist = types["geometry_msgs/msg/Twist"](vector(0.4, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+    level = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
+    pose = types["geometry_msgs/msg/Pose"](types["geometry_msgs/msg/Point"](0.0, 0.0, 0.0), level)
+    speeds = np.array([said, 2.0, 2.0, 2.0])
+    messages = {
+        joints: types[joints](header, [*HUSKY.wheel_joints], np.zeros(4), speeds, np.zeros(4)),
+        odometry: types[odometry](
+            header,
+            "base",
+            types["geometry_msgs/msg/PoseWithCovariance"](pose, zero),
+            types["geometry_msgs/msg/TwistWithCovariance"](twist, zero),
+        ),
+    }
+    with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.MCAP) as writer:
+        for kind, message in messages.items():
+            topic = writer.add_connection(f"/{kind[-8:]}_odom", kind, typestore=store)
+            writer.write(topic, 10**9, store.serialize_cdr(message, kind))
+    if said == 0.0:
+        with pytest.raises(UsageError, match="its encoder is dead"):
+            recording_of_bag(tmp_path / "bag", HUSKY)
+        return
+    assert recording_of_bag(tmp_path / "bag", HUSKY).wheels[0, 1:] == pytest.approx([0.4, 0.4])
+
+
 @pytest.mark.parametrize("stamps", ["none", "of another clock", "all but the first"])
 def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(
     stamps: str, tmp_path: Path, capsys: Capsys
