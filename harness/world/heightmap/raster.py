@@ -152,13 +152,19 @@ def _read_png(path: Path) -> Raster:
         raise UsageError(f"too many pixels; at most {MOST_PIXELS / 1e6:.0f} million are read") from error
     with image:
         _check_size(*image.size)
+        is_grey = image.mode in GREY_MODES or image.mode.startswith("I;16")
+        if not is_grey and "16" in str(image.tile[0][3]):  # of which Pillow would keep 8
+            raise UsageError("colours of 16 bits (gdal_translate -b 1 takes the first, of all its bits)")
         pixels = np.asarray(image)
-        if image.mode not in GREY_MODES and not image.mode.startswith("I;16"):
+        if not is_grey:
             pixels = np.asarray(image.convert("RGB"))
             if (pixels != pixels[..., :1]).any():
                 raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
             pixels = pixels[..., 0]
-        return Raster(pixels.astype(np.float64), SIZE_UNKNOWN, in_metres=False)
+        values = pixels.astype(np.float64)
+        if "A" in image.getbands():  # what is transparent is not there
+            values[np.asarray(image.getchannel("A")) == 0] = np.nan
+        return Raster(values, SIZE_UNKNOWN, in_metres=False)
 
 
 def _read_tiff(path: Path) -> Raster:

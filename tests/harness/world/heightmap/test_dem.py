@@ -247,9 +247,9 @@ def _bomb(path: Path) -> None:
         file.write(bomb)
 
 
-def _png_header(path: Path, columns: int, rows: int) -> None:
+def _png_header(path: Path, columns: int, rows: int, bits: int = 8, colours: int = 0) -> None:
     """The signature and the first chunk: what is looked at before anything is decoded."""
-    header = struct.pack(">4sIIBBBBB", b"IHDR", columns, rows, 8, 0, 0, 0, 0)
+    header = struct.pack(">4sIIBBBBB", b"IHDR", columns, rows, bits, colours, 0, 0, 0)
     end = struct.pack(">I4sI", 0, b"IDAT", zlib.crc32(b"IDAT"))
     crc = struct.pack(">I", zlib.crc32(header))
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + header + crc + end)
@@ -358,6 +358,7 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "text.npy": (_array(np.full((9, 9), "a")), "heights are numbers"),
     "pickle.npy": (_array(np.full((9, 9), print, object), allow_pickle=True), "damaged or cut short: "),
     "color.png": (lambda path: Image.new("RGB", (50, 50), "red").save(path), "a colour picture"),
+    "deep.png": (lambda path: _png_header(path, 50, 50, 16, 2), "colours of 16 bits (gdal_translate"),
     "bands.tif": (_tiff(np.zeros((64, 64, 3), np.uint8), photometric="rgb"), "it has 3 bands"),
     "palette.tif": (
         _tiff(
@@ -411,3 +412,10 @@ def test_a_picture_of_colours_that_are_all_grey_is_one_of_heights(tmp_path: Path
     heights = np.arange(144, dtype=np.uint8).reshape(12, 12)
     Image.fromarray(heights).convert(mode).save(tmp_path / "a.png")
     np.testing.assert_array_equal(read_raster(tmp_path / "a.png").values, heights)
+
+
+def test_what_is_transparent_in_a_picture_is_missing(tmp_path: Path) -> None:
+    heights, alpha = np.full((12, 12), 7, np.uint8), np.full((12, 12), 255, np.uint8)
+    alpha[:2] = 0
+    Image.fromarray(np.dstack([heights, alpha])).save(tmp_path / "a.png")
+    assert np.isnan(read_raster(tmp_path / "a.png").values).sum() == 24
