@@ -100,6 +100,12 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     """
     lists = {name: values for name, values in scenario.matrix if values}
     _check_number(len(seeds or scenario.all_seeds) * math.prod(map(len, lists.values())), f"{path}: ")
+    for name, values in lists.items():
+        called = [Path(str(value)).name for value in values]
+        if twice := [one for one in called if called.count(one) > 1]:
+            raise UsageError(
+                f"{path}: {name}: two are called '{twice[0]}', and so is their evidence; rename one"
+            )
     cells = [tuple(zip(lists, values, strict=True)) for values in product(*lists.values())]
     try:
         cases = [

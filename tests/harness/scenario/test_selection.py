@@ -40,6 +40,8 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
         plan([file], range(25_001))
     with pytest.raises(UsageError, match="no run has robot=mole"):
         plan([file], None, (("robot", "mole"),))
+    with pytest.raises(UsageError, match="robot: two are called 'rover'"):
+        make_cases(SPEED, "matrix: {robot: [a/rover, b/rover]}")
 
 
 def test_a_file_becomes_the_configuration_that_it_describes(
