@@ -1,5 +1,6 @@
 """A run as the stream of its batches, and what is ordered of its rovers while the stream is consumed."""
 
+import gc
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
@@ -106,8 +107,8 @@ class EpisodeStream:
         with loading():
             # Only here: it loads MuJoCo and compiled kernels, and while it does, nodes are discovered.
             from harness.episode.episode import episodes_of  # noqa: PLC0415
-
-            self._episodes = episodes_of(self._run, self._frame_options)
+        gc.collect()  # a run before this one may have left its world, of few objects and much memory
+        self._episodes = episodes_of(self._run, self._frame_options)
         return self._episodes
 
     @property

@@ -1,3 +1,4 @@
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -163,3 +164,12 @@ def test_orders_to_a_fleet_that_is_simulated_ahead_give_the_bytes_of_one_that_is
     at_ns, ahead = driven(4, prompt=False)
     assert at_ns is not None
     assert driven(at_ns // CONTROL_PERIOD_NS - 1, prompt=True) == (at_ns, ahead)
+
+
+def test_a_process_of_many_runs_keeps_the_world_of_none() -> None:
+    worlds = []
+    for _ in range(3):
+        (episode,) = EpisodeStream(config(lidar_beams=2)).begin()
+        worlds.append(weakref.ref(episode.simulation))
+        del episode
+    assert [world() for world in worlds[:2]] == [None, None]
