@@ -164,10 +164,12 @@ class Drivetrain:
         on_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
         for name in driven:
             joint = model.joint(name).id
+            its = on_joint & (model.actuator_trnid[:, 0] == joint)
             holds = {
                 "a range": model.jnt_limited[joint],
                 "a stiffness": model.jnt_stiffness[joint],
-                "a second actuator": (on_joint & (model.actuator_trnid[:, 0] == joint)).sum() > 1,
+                "a second actuator": its.sum() > 1,
+                "a delay": model.actuator_delay[its].any(),  # rover.yaml may have one
             }
             for what, is_there in holds.items():
                 if is_there:

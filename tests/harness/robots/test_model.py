@@ -125,6 +125,7 @@ MISTAKES = {
     "a wheel's range": (hinge('range="-9 9"'), "wheel 'd' has a range"),
     "a wheel's spring": (hinge('stiffness="1"'), "wheel 'd' has a stiffness"),
     "two motors": ({"<actuator>": '<actuator><motor joint="a"/>'}, "wheel 'a' has a second actuator"),
+    "a delay": ({'kv="5"': 'kv="5" delay="0.1" nsample="60"'}, "wheel 'a' has a delay"),
     "no IMU": (
         {
             "<actuator>": '<sensor><gyro name="imu_accelerometer" site="x"/></sensor><actuator>',
