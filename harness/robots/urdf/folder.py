@@ -30,6 +30,7 @@ SHOWN = (
     "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
     "footprint", "clearance", "lidar_height", "step_limit", "slope_limit",
 )  # fmt: skip
+ALIKE = 0.97  # of the largest wheel's radius, from which on wheels roll as it does
 LEAST = 1e-6  # [m], [rad]: less is the arithmetic's
 GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step_limit", "slope_limit"}
 
@@ -85,6 +86,11 @@ def write_folder(
         for name in joints.wheels
         if model.jnt_limited[model.joint(name).id]
     ]
+    smallest, largest = min(joints.radius.values()), max(joints.radius.values())
+    if smallest < ALIKE * largest:
+        notes.append(
+            f"wheels of {smallest:.3g} to {largest:.3g} m: all are turned as those of {largest:.3g}"
+        )
     show_what_collides(spec)
     equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
     notes += _loose(spec, joints)

@@ -329,6 +329,11 @@ def test_wheels_may_be_named(tmp_path: Path) -> None:
     assert written(tmp_path, HUSKY.urdf, **sides).rover.wheel_joints == (*sides["left"], *sides["right"])
 
 
+def test_wheels_of_unequal_size_are_told(tmp_path: Path) -> None:
+    smaller = HUSKY.urdf.replace('radius="0.1651"', 'radius="0.15"', 1)
+    assert any("wheels of 0.15 to 0.165 m" in note for note in written(tmp_path, smaller).notes)
+
+
 def with_mesh(file: str) -> str:
     mesh = f'<collision><geometry><mesh filename="package://p/{file}"/></geometry></collision>'
     return HUSKY.urdf.replace("<collision>", f"{mesh}<collision>", 1)
