@@ -29,6 +29,7 @@ from harness.robots.urdf.folder import write_folder
 from harness.sensors.camera import painter
 from harness.sensors.camera.painter import CameraPainter
 from harness.spec.sensor import SensorChoice
+from tests.golden.products import Onlookers
 from tests.golden.table import NONE, GoldenRun
 from tests.support.documents import ROOT
 from tests.support.foreign_rovers import FOREIGN
@@ -102,6 +103,7 @@ class Driven:
         csv: The log's text; `social` is that of the log of people, "" without any.
         stream: Hash of the stream of samples; `samples` is their number.
         recorder: What the page of the run is made from.
+        products: Hashes of what else is made of it; of runs without ROS alone.
     """
 
     name: str
@@ -112,6 +114,12 @@ class Driven:
     stream: str
     samples: int
     recorder: RunRecorder
+    products: dict[str, str]
+
+    @property
+    def lasting(self) -> RunResult:
+        """The result as if it had taken a second."""
+        return replace(self.result, wall_s=1.0, first_row_s=1.0)
 
 
 class WithoutSensor(StreamHash):
@@ -168,7 +176,10 @@ def drive_direct(
     Images are not recorded: to draw them takes longer than all else, and is done through ROS.
     """
     options = run_options(run, files, folder, sensor)
-    with _outputs(options, sensor) as (outputs, observers), pytest.MonkeyPatch.context() as patch:
+    with (
+        _outputs(options, sensor, folder) as (outputs, observers),
+        pytest.MonkeyPatch.context() as patch,
+    ):
         patch.setattr(CameraPainter, "image", lambda *_: None)
         ros = options.ros.but(record=recording, rate=1e4 if sensor else None)
         results = run_direct(options.run, outputs, ros, StopRequest())
@@ -205,16 +216,26 @@ def drive_through_ros(
     return [_driven(replace(result, log_path=log), observers[0])]
 
 
-Observers = tuple[WithoutSensor, RunRecorder, SocialRecorder | None]
+Observers = tuple[WithoutSensor, RunRecorder, SocialRecorder | None, Onlookers | None]
 
 
 @contextmanager
-def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outputs], list[Observers]]]:
+def _outputs(
+    options: RunOptions, sensor: str = "", states: Path | None = None
+) -> Iterator[tuple[list[Outputs], list[Observers]]]:
     """Where the data of each rover go, and who watches them."""
     names = actor_names(options.run.world)
     folders = [options.log_dir(rover) for rover in options.run.rovers]
     people = [SocialRecorder(names, None, folder) if names else None for folder in folders]
-    watching: list[Observers] = [(WithoutSensor(sensor), RunRecorder(), log) for log in people]
+    watching: list[Observers] = [
+        (
+            WithoutSensor(sensor),
+            RunRecorder(),
+            log,
+            None if states is None else Onlookers(options.run, number, states),
+        )
+        for number, log in enumerate(people)
+    ]
     outputs = [
         Outputs(log_dir=folder, observers=tuple(filter(None, observers)), settings=settings)
         for folder, observers, settings in zip(folders, watching, options.settings, strict=True)
@@ -222,13 +243,12 @@ def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outpu
     try:
         yield outputs, watching
     finally:
-        for recorder in people:
-            if recorder is not None:
-                recorder.close()
+        for recorder in filter(None, people):
+            recorder.close()
 
 
 def _driven(result: RunResult, observers: Observers) -> Driven:
-    stream, recorder, people = observers
+    stream, recorder, people, onlookers = observers
     assert result.log_path is not None, result.failure
     social = None if people is None else people.path
     return Driven(
@@ -240,6 +260,7 @@ def _driven(result: RunResult, observers: Observers) -> Driven:
         stream=stream.hexdigest(),
         samples=stream.samples,
         recorder=recorder,
+        products={} if onlookers is None else onlookers.products(),
     )
 
 

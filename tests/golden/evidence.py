@@ -9,6 +9,7 @@ from typing import Any
 from mcap.reader import make_reader
 
 from harness.cli.options import RunOptions
+from harness.report.content import render
 from harness.sensors.message_types import typestore
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.playback import Playback
@@ -54,6 +55,7 @@ class Evidence:
         options: What was asked for.
         direct: Without ROS.
         recorded: What was recorded then, if there is ROS.
+        recording: That file.
         extra: The sensor of a second run, which nobody records.
         with_extra: That run, without ROS; empty where it is not thorough.
         ros: Through ROS 2; empty where it is not installed, and so are the rest.
@@ -70,11 +72,24 @@ class Evidence:
     extra: str
     with_extra: Sequence[Driven]
     recorded: Sequence[Message] = ()
+    recording: Path | None = None
     ros: Sequence[Driven] = ()
     messages: Sequence[Message] = ()
     replayed: Sequence[str] = ()
     files: Sequence[str] = ()
     recordings: Sequence[bytes] = ()
+
+    @cached_property
+    def pages(self) -> list[str]:
+        """The page of each rover, with the ways of the others."""
+        return [
+            render(
+                own.lasting,
+                own.recorder,
+                {each.name: each.recorder.track for each in self.direct if each is not own},
+            )
+            for own in self.direct
+        ]
 
     @property
     def namespaces(self) -> list[str]:
@@ -112,7 +127,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     logs = zip(evidence.options.settings, evidence.namespaces, strict=True)
     replayed = [replay(bag, *log, folder / "replayed") for log in logs]
     later = {"ros": ros, "messages": list(read(bag)), "replayed": replayed, "files": files_below(live)}
-    later["recorded"] = list(read(without_ros))
+    later["recorded"], later["recording"] = list(read(without_ros)), without_ros
     if run.is_fleet and run.is_thorough and "camera" not in run.sensors:  # drawing takes longest
         once_more = folder / "again.mcap"
         drive_through_ros(run, files, folder / "ros_again", once_more)

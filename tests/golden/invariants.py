@@ -9,7 +9,6 @@ from typing import Any
 from harness.base.sim_time import period_ticks
 from harness.episode.assembly import actor_names, sensor_rows
 from harness.episode.result import RunResult
-from harness.report.content import render
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Imu, Transforms
 from harness.sensors.table import ATTITUDE
@@ -99,8 +98,7 @@ def nothing_is_missing(evidence: Evidence) -> Iterator[str]:
 
 def page_is_whole(evidence: Evidence) -> Iterator[str]:
     """No null and no NaN on the page of a run, on which everything is drawn that is named."""
-    for driven in evidence.direct:
-        page = render(driven.result, driven.recorder)
+    for driven, page in zip(evidence.direct, evidence.pages, strict=True):
         (figures,) = re.findall(r'id="figures">(.*?)</script>', page, re.DOTALL)
         shown = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
         for line in filter(NO_VALUE.search, shown.split("\n")):

@@ -15,6 +15,7 @@ import numpy as np
 from harness.base.files import write_whole
 from tests.golden.evidence import Evidence
 from tests.golden.invariants import VOLATILE, first_difference, flat
+from tests.golden.products import of_page, of_recording, of_summary
 from tests.golden.table import TABLE
 from tests.support.documents import ROOT
 
@@ -45,13 +46,14 @@ def arithmetic() -> str:
 def outcome(evidence: Evidence, folder: Path) -> dict[str, Any]:
     """Returns what is kept of a run: a summary, its logs, and hashes without the name of the folder."""
     summary, hashes, logs = dict[str, Any](), dict[str, Any](), dict[str, Any]()
-    for number, driven in enumerate(evidence.direct):
+    for number, (driven, page) in enumerate(zip(evidence.direct, evidence.pages, strict=True)):
         name, truth = driven.name or "rover", driven.manifest["truth"]
         summary[name] = {key: value for key, value in truth.items() if key not in ("events", "path")}
         summary[name]["rows"] = driven.csv.count("\n") - 1
         events = (f"{event['kind']} {event['part']} {event['other']}" for event in truth["events"])
         of_ros = [each.manifest for each in evidence.ros[number : number + 1]]
         hashes[name] = {"stream": driven.stream, "events": _hash("\n".join(events))}
+        hashes[name]["products"] = driven.products | of_page(page) | of_summary(driven.lasting)
         hashes[name]["manifests"] = [
             _hash(_lasting(each, folder)) for each in (driven.manifest, *of_ros)
         ]
@@ -60,6 +62,8 @@ def outcome(evidence: Evidence, folder: Path) -> dict[str, Any]:
     for message in evidence.messages:
         data = "" if message.topic.endswith("image_raw") else _hash(message.data)  # OpenGL's are its own
         by_topic.setdefault(message.topic, []).append(f"{message.time_ns} {data}")
+    if evidence.recording is not None and evidence.run.is_read:
+        hashes["recording"] = of_recording(evidence.recording, evidence.options.run)
     summary["messages"] = {topic: len(told) for topic, told in by_topic.items()}
     hashes["messages"] = {topic: _hash("\n".join(told)) for topic, told in by_topic.items()}
     # Nodes of several rovers have their turns in any order, so what they publish at a time has none.

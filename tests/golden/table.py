@@ -30,6 +30,7 @@ TERRAIN = {
 }
 PEOPLE = {
     "points": ["--actor", "a=3,0/3,3:push=1", "--actor", "b=random:within=4"],
+    "push": ["--actor", "d=0,1.2/4,-1.2:push=1,speed=1.5", "--actor", "b=social:within=3,push=1"],
     "social": ["--actor", "c=social:within=3,speed=0.7"],
 }
 METRICS = {
@@ -53,6 +54,7 @@ MISSION = {
         "gate",
     ],
     "route": ["--target", "gate:x=1,y=0.2", "--route", "0.5,0/gate/-1,0:radius=0.3,within=2"],
+    "meet": ["--target", "post:x=1.7,y=0.15", "--target", "mallet:x=0.5,y=0.1"],
     "stop": ["--target", "gate:x=1,y=0.2", "--route", "1.8,0/gate:stop=true"],
 }
 PLAN: dict[str, dict[str, Any]] = {  # what no command line says
@@ -108,8 +110,13 @@ class GoldenRun:
 
     @property
     def duration(self) -> float:
-        """Simulated seconds: enough for a staged encounter to come about."""
-        return 5.0 if self.driver in STAGED else 3.0
+        """Simulated seconds: enough for an encounter to come about, and for one after another."""
+        return 7.0 if self.mission == "meet" else 5.0 if self.driver in STAGED else 3.0
+
+    @property
+    def is_read(self) -> bool:
+        """Whether its recording is played and read, too; these runs are not thorough."""
+        return int(self.no) % 3 == 1
 
     def words(self, files: dict[str, Path]) -> list[str]:
         """Returns the arguments of harness.run, with these files for the names in braces."""
@@ -164,6 +171,7 @@ def kind(column: str, value: str) -> str:
         | dict.fromkeys(("flat", "slope", "rolling", "gravel", "washboard", "dunes"), "open"),
         "robot": {"sojourner": "husky", "a200": "husky", "jackal": "husky", "rk4": "leo"},
         "metrics": {"of_one": "both"},
+        "people": {"push": "social"},
         "fleet": {"close": "twin", "onto": "mixed"},
         "mission": dict.fromkeys((*MISSION, "link", "helm"), NONE),  # each in a run of its own
         "soil": dict.fromkeys(("dry_sand", "dry_sand:keep", "firm", "terrain"), NONE),

@@ -15,7 +15,7 @@ from tests.golden import kept
 from tests.golden.drive import make_files, run_options
 from tests.golden.table import NONE, RUNS, GoldenRun
 
-WORLD = ("terrain", "soil", "terrain_size", "terrain_cell", "mesh_unit", "rock")
+WORLD = ("terrain", "soil", "targets", "terrain_size", "terrain_cell", "mesh_unit", "rock")
 SETUP = ("robot", "driver", "noise", "sensors", "goal_area", "lidar_beams", "imu_rate", "actors")
 # What no file of a scenario says: several rovers, a plan, another timestep, the way of the frames.
 PLAIN = [run for run in RUNS if not run.is_fleet and not run.plan and run.numbers == NONE]

@@ -1,17 +1,21 @@
 """Every rover folder, shipped or made of a URDF: what is known of it against its compiled model."""
 
 import copy
+import json
 from collections.abc import Callable
+from itertools import product
 
 import mujoco
 import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.robots import ROVERS, RoverSpec, find_rover
+from harness.frames.rover_frames import rover_frames
+from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.robots.measures import frame_name
 from harness.robots.model import compiled_alone
 from tests.support.foreign_rovers import FOREIGN
+from tests.support.snapshots import check_snapshot
 
 Foreign = Callable[[str], RoverSpec]
 
@@ -68,3 +72,21 @@ def test_wheels_are_named_by_side_and_place(foreign: Foreign) -> None:
 def test_a_rover_that_does_not_exist_is_refused_with_what_is_valid(robot: str, valid: str) -> None:
     with pytest.raises(UsageError, match=valid):
         find_rover(robot)
+
+
+def test_what_is_known_of_each_rover_is_what_was_kept(foreign: Foreign) -> None:
+    rovers = [ROVERS[name] if name in ROVERS else foreign(name) for name in (*ROVERS, *FOREIGN)]
+    lines = []
+    for rover in rovers:
+        kinds = [IDEAL] if rover.actuators is None else [IDEAL, REAL]
+        for kind, surface in product(kinds, ("", *rover.surfaces)):
+            own = equipped(rover, kind, surface)
+            known = own.model_dump(mode="json", exclude_defaults=True)
+            plain = {} if own is rover else rover.model_dump(mode="json", exclude_defaults=True)
+            told = {key: value for key, value in known.items() if value != plain.get(key)}
+            lines.append(
+                f"{rover.name} {kind} {surface} {json.dumps(told)}".replace(str(rover.folder), "")
+            )
+        placed = ((link.name, link.in_base.round(6).tolist()) for link in rover_frames(rover).links)
+        lines.append(json.dumps(dict(placed)))
+    check_snapshot("rovers.txt", "\n".join(lines) + "\n")
