@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.recordings.recording import Recording, Series, in_order
+from harness.recordings.tables import check_turning, in_metres
 from harness.robots import RoverSpec
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
@@ -117,6 +118,9 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
         raise UsageError(f"{path}: no {untold[0]} can be read of {sources[untold[0]]}")
     late = _lateness(rows["wheels"]) if "wheels" in rows else 0.0
     series = {name: _timed(some, late) for name, some in rows.items()}
+    if "imu" in series:  # ROS has units, but not every driver keeps to them
+        series["imu"] = in_metres(series["imu"])
+        check_turning(series["imu"][:, 3], f"mend {sources['imu']}, or name another IMU", path)
     if "poses" in series:
         series["poses"][:, 3] = np.unwrap(series["poses"][:, 3])
     sources = {name: topic for name, topic in sources.items() if name in series}

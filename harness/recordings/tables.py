@@ -117,19 +117,25 @@ def _imu(table: pd.DataFrame, path: Path) -> Series:
     felt = _columns(table, *(name for name in names if name in table))
     series = np.full((len(felt), 7), np.nan)
     series[:, [True, *there]] = felt
-    if len(series) and not table.attrs["stated"] & set(names[3:]):
-        level = float(np.median(np.sqrt(np.nansum(series[:, 4:] ** 2, axis=1))))
-        units = (("g", level), ("mg", 1e-3 * level))
-        series[:, 4:] *= next((UNITS[u] for u, of in units if STILL_G[0] < of < STILL_G[1]), 1.0)
+    if not table.attrs["stated"] & set(names[3:]):
+        series = in_metres(series)
     if "wz" in table and not table.attrs["stated"] & set(names[:3]):
-        _check_turning(series[:, 3], "wz [deg/s]", path)
+        check_turning(series[:, 3], "name the unit, as in wz [deg/s]", path)
     return series
 
 
-def _check_turning(rates: Series, named: str, path: Path) -> None:
+def in_metres(imu: Series) -> Series:
+    """Returns an IMU's series in m/s2, where what it feels most of the time is 1 g or 1000 mg."""
+    felt = np.sqrt(np.nansum(imu[:, 4:] ** 2, axis=1))
+    level = float(np.median(felt)) if len(felt) else 0.0
+    units = (UNITS[u] for u, of in (("g", level), ("mg", 1e-3 * level)) if STILL_G[0] < of < STILL_G[1])
+    return imu * ([1.0] * 4 + [next(units, 1.0)] * 3)
+
+
+def check_turning(rates: Series, mend: str, path: Path) -> None:
     """UsageError if no rover turns like that [rad/s], so that what has no unit is in degrees."""
     if len(rates) and (fastest := float(np.percentile(np.abs(rates), 99))) > FASTEST_TURN:
-        raise UsageError(f"{path}: it turns by {fastest:.3g} rad/s; name the unit, as in {named}")
+        raise UsageError(f"{path}: it turns by {fastest:.3g} rad/s; {mend}")
 
 
 def _poses(table: pd.DataFrame, path: Path) -> Series:
@@ -141,7 +147,9 @@ def _poses(table: pd.DataFrame, path: Path) -> Series:
     if len(series):
         series = series[changes(series[:, 1:])]
         if "yaw" not in table.attrs["stated"] and "qw" not in table:
-            _check_turning(np.diff(series[:, 3]) / np.diff(series[:, 0]), "yaw [deg]", path)
+            check_turning(
+                np.diff(series[:, 3]) / np.diff(series[:, 0]), "name the unit, as in yaw [deg]", path
+            )
         series[:, 3] = np.unwrap(series[:, 3])
     return series
 
