@@ -272,6 +272,14 @@ def test_missing_topics_are_named_and_others_go_on(tmp_path: Path, capsys: Capsy
     assert replay(write_mcap(tmp_path / "whole.mcap", drive()), "--require-all") != rows
 
 
+def test_a_topic_that_another_node_would_make_is_told(tmp_path: Path, capsys: Capsys) -> None:
+    kind = "sensor_msgs/msg/PointCloud2"
+    messages = [message for message in drive() if message[0] != "/scan"]
+    messages.append(("/points", messages[-1][1], cdr(blank(kind))))
+    replay(write_folder(tmp_path / "bag", messages, types=TYPES | {"/points": kind}))
+    assert "(pointcloud_to_laserscan makes one of /points)" in capsys.readouterr().err
+
+
 def test_remapped_topics_are_read_as_recorded(tmp_path: Path, capsys: Capsys) -> None:
     messages = [(f"/rover1{topic}", t, data) for topic, t, data in drive()]
     types = {f"/rover1{topic}": kind for topic, kind in TYPES.items()}

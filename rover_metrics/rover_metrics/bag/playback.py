@@ -25,6 +25,10 @@ from rover_metrics.timing import NANOSECONDS, ClockRows, FullSeconds, TimeSource
 from rover_metrics.topics import CLOCK, SENSORS, Source, is_time, nanoseconds, sources_of, stamp_ns
 
 MOST_NOTES = 5
+MAKERS = {  # by what is missing: of what type which node of others makes it
+    "sensor_msgs/msg/LaserScan": ("sensor_msgs/msg/PointCloud2", "pointcloud_to_laserscan"),
+    "geometry_msgs/msg/PoseArray": ("sensor_msgs/msg/NavSatFix", "robot_localization"),
+}
 
 
 @dataclass
@@ -138,8 +142,13 @@ class Playback:
             if recorded is None:
                 others = self._bag.topics.keys() - dict(wished).keys()
                 alike = sorted(name for name in others if self._bag.topics[name] in types)
-                would_do = f" ({', '.join(alike[:MOST_NOTES])} would do)" if alike else ""
-                reasons.append(f"{topic} is missing{would_do}")
+                if alike:
+                    hint = f" ({', '.join(alike[:MOST_NOTES])} would do)"
+                else:
+                    kind, maker = MAKERS.get(source.message_type, ("", ""))
+                    made_of = sorted(name for name in others if self._bag.topics[name] == kind)
+                    hint = f" ({maker} makes one of {made_of[0]})" if made_of else ""
+                reasons.append(f"{topic} is missing{hint}")
             elif recorded not in types:
                 reasons.append(f"{topic} is {recorded}, not {source.message_type}")
             else:
