@@ -138,5 +138,5 @@ def gridded(points: Points, cell: float | None) -> tuple[Field, float, tuple[str
         heights = np.bincount(index, points[:, 2], minlength=rows * columns) / count
     middle = ", ".join(f"{value:.10g}" for value in (low + high) / 2)
     note = f"{len(points):,} points become a height each {cell:g} m, the mean of those around it"
-    where = f"its middle, the origin, is {middle} in its coordinates"
+    where = f"its middle, the origin, is {middle} in its coordinates in metres"
     return heights.reshape(rows, columns)[::-1], cell, (note, where)
