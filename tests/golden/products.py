@@ -12,13 +12,14 @@ from rich.console import Console
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.cli.console import print_summary
-from harness.episode.assembly import world_of
+from harness.episode.assembly import route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.result import RunResult
 from harness.live.recording import read_tracks
 from harness.live.watch import Watch
 from harness.recordings.bags import recording_of_bag
 from harness.robots import find_rover
+from harness.scenario.mission import MissionAccount
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 from harness.sensors.lidar_spec import LidarSpec
@@ -47,7 +48,8 @@ class Onlookers:
         self._world, setup = world_of(run), run.rovers[number]
         self._rover, self._run = find_rover(setup.robot), run
         self._sweep = Collected(self._rover, LidarSpec(beams=setup.lidar_beams))
-        self._live, self._quantities = Watch(), TruthSeries(QUANTITIES, GOAL)
+        mission = MissionAccount(self._world.targets, route_progress(run, self._world))
+        self._live, self._quantities = Watch(), TruthSeries(QUANTITIES, GOAL, mission)
         self._states = StateWriter(folder / f"{number}.states", run, number)
 
     def take(self, batch: Batch) -> None:

@@ -55,6 +55,10 @@ MISSION = {
     ],
     "route": ["--target", "gate:x=1,y=0.2", "--route", "0.5,0/gate/-1,0:radius=0.3,within=2"],
     "meet": ["--target", "post:x=1.7,y=0.15", "--target", "mallet:x=0.5,y=0.1"],
+    "done": [
+        *("--target", "gate:x=1.2,y=0,width=1.6", "--target", "post:x=2.6,y=0.6"),
+        *("--route", "0.4,0/gate/@38.4064,-110.79188:radius=0.3,stop=true"),
+    ],
     "stop": ["--target", "gate:x=1,y=0.2", "--route", "1.8,0/gate:stop=true"],
 }
 PLAN: dict[str, dict[str, Any]] = {  # what no command line says
@@ -88,7 +92,7 @@ class GoldenRun:
     @property
     def plan(self) -> dict[str, Any]:
         """What happens when, by the names of the fields of a plan."""
-        is_led = self.mission in ("route", "stop") and self.driver == "goal"
+        is_led = self.mission in ("route", "stop", "done") and self.driver == "goal"
         plan = {} if is_led else dict(PLAN.get(self.driver, {}))
         plan |= {} if self.reset == NONE else {"resets": (float(self.reset),)}
         link: dict[str, Any] = {"link_losses": ((0.8, 1.0),), "aborts": (2.2,), "resumes": (2.6,)}
@@ -111,7 +115,7 @@ class GoldenRun:
     @property
     def duration(self) -> float:
         """Simulated seconds: enough for an encounter to come about, and for one after another."""
-        return 7.0 if self.mission == "meet" else 5.0 if self.driver in STAGED else 3.0
+        return 7.0 if self.mission in ("meet", "done") else 5.0 if self.driver in STAGED else 3.0
 
     @property
     def is_read(self) -> bool:

@@ -200,11 +200,15 @@ def cells(node: MetricsNode) -> dict[str, Any]:
     return dict(zip(node.last_row.columns, node.last_row.as_fields(), strict=True))
 
 
-def test_every_field_of_every_message_reaches_its_columns(rig: Rig) -> None:
+@pytest.mark.parametrize("is_late", [False, True])
+def test_every_field_of_every_message_reaches_its_columns(rig: Rig, is_late: bool) -> None:
     """Angles and limits of a scan, the first pose of several, turned IMU, named truth."""
     wide = [-0.2, -0.1, 0.2, -0.1, 0.2, 0.1, -0.2, 0.1]
     extended: dict[str, Any] = {"extended_columns": True, "use_sim_time": True}
-    node = rig.start(**extended, footprint=wide, collision_threshold=1.0, gravity=10.0)
+    given: dict[str, Any] = {"footprint": wide, "collision_threshold": 1.0, "gravity": 10.0}
+    node = rig.start(**extended, **({} if is_late else given))
+    if is_late:  # what is set while it runs counts as what it began with
+        node.set_parameters_atomically([Parameter(name, value=value) for name, value in given.items()])
     scan = rig.scan(0.5, 3.0, stamp=1.0, limits=(0.6, 2.0))
     scan.angle_min, scan.angle_increment = math.pi / 2, 0.1  # the nearest is on the left
     turned = rig.imu((0.0, 9.6, 2.8), (0.0, 3.0, 4.0), stamp=2.0)

@@ -9,10 +9,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import TypeAdapter
+from pydantic import BaseModel, TypeAdapter
 from pydantic.fields import FieldInfo
 
 from harness.base.errors import UsageError
+from harness.cli.options import parse_run
 from harness.sensors.choice import by_default
 from harness.spec.value import Value, made
 from tests.support.programs import PARSERS
@@ -33,6 +34,8 @@ TOGETHER: dict[str, dict[str, Any]] = {  # what stands beside a field that is pr
     "Scenario": {"about": "x", "expect": {"truth.path_length": [{"over": "end", "min": 1}]}},
     "WayPoint": {"at": (1, 2)},
 }
+
+LINES = Path(__file__).with_name("lines.txt")  # of every form of a text that an option takes
 
 
 def taken(take: Callable[[Any], object], probes: tuple[object, ...]) -> str:
@@ -95,3 +98,27 @@ def test_each_field_and_each_option_takes_what_it_took() -> None:
     for program, parser in PARSERS.items():
         lines += [f"{name}: {taken(take, words)}\n" for name, take in actions(parser(), program)]
     check_snapshot("taken.txt", "".join(lines))
+
+
+def said(value: object) -> object:
+    """What a value has that is not by default."""
+    if isinstance(value, tuple):
+        return [said(item) for item in value]
+    if not isinstance(value, BaseModel):
+        return repr(value)
+    fields = ((name, getattr(value, name), field) for name, field in type(value).model_fields.items())
+    return {name: said(own) for name, own, field in fields if own != field.get_default()}
+
+
+def test_a_command_line_is_understood_as_it_was() -> None:
+    lines, plain = list[str](), parse_run([])
+    for line in LINES.read_text().splitlines():
+        options = parse_run(line.split())
+        assert options is not None
+        more = [
+            own
+            for own, usual in zip(vars(options).values(), vars(plain).values(), strict=True)
+            if own != usual
+        ]
+        lines.append("\n".join([line, *(str(said(own)) for own in more)]))
+    check_snapshot("understood.txt", "\n".join(lines) + "\n")
