@@ -32,7 +32,7 @@ from harness.view.states import StateWriter, read_states
 
 GOAL = (1.0, 0.3, 0.5)  # x, y, how near [m]
 LOG = r"(metrics|social)_log_\d+_\d+"
-OF_NOW = rf'; written [^<]*|{LOG}|<section aria-labelledby="facts-.*?</section>'
+OF_NOW = rf'; written [^<]*|{LOG}|<section aria-labelledby="facts-.*?</section>|(?<=policy:)[^<]*/'
 
 
 class Onlookers:
