@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from harness.gym import ENVIRONMENTS
+from harness.gym.custom import StepTruth
 from tests.golden import kept
 from tests.support.snapshots import check_snapshot
 
@@ -29,8 +30,13 @@ CASE: dict[str, Any] = {
 
 def driven(identifier: str) -> str:
     """A line on episodes of actions that are drawn, most of them ahead."""
-    env, rng = gymnasium.make(identifier, **CASE), np.random.default_rng(4)
-    digest, told = hashlib.sha256(), list[str]()
+    digest, told, rng = hashlib.sha256(), list[str](), np.random.default_rng(4)
+
+    def watched(truth: StepTruth) -> bool:
+        digest.update(repr(truth).encode())
+        return False
+
+    env = gymnasium.make(identifier, **CASE, terminate_fn=watched)
     for episode in range(EPISODES):
         seen, about = env.reset(seed=None if episode else 3)
         rewards = list[float]()
