@@ -317,6 +317,7 @@ def test_messages_that_were_shuffled_are_played_in_the_order_of_their_times(
     ("topic", "value", "told"),
     [
         ("/scan", 0.0, "/scan: 45 messages: range of zero or less, taken as a reading; if 0"),
+        ("/scan", 1.0, "/scan: 45 messages: angles of more than a turn"),
         ("/imu/data", 1e-3, "look like g"),
         ("/odometry/wheels", 0.0, "the speeds of /odometry/wheels"),
     ],
@@ -328,7 +329,9 @@ def test_samples_that_count_but_cannot_be_meant_so_are_told(
         message = STORE.deserialize_cdr(data, TYPES[topic])
         if topic == "/imu/data":
             fill(message.linear_acceleration, x=0.0, y=0.0, z=1.0)  # type: ignore[attr-defined]  # as below
-        return cdr(message) if topic == "/imu/data" else recorded(topic, 0, value)
+        elif value:
+            fill(message, angle_increment=3.0)
+        return cdr(message) if value else recorded(topic, 0, value)
 
     messages = [(t, time, changed(data) if t == topic else data) for t, time, data in drive()]
     replay(write_mcap(tmp_path / "bag.mcap", messages))

@@ -9,7 +9,7 @@ from collections import Counter
 from typing import Any
 
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE
+from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.health.rejections import ZERO_OR_LESS
 from rover_metrics.session import Remark
 from rover_metrics.timing import NANOSECONDS
@@ -17,6 +17,7 @@ from rover_metrics.topics import Source, stamp_ns, vector
 
 ABOUT = 0.1  # of 1 g
 NO_GRAVITY = 0.5  # [m/s^2]: less than a third of the Moon's
+MOST_ANGLES = 7.0  # [rad] of a scan, a little more than a turn
 MOST_TURNING = 3.0  # [rad/s] on average, half a turn a second: no rover
 LEAST_WAY, MOST_RATIO = 1.0, 3.0  # [m] of a drive of which two lengths are compared; of these
 LONGEST_STEP = NANOSECONDS  # between two odometries; in longer ones nobody knows what happened
@@ -48,6 +49,8 @@ class Oddities:
             self._odometry, self._latest = topic, stamp
         elif source.topic is POSE:
             self._has_poses = True
+        elif source.topic is SCAN and abs(parsed.angle_increment) * len(parsed.ranges) > MOST_ANGLES:
+            self._counted[topic, "angles of more than a turn, as if in degrees"] += 1
 
     def notes(self, metrics: TraversalMetrics) -> list[str]:
         """Returns what is odd, beside what the metrics made of it."""
