@@ -74,6 +74,8 @@ def make_files(folder: Path) -> dict[str, Path]:
     lines += [f"f {a + 1} {b + 1} {c + 1}\nf {a + 1} {c + 1} {d + 1}" for a, b, c, d in faces]
     (folder / "valley.obj").write_text("\n".join(lines) + "\n")
     (folder / "yard.sdf").write_text(SDF)
+    np.save(folder / "patches.npy", np.tile(np.arange(401) // 205, (401, 1)).astype(np.uint8))
+    (folder / "mixed.yaml").write_text("soils: [dry_sand, firm]\nmap: patches.npy\n")
     (folder / "params.yaml").write_text(PARAMS)
     (folder / "of_one.yaml").write_text(OF_ONE)
     steps = copytree(ROVERS["leo"].folder, folder / "rk4") / "leo.xml"
@@ -83,7 +85,7 @@ def make_files(folder: Path) -> dict[str, Path]:
         (folder / f"{name}.urdf").write_text(foreign.urdf)
         write_folder(name, folder / f"{name}.urdf", folder / name)
     files = {"dem": "hills.npy", "mesh": "valley.obj", "sdf": "yard.sdf", "params": "params.yaml"}
-    files |= {"of_one": "of_one.yaml", "rk4": "rk4"}
+    files |= {"of_one": "of_one.yaml", "rk4": "rk4", "mixed": "mixed.yaml"}
     made = {name: folder / file for name, file in files.items()}
     return (
         made

@@ -178,7 +178,7 @@ def kind(column: str, value: str) -> str:
         "people": {"push": "social"},
         "fleet": {"close": "twin", "onto": "mixed"},
         "mission": dict.fromkeys((*MISSION, "link", "helm"), NONE),  # each in a run of its own
-        "soil": dict.fromkeys(("dry_sand", "dry_sand:keep", "firm", "terrain"), NONE),
+        "soil": dict.fromkeys(("dry_sand", "dry_sand:keep", "firm", "terrain", "{mixed}"), NONE),
         "sensors": {"battery": NONE, "lidar2d+camera+battery": "lidar2d+camera"},
         "motors": dict.fromkeys(("real", "real:sandy_loam", "real:snow"), NONE),
         "reset": {"2.6": "1.3", "1.35": "1.3"},
