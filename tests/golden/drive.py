@@ -179,7 +179,7 @@ def drive_direct(
     """
     options = run_options(run, files, folder, sensor)
     with (
-        _outputs(options, sensor, folder) as (outputs, observers),
+        _outputs(options, sensor, None if sensor else folder) as (outputs, observers),
         pytest.MonkeyPatch.context() as patch,
     ):
         patch.setattr(CameraPainter, "image", lambda *_: None)
