@@ -171,11 +171,11 @@ class Drivetrain:
                 "a second actuator": its.sum() > 1,
                 "a delay": model.actuator_delay[its].any(),  # rover.yaml may have one
             }
-            for what, is_there in holds.items():
+            for hindrance, is_there in holds.items():
                 if is_there:
                     raise UsageError(
-                        f"{self._path}: wheel '{name}' has {what}, against which it does not turn as "
-                        "commanded; take it out"
+                        f"{self._path}: wheel '{name}' has {hindrance}, against which it does not "
+                        "turn as commanded; take it out"
                     )
 
     def _steering_limit(self, stated: Drive) -> float:

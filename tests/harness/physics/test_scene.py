@@ -133,6 +133,17 @@ def test_a_model_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
     assert [before, scene_of(copied).model.opt.gravity[2]] == [-LEO.gravity, -1.5]
 
 
+def test_a_model_made_for_training_is_solved_as_far_as_others(tmp_path: Path) -> None:
+    shutil.copytree(LEO.folder, tmp_path / LEO.name)
+    copied = LEO.but(folder=tmp_path / LEO.name)
+    text = copied.model_path.read_text()
+    copied.model_path.write_text(text.replace("<option ", '<option iterations="1" ls_iterations="3" '))
+    solver = [
+        (m.opt.iterations, m.opt.ls_iterations) for m in (scene_of(copied).model, scene_of().model)
+    ]
+    assert solver[0] == solver[1]
+
+
 def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> None:
     corners = np.array([(x, y, z) for x in (9.0, 10.0) for y in (0.0, 1.0) for z in (0.0, 0.5)])
     roof = np.array([(9.0, 2.0, 3.0), (11.0, 2.0, 3.0), (9.0, 4.0, 3.0), (11.0, 4.0, 4.0)])
