@@ -39,8 +39,8 @@ F = TypeVar("F", bound=Callable[..., object])
 def kernel(signature: str | None = None) -> Callable[[F], F]:
     """Compiles a function for one signature; it releases the GIL, its code is kept in __pycache__.
 
-    Without a signature that is put off until it is called: mostly it is part of another kernel then, and
-    costs no start anything.
+    Without a signature it is compiled when it is first called. A kernel that only others call, which
+    hold its code, is then not loaded at a start.
 
     Numba renews the cache when the kernel's own file changes, and only then: so the name in the cache
     tells what else a kernel is made of, the files of its `inlined` helpers and the numbers it names. No
@@ -124,7 +124,7 @@ def inlined(function: F) -> F:
 
 
 def entry(compiled: Callable[[int], None]) -> int:
-    """Returns the address of a kernel of the signature void(int64), for `run`."""
+    """Returns the address of a kernel void(int64); C calls it as int (result, error, argument)."""
     made: Any = compiled  # a dispatcher, of one signature
     (of,) = made.overloads.values()
     return int(of.library.get_pointer_to_function(of.fndesc.llvm_func_name))

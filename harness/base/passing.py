@@ -65,29 +65,14 @@ def reader(of: np.dtype[np.void]) -> Callable[[int], Any]:
     return inlined(read)
 
 
-@inlined
-def doubles(of: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Returns an array of a record, two-dimensional."""
-    values: NDArray[np.float64] = numba.carray(pointer(of[0]), (of[1], of[2]), np.float64)
-    return values
+def _array_reader(kind: type[np.generic]) -> Callable[[NDArray[np.int64]], NDArray[Any]]:
+    """Returns what gives kernels a two-dimensional array by its three integers in a record."""
+
+    def read(of: NDArray[np.int64]) -> Any:  # noqa: ANN401 - numba has no types
+        return numba.carray(pointer(of[0]), (of[1], of[2]), kind)
+
+    return inlined(read)
 
 
-@inlined
-def singles(of: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Returns an array of float32 of a record, two-dimensional."""
-    values: NDArray[np.float32] = numba.carray(pointer(of[0]), (of[1], of[2]), np.float32)
-    return values
-
-
-@inlined
-def integers(of: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Returns an array of int64 of a record, two-dimensional."""
-    values: NDArray[np.int64] = numba.carray(pointer(of[0]), (of[1], of[2]), np.int64)
-    return values
-
-
-@inlined
-def truths(of: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Returns an array of booleans of a record, two-dimensional."""
-    values: NDArray[np.bool_] = numba.carray(pointer(of[0]), (of[1], of[2]), np.bool_)
-    return values
+doubles, singles = _array_reader(np.float64), _array_reader(np.float32)
+integers, truths = _array_reader(np.int64), _array_reader(np.bool_)

@@ -156,7 +156,7 @@ class Episode:
         self._sensors.read_early(tick, self.pilot.senses)
 
     def errands(self, tick: int) -> list[Errand]:
-        """Returns what of that the thread which simulates ahead can read, at a tick that is to come."""
+        """Returns what the driver looks at, at a later tick, that another thread can read by then."""
         return self._sensors.errands(tick, self.pilot.senses)
 
     def begin_period(self, tick: int) -> None:

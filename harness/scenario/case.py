@@ -51,7 +51,7 @@ class Case:
     @property
     def name(self) -> str:
         """Returns e.g. "kerb[leo-rocky-3]": the scenario, the values of its matrix, the seed."""
-        values = [Path(str(value)).name for _, value in self.cell]
+        values = [_called(value) for _, value in self.cell]
         return f"{scenario_name(self.path)}[{'-'.join([*values, str(self.run.seed)])}]"
 
     @property
@@ -79,7 +79,12 @@ class Case:
 
 def cell_name(cell: Cell) -> str:
     """Returns what the runs of a cell have in common, e.g. "leo, gravel, 0.5"."""
-    return ", ".join(f"no {name}" if value is None else Path(str(value)).name for name, value in cell)
+    return ", ".join(f"no {name}" if value is None else _called(value) for name, value in cell)
+
+
+def _called(value: object) -> str:
+    """What a value of a matrix is called: a path by its last part."""
+    return Path(str(value)).name
 
 
 def scenario_name(path: Path) -> str:
@@ -101,7 +106,7 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     lists = {name: values for name, values in scenario.matrix if values}
     _check_number(len(seeds or scenario.all_seeds) * math.prod(map(len, lists.values())), f"{path}: ")
     for name, values in lists.items():
-        called = [Path(str(value)).name for value in values]
+        called = [_called(value) for value in values]
         if twice := [one for one in called if called.count(one) > 1]:
             raise UsageError(
                 f"{path}: {name}: two are called '{twice[0]}', and so is their evidence; rename one"

@@ -61,7 +61,7 @@ class Sensor:
 
     @property
     def errand(self) -> "Errand | None":
-        """What of a reading the thread that simulates ahead can do; None for nothing."""
+        """The part of a reading that the thread which simulates ahead can do; None for none."""
         return None
 
     def read(self) -> Sample:

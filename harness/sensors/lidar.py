@@ -57,7 +57,7 @@ class Lidar:
         return self.coded(self._fan.cast(data, pose))
 
     def coded(self, distances: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Returns distances that are cast [m] as `scan` does; they become so, too."""
+        """Returns distances [m] as ranges of a scan: -inf below range_min; the argument changes, too."""
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
 

@@ -87,7 +87,7 @@ class SensorSuite:
                 self._early[sensor] = self._read(sensor)
 
     def errands(self, index: int, kinds: Collection[type[Sample]]) -> list[Errand]:
-        """Returns what of that another thread can do, at the end of a control period that is to come."""
+        """Returns the readings of some kinds, due at a later tick, that another thread can make."""
         due = self._due[index % HIGHEST_RATE]
         return [s.errand for s in due if s.errand is not None and self._kinds[s] in kinds]
 
