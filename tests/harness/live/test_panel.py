@@ -104,13 +104,16 @@ class Session:
         """Acts, and lets periods pass until a rover has been ordered something: the chosen one."""
         before = len(self.helm.given)
         act()
-        yield from self.until(lambda: self.helm.step() or len(self.helm.given) > before)  # type: ignore[func-returns-value] # none
+        yield from self.until(lambda: len(self.helm.given) > before, self.helm.step)
         assert {each.number for each in self.helm.given[before:]} == {number}
 
-    def until(self, condition: Callable[[], bool]) -> Iterator[None]:
+    def until(
+        self, condition: Callable[[], bool], meanwhile: Callable[[], object] = bool
+    ) -> Iterator[None]:
         deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline
+            meanwhile()
             yield
 
     @property
