@@ -104,17 +104,9 @@ class Episode:
         self._goals, self._goal_poses = list[Place](), list[GoalPose]()  # that come with this batch
         self.pilot = Pilot(run, number, self.simulation, lidar_spec, self.reset)
 
-    def hand_over(self, driver: str) -> None:
-        """Lets the driver of that name drive from now on, anew; "" for the run's own."""
-        self.pilot.hand_over(driver)
-
     def command(self, twist: Twist, *, held: bool = False) -> None:
         """Hands a command to the cmd_vel driver, as `Pilot.command`."""
         self.pilot.command(twist, held=held)
-
-    def head_for(self, place: Place) -> None:
-        """Gives a driver that takes goals its next one; other drivers choose their own."""
-        self.pilot.head_for(place)
 
     def reset(self, place: Place | None = None) -> None:
         """Puts the rover back to its start, or elsewhere, between two batches; time and duration go on.

@@ -41,40 +41,17 @@ class Order(NamedTuple):
     goal: Place | None = None
 
     def then(self, later: "Order") -> "Order":
-        """Returns both orders as one; a reset leaves nothing of what was ordered before."""
+        """Returns both orders as one; a reset leaves nothing of what was ordered before.
+
+        Nor does a hand-over leave a command or a goal, since they were the former driver's.
+        """
         if later.reset:
             return later
+        if later.driver is not None:
+            return later._replace(reset=self.reset, place=self.place)
         changes = {name: v for name, v in later._asdict().items() if v not in (None, False)}
         held = self.held if later.command is None else later.held
         return self._replace(**changes | {"held": held})
-
-
-class Steered(Protocol):
-    """A rover that takes orders."""
-
-    def hand_over(self, driver: str, /) -> None:
-        """Lets another driver drive from now on; "" for that of the run."""
-
-    def command(self, twist: Twist, /, *, held: bool = False) -> None:
-        """Takes a command; one that is held knows no time-out but one that is asked for."""
-
-    def head_for(self, goal: Place, /) -> None:
-        """Takes a goal."""
-
-    def reset(self, place: Place | None = None, /) -> None:
-        """Goes back to its start, or to a place."""
-
-
-def follow(rover: Steered, order: Order) -> None:
-    """Has a rover follow an order, between two control periods."""
-    if order.reset:
-        rover.reset(order.place)
-    if order.driver is not None:
-        rover.hand_over(order.driver)
-    if order.command is not None:
-        rover.command(order.command, held=order.held)
-    if order.goal is not None:
-        rover.head_for(order.goal)
 
 
 class Metered(Protocol):
@@ -213,7 +190,10 @@ class Helm(Pacer):
         """Returns a note on a run that was steered; "" if it was not."""
         if not (self.given or self._judged):
             return ""
-        repeats = len(run.rovers) == 1 and not self._judged and not self.is_shared()
+        is_sent = any(each.order.goal is not None for each in self.given)
+        is_refused = is_sent and (run.rover.goal_area or run.plan.route) is not None
+        unplanned = self._judged or self.is_shared() or is_refused
+        repeats = len(run.rovers) == 1 and not unplanned
         return f", steered by hand: its arguments {'repeat' if repeats else 'do not repeat'} it"
 
     def _hold(self) -> None:

@@ -1,6 +1,7 @@
 """Who commands a rover of an episode: its driver, what is planned, goals, the link, faults of motors."""
 
 import math
+from bisect import insort
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,6 +16,7 @@ from harness.drivers.policy import PolicyDriver
 from harness.drivers.route_course import RouteCourse
 from harness.drivers.scripted import CmdVel
 from harness.episode.assembly import actuator_faults, follows_route, route_progress
+from harness.episode.helm import Order
 from harness.episode.sensing import generators
 from harness.physics.base_controller import base_controller
 from harness.physics.scene import HAZARD_CONTACT
@@ -27,6 +29,9 @@ from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World
 
 Latest = Mapping[type[Sample], Sample]
+Due = tuple[float, int, Callable[[], None]]  # when [s], its kind, what is done
+RESET, LINK, ABORT, RESUME, DRIVER, COMMAND, GOAL = range(7)  # of one time in this order
+IN_TIME = itemgetter(0, 1)
 
 
 class Pilot:
@@ -37,7 +42,7 @@ class Pilot:
         number: The rover's place in the run.
         simulation: The rover in its world.
         lidar: Whose scans the driver looks at.
-        reset: Puts the rover back to its start, where that is planned.
+        reset: Puts the rover back to its start, or to a place, where that is planned or ordered.
 
     Attributes:
         senses: The samples that the driver looks at.
@@ -49,7 +54,7 @@ class Pilot:
         number: int,
         simulation: Simulation,
         lidar: LidarSpec,
-        reset: Callable[[], None],
+        reset: Callable[[Place | None], None],
     ) -> None:
         self._run, self._number, self._simulation = run, number, simulation
         self._setup, rover = run.rovers[number], simulation.scene.rover
@@ -60,24 +65,42 @@ class Pilot:
         self._is_linked, self._is_aborted = True, False
         # For the next control period: the driver's goals, and those that are published.
         self._goals, self._goal_poses = list[Place](), list[GoalPose]()
-        self._planned = self._plan(reset)
+        self._reset = reset
+        self._planned = self._plan()
         self.begin()
 
-    def _plan(self, reset: Callable[[], None]) -> deque[tuple[float, Callable[[], None]]]:
+    def _plan(self) -> deque[Due]:
         """What is planned, and when [s]; at the same time in this order."""
-        plan = self._run.plan
-        planned: list[tuple[float, Callable[[], None]]] = [(t, reset) for t in plan.resets]
+        plan, reset, link = self._run.plan, self._reset, self._link
+        planned: list[Due] = [(t, RESET, partial(reset, None)) for t in plan.resets]
         for start, length in plan.link_losses:
             planned += [
-                (start, partial(self._link, up=False)),
-                (start + length, partial(self._link, up=True)),
+                (start, LINK, partial(link, up=False)),
+                (start + length, LINK, partial(link, up=True)),
             ]
-        planned += [(t, self._abort) for t in plan.aborts]
-        planned += [(t, self._resume) for t in plan.resumes]
-        planned += [(t, partial(self.hand_over, driver)) for t, driver in plan.drivers]
-        planned += [(t, partial(self.command, Twist(*twist), held=True)) for t, *twist in plan.commands]
-        planned += [(t, partial(self.head_for, Place(*place))) for t, *place in plan.goals]
-        return deque(sorted(planned, key=itemgetter(0)))
+        planned += [(t, ABORT, self._abort) for t in plan.aborts]
+        planned += [(t, RESUME, self._resume) for t in plan.resumes]
+        planned += [(t, DRIVER, partial(self.hand_over, driver)) for t, driver in plan.drivers]
+        planned += [
+            (t, COMMAND, partial(self.command, Twist(*twist), held=True)) for t, *twist in plan.commands
+        ]
+        planned += [(t, GOAL, partial(self.head_for, Place(*place))) for t, *place in plan.goals]
+        return deque(sorted(planned, key=IN_TIME))
+
+    def follow(self, order: Order) -> None:
+        """Takes an order for the control period that begins now, as if planned last of its kind."""
+        now = self._simulation.time_ns / NANOSECONDS
+        acts: list[tuple[int, Callable[[], None]]] = []
+        if order.reset:
+            acts.append((RESET, partial(self._reset, order.place)))
+        if order.driver is not None:
+            acts.append((DRIVER, partial(self.hand_over, order.driver)))
+        if order.command is not None:
+            acts.append((COMMAND, partial(self.command, order.command, held=order.held)))
+        if order.goal is not None:
+            acts.append((GOAL, partial(self.head_for, order.goal)))
+        for kind, act in acts:
+            insort(self._planned, (now, kind, act), key=IN_TIME)
 
     def begin(self) -> None:
         """Has a driver that has done nothing yet, at a rover that stands."""
@@ -136,7 +159,7 @@ class Pilot:
             latest: The last sample of each kind.
         """
         while self.has_plans(tick):
-            _, act = self._planned.popleft()
+            *_, act = self._planned.popleft()
             act()
         if self._course is not None:
             simulation, (x, y, _) = self._simulation, self._simulation.position

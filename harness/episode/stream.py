@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from harness.base.edge import loading
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
-from harness.episode.helm import Order, follow
+from harness.episode.helm import Order
 from harness.episode.together import together
 from harness.samples import Place, Twist
 from harness.spec.ros import FrameOptions
@@ -126,7 +126,7 @@ class EpisodeStream:
         orders = [
             (episode, rover.take()) for episode, rover in zip(self._episodes, self.rovers, strict=True)
         ]
-        given = [partial(follow, episode, order) for episode, order in orders if order is not None]
+        given = [partial(episode.pilot.follow, order) for episode, order in orders if order is not None]
 
         def act() -> None:
             for each in given:

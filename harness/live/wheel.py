@@ -62,6 +62,8 @@ class Wheel:
     def give_back(self) -> None:
         """Lets the run's own driver drive."""
         with self._lock:
+            if self._turned != STANDING:  # it may be the run's own that holds the last command
+                self._driver = None
             self._hand_over("", Order())
 
     def reset(self) -> None:

@@ -49,7 +49,7 @@ def test_it_reaches_goals_among_obstacles_by_its_lidar(robot: str) -> None:
         )
     )
     goals, reached = [Place(3.0, 1.0, 1.5), Place(0.5, 2.5, -2.0)], 0
-    episode.head_for(goals[0])
+    episode.pilot.head_for(goals[0])
     for _ in episode.batches():
         (x, y, _), goal = episode.simulation.position, goals[reached]
         turn = math.remainder(goal.yaw - episode.simulation.yaw, math.tau)
@@ -57,6 +57,6 @@ def test_it_reaches_goals_among_obstacles_by_its_lidar(robot: str) -> None:
             reached += 1
             if reached == len(goals):
                 break
-            episode.head_for(goals[reached])
+            episode.pilot.head_for(goals[reached])
     assert reached == len(goals)
     assert episode.simulation.time_ns < 50e9

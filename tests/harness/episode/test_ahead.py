@@ -105,7 +105,7 @@ def test_a_rover_whose_model_asks_for_rk4_is_not_stepped_by_halves(tmp_path: Pat
     [
         Episode.reset,
         lambda episode: episode.reset(Place(1.0, 1.0, 0.5)),
-        partial(Episode.hand_over, driver="spin"),
+        lambda episode: episode.pilot.hand_over("spin"),
     ],
 )
 def test_what_is_ordered_between_two_periods_comes_into_effect_there(
