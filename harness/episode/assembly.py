@@ -5,7 +5,7 @@ kernels.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -38,6 +38,7 @@ from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 from rover_metrics.topics import ENERGY
 
+Written = tuple[int, ...]  # when files were last written [ns]
 SAME_GRAVITY = 0.1  # [m/s^2] of models for one world: Earth's is 9.78 to 9.83
 
 
@@ -81,11 +82,12 @@ def world_of(run: Run) -> World:
     world = _terrain_world(run)
     if run.world.soil:
         spec = run.world
-        written = tuple(map(modified_ns, soil_files(spec.soil)))
+        written = _written(soil_files(spec.soil))
         world = _of_soil(world, spec.soil, spec.terrain, spec.keep_ruts, written)
     targets = run.world.targets
     if targets:
-        world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
+        written = _written(name for target in targets for name in target.files)
+        world = _marked(world, run.rover.start, targets, Datum(*run.world.datum), written)
     return _peopled(world, run.rover.start, people(run.world))
 
 
@@ -101,7 +103,6 @@ def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
     )
 
 
-@lru_cache(maxsize=1)
 def graded_world(run: Run, number: int = 0) -> GradedMap:
     """Returns the world of a run, graded for one of its rovers."""
     from harness.robots.model import tip_limit  # noqa: PLC0415 - loads MuJoCo
@@ -109,7 +110,7 @@ def graded_world(run: Run, number: int = 0) -> GradedMap:
     rover = find_rover(run.rovers[number].robot)
     span = max(rover.length, rover.width)
     limits = Limits(rover.slope_limit, rover.step_limit, tip_limit(rover), span)
-    return graded(world_of(run), limits)
+    return _graded(world_of(run), limits)
 
 
 def follows_route(driver: str) -> bool:
@@ -229,18 +230,25 @@ def _taken(
     ]
 
 
+def _written(files: Iterable[Path | str]) -> Written:
+    """When files were last written, by which what was made of them is told from what it would be now."""
+    return tuple(modified_ns(Path(file)) for file in files)
+
+
+_graded = lru_cache(maxsize=1)(graded)
 _named_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to four times
 
 
 @lru_cache(maxsize=2)
-def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int, _modified_ns: int) -> World:
-    return file_world(spec, rover, seed)
+def _file_world(
+    spec: WorldSpec, rover: RoverNeeds, seed: int, _written_then: Written
+) -> tuple[World, Written]:
+    world = file_world(spec, rover, seed)
+    return world, _written(file for file, _ in world.files)
 
 
 @lru_cache(maxsize=2)
-def _of_soil(
-    world: World, soil: str, terrain: str, keeps_ruts: bool, _modified_ns: tuple[int, ...]
-) -> World:
+def _of_soil(world: World, soil: str, terrain: str, keeps_ruts: bool, _written_then: Written) -> World:
     soils = soils_on(soil, world.ground, terrain)
     return replace(world, soil=replace(soils, keeps_ruts=keeps_ruts))
 
@@ -252,7 +260,13 @@ def _peopled(world: World, start: Start | None, who: tuple[Pedestrian, ...]) -> 
 
 
 @lru_cache(maxsize=2)
-def _marked(world: World, start: Start | None, targets: tuple[TargetSpec, ...], datum: Datum) -> World:
+def _marked(
+    world: World,
+    start: Start | None,
+    targets: tuple[TargetSpec, ...],
+    datum: Datum,
+    _written_then: Written,
+) -> World:
     world = world if start is None else starting_at(world, start)
     return with_targets(world, targets, datum)
 
@@ -263,7 +277,12 @@ def _terrain_world(run: Run) -> World:
     rover = find_rover(run.rover.robot)
     sizes = rover.clearance, rover.step_limit, rover.wheel_radius
     needs = RoverNeeds(*sizes, needs_start=run.rover.start is None)
-    return _file_world(run.world, needs, run.seed, modified_ns(Path(run.world.terrain)))
+    asked = run.world, needs, run.seed, _written([run.world.terrain])
+    world, written = _file_world(*asked)
+    if written != _written(file for file, _ in world.files):  # what an SDF file names has changed
+        _file_world.cache_clear()
+        world, _ = _file_world(*asked)
+    return world
 
 
 def _check_rover(rover: RoverSetup) -> None:
