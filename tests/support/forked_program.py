@@ -4,7 +4,9 @@ They share nothing with the tests' process, so they do what programs of `python 
 tests/e2e/test_two_processes.py starts, lets drive and stops with Ctrl-C.
 """
 
+import fcntl
 import importlib
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -114,6 +116,12 @@ def _begin(
     ready: Connection,
 ) -> None:
     os.setsid()
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    # Else it would outlive tests that are killed, and publish in a domain that is free again.
+    fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(parent.sentinel, fcntl.F_SETSIG, signal.SIGKILL)
+    fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, os.O_ASYNC)
     output = os.open(said, os.O_RDWR | os.O_CREAT | os.O_TRUNC)  # a terminal is now this session's
     for number in (1, 2):
         os.dup2(output, number)
