@@ -29,6 +29,7 @@ except ImportError:
 
 QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 SPIN_TIMEOUT = 0.1  # [s]: how long one spin may block; a stop request is answered between two
+LONGEST_SPIN = 1.0  # [s] of patience that one may take: who was stopped longer has yet to look what came
 
 
 @contextmanager
@@ -78,11 +79,13 @@ def spin_until(executor: Executor, condition: Callable[[], bool], patience: floa
         condition: What is waited for.
         patience: How long at most [s].
     """
-    deadline = time.monotonic() + patience
+    since = time.monotonic()
     while not condition():
-        if time.monotonic() > deadline:
+        if patience < 0.0:
             return False
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        before, since = since, time.monotonic()
+        patience -= min(since - before, LONGEST_SPIN)
     return True
 
 
