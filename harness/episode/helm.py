@@ -201,18 +201,18 @@ class Helm(Pacer):
             self._steps = 0
             return
         began = time.monotonic()
-        while self.paused and not self._steps and self._stop.signal is None:
+        while self.paused and not self.take_step() and self._stop.signal is None:
             self.idle()
         held = time.monotonic() - began
-        self._steps = max(0, self._steps - 1)
         self.held_s += held
         self.postpone(held)
 
     def _hand_on(self, rovers: Sequence[Callable[[Order], object]], at_ns: int | None) -> None:
         self._judged |= bool(self._thresholds)
-        while self._thresholds:
-            number, thresholds = self._thresholds.popitem()
+        for number, thresholds in self._thresholds.copy().items():
             self.metered[number].use(thresholds)
+            if self._thresholds[number] is thresholds:  # else somebody has moved one more meanwhile
+                del self._thresholds[number]
         merged: dict[int, Order] = {}
         while self._orders:
             number, order = self._orders.popleft()
