@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 PATIENCE = 5.0  # [s] for services to be found, and for an answer
-LOOK = 1.0  # [s] for finding out which there are
+LOOK = 1.0  # [s] in which no other service was found: then all were
 TYPES = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty", "std_srvs/srv/SetBool")
 SET_BOOL = TYPES[-1]
 SET = "set"
@@ -96,19 +96,19 @@ def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> in
 
 def _find(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, str]:
     """The services that can be called, by name; waits for the wanted one, or for any."""
-    from harness.ros.context import spin_until
+    from harness.ros.context import spin_until, spin_until_quiet
 
     services: dict[str, str] = {}
 
     def look() -> bool:
         known = node.get_service_names_and_types()
         services.update((name, kinds[0]) for name, kinds in known if kinds[0] in TYPES)
-        return wanted in services
+        return wanted in services if wanted else bool(services)
 
-    # For a list nothing is wanted: others may answer later than the first.
-    spin_until(executor, look, LOOK if wanted is None else PATIENCE)
-    if wanted is None and not services:
-        spin_until(executor, lambda: look() or bool(services), PATIENCE)
+    if (
+        spin_until(executor, look, PATIENCE) and wanted is None
+    ):  # others may be found later than the first
+        spin_until_quiet(executor, lambda: look() and len(services), LOOK, PATIENCE)
     return services
 
 

@@ -57,7 +57,6 @@ def _services(ros_domain: int) -> Iterator[None]:
 def test_services_are_listed_and_called(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(call, "LOOK", 0.0)
     kinds = {"/ask": "Trigger", "/clear": "Empty", "/switch": "SetBool"}
     listed = "".join(f"{name}  std_srvs/srv/{kind}\n" for name, kind in kinds.items())
     for words, code, out, err in (
@@ -100,7 +99,6 @@ def test_a_parameter_is_set_as_the_type_that_it_has(capfd: pytest.CaptureFixture
 def test_where_nothing_runs_it_says_so(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(call, "LOOK", 0.0)
     monkeypatch.setattr(call, "PATIENCE", 0.0)
     assert call.main([]) == 1
     assert capfd.readouterr().err.startswith("harness.call: no services: does anything run with")
