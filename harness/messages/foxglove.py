@@ -5,6 +5,7 @@ one that is slower, the SDK drops what is oldest beyond its queue.
 """
 
 import socket
+import time
 from contextlib import AbstractContextManager
 
 import foxglove
@@ -17,6 +18,7 @@ from harness.messages.recorder import full_definition
 from harness.messages.sink import Endpoint, Intake
 from harness.spec.ros import foxglove_address
 
+GOODBYE = 0.5  # [s] for the SDK to send what it has: it forgets that as it stops
 BACKLOG = 32_768  # messages that a client may be behind: a minute of the usual topics at --rate 1
 
 
@@ -37,9 +39,11 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
         self._context = foxglove.Context()
         self._server: WebSocketServer | None = None
         self._latched: dict[int, tuple[foxglove.Channel, int, bytes]] = {}  # the last message of each
+        self._is_heard = False
 
     def __exit__(self, *_: object) -> None:
         if self._server is not None:
+            time.sleep(GOODBYE * self._is_heard)
             self._server.stop()
 
     def _serve(self) -> WebSocketServer:
@@ -80,6 +84,7 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Sends a late subscriber the last message of a latched topic, on a thread of the server."""
+        self._is_heard = True
         if channel.id in self._latched:
             sender, time_ns, data = self._latched[channel.id]
             sender.log(data, log_time=time_ns, sink_id=client.id)
