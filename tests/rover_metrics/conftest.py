@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 if TYPE_CHECKING:
     from rover_metrics.extended.settings import Settings
     from rover_metrics.metrics_node import MetricsNode
 
-TIMEOUT = 20.0  # seconds; reached only when a test fails
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
 
 TRIANGLE = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]
@@ -88,7 +89,7 @@ class Rig:
         return publisher
 
     def spin_until(self, condition: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + TIMEOUT
+        deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline, "timed out"
             self.executor.spin_once(timeout_sec=0.02)

@@ -15,11 +15,10 @@ import rover_metrics
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.log.session_record import SessionEnd, session_end, session_thresholds
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
-TIMEOUT = 30.0  # seconds; reached only when a test fails
 UNMARKED = "the session has no end mark: it was killed, or is still running"
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
 COMMAND = [sys.executable, "-m", "rover_metrics.metrics_node"]
@@ -56,7 +55,7 @@ def test_a_signal_ends_the_program_cleanly_and_marks_the_end(tmp_path: Path) -> 
     with running(tmp_path) as (program, log):
         assert session_end(log) is SessionEnd.UNMARKED
         program.send_signal(signal.SIGTERM)
-        _, rest = program.communicate(timeout=TIMEOUT)
+        _, rest = program.communicate(timeout=PATIENCE)
     assert program.returncode == 0
     assert rest == ""
     assert log.read_bytes().endswith(b",Normal operation\r\n")
@@ -69,7 +68,7 @@ def test_a_signal_ends_the_program_cleanly_and_marks_the_end(tmp_path: Path) -> 
 def test_a_killed_program_leaves_its_rows_and_no_end_mark(tmp_path: Path) -> None:
     with running(tmp_path) as (program, log):
         program.kill()
-        program.communicate(timeout=TIMEOUT)
+        program.communicate(timeout=PATIENCE)
     assert len(read_log(log)) >= 1
     assert UNMARKED in read_log(log).findings
 
@@ -138,7 +137,7 @@ def finished(
         env=environment,
         capture_output=True,
         text=True,
-        timeout=TIMEOUT,
+        timeout=PATIENCE,
         check=False,
     )
 

@@ -17,11 +17,10 @@ from rover_metrics.log.session_record import SessionEnd, session_end
 from tests.rover_metrics.test_replay import drive, write_mcap
 from tests.support.dependencies import depended_on, hide_all_but, told_to_install
 from tests.support.once import made_once
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 COLCON = shutil.which("colcon", path=str(Path(sys.executable).parent))  # the node runs in its Python
-TIMEOUT = 60.0  # [s]; reached only when a test fails
 NOT_SOURCED = ("PYTHONPATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 
 pytestmark = pytest.mark.skipif(COLCON is None, reason="needs colcon: pip install .[dev]")
@@ -127,7 +126,7 @@ def test_the_node_takes_parameters_logs_and_ends_cleanly(workspace: Path, tmp_pa
     with running(workspace, tmp_path, *words) as node:
         wait_until(lambda: rows() >= 1 or node.poll() is not None)
         node.send_signal(signal.SIGINT)
-        _, errors = node.communicate(timeout=TIMEOUT)
+        _, errors = node.communicate(timeout=PATIENCE)
     assert node.returncode == 0, errors
     assert "[rover1.metrics_node]: logging to: " in errors
     (log,) = (tmp_path / "logs").glob("metrics_log_*.csv")

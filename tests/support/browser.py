@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, ViewportSize
 
@@ -32,6 +34,7 @@ class Visit:
         self.context = browser.new_context(
             viewport=PHONE if phone else DESKTOP, is_mobile=phone, has_touch=phone, color_scheme="light"
         )
+        self.context.set_default_timeout(1000 * PATIENCE)
         self.page = self.context.new_page()
         self.said: list[str] = []
         self.asked_for: list[str] = []
@@ -50,7 +53,7 @@ class Visit:
 
 def wait_for(page: "Page", condition: str, act: Callable[[], None] = lambda: None) -> None:
     """Acts and looks each frame whether a condition holds; pages forbid Playwright's own way."""
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + PATIENCE
     while not page.evaluate(condition):
         assert time.monotonic() < deadline, f"did not come true: {condition}"
         act()

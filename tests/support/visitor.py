@@ -42,11 +42,11 @@ class Visitor(AbstractContextManager["Visitor"]):
     @property
     def texts(self) -> str:
         """What stands on the page as text."""
-        return "\n".join(part["_markdown"] for part in self._parts.values() if "_markdown" in part)
+        return "\n".join(part["_markdown"] for part in [*self._parts.values()] if "_markdown" in part)
 
     def charts(self) -> dict[str, list[NDArray[np.float64]]]:
         """What each chart draws: times and values."""
-        return {part["title"]: part["data"] for part in self._parts.values() if "data" in part}
+        return {part["title"]: part["data"] for part in [*self._parts.values()] if "data" in part}
 
     def press(self, label: str) -> None:
         self._send("GuiUpdate", uuid=self._called(label), updates={"value": True})

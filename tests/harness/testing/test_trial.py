@@ -25,6 +25,7 @@ from harness.sensors.camera import painter
 from harness.spec.run import Run
 from harness.testing import Trial
 from tests.support.forking import ForkServer
+from tests.support.waiting import PATIENCE
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -302,7 +303,13 @@ def test_worked_example_passes_as_a_user_runs_it(tmp_path: Path) -> None:
     command += ["--rover-artifacts", str(tmp_path / "kept")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
-        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=120
+        command,
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
     )
     assert done.returncode == 1, done.stdout
     assert "1 failed, 5 passed" in done.stdout
