@@ -1,4 +1,4 @@
-"""A run that is steered: nothing changes where nobody does, and what was ordered can be driven again."""
+"""A run that is steered: nothing changes where nobody does; pauses, paces and thresholds hold."""
 
 import signal
 import time
@@ -44,26 +44,6 @@ def driven(
     return result.log_path.read_bytes(), result
 
 
-def orders(helm: Helm) -> At:
-    """Takes the wheel, turns, sends the rover to a goal, puts it back and lets it go on by itself."""
-
-    def giving(*orders: Order) -> Callable[[], None]:
-        def give() -> None:
-            for order in orders:
-                helm.order(0, order)
-
-        return give
-
-    return At(
-        t1=giving(BY_HAND),
-        t1_5=giving(Order(command=Twist(-0.2, 0.0), held=True)),
-        t2=giving(Order(driver="goal", goal=Place(2.0, 1.0, 0.0))),
-        t3_5=giving(BY_HAND, Order(reset=True)),
-        t4=giving(BY_HAND, Order(command=Twist(0.1, 0.0), held=True)),
-        t5=giving(Order(driver="")),
-    )
-
-
 def test_a_run_that_nobody_steers_is_the_same_to_the_byte(tmp_path: Path) -> None:
     helm = Helm(None, StopRequest())
     watched, result = driven(tmp_path / "a", RUN, helm)
@@ -71,28 +51,6 @@ def test_a_run_that_nobody_steers_is_the_same_to_the_byte(tmp_path: Path) -> Non
     assert watched == alone
     assert (helm.driven(RUN), helm.note(RUN)) == (RUN, "")
     assert result.paused_s == 0.0
-
-
-@pytest.mark.parametrize(
-    "rover", [{}, {"actuators": "real"}, {"driver": "cmd_vel", "cmd_vel_timeout": 0.5}]
-)
-def test_what_was_ordered_is_the_plan_of_a_run_with_the_same_bytes(
-    rover: dict[str, object], tmp_path: Path
-) -> None:
-    plan = RUN.plan.but(
-        commands=((0.3, 0.3, 0.0), (4.6, 0.2, 0.3)),
-        goals=((2.4, 1.0, 1.0, 0.0),),
-        resets=(2.6,),
-        drivers=((2.3, "goal"), (4.5, "cmd_vel")),
-    )
-    helm, run = Helm(None, StopRequest()), RUN.but(rovers=(RUN.rover.but(**rover),), plan=plan)
-    steered, _ = driven(tmp_path / "a", run, helm, orders(helm))
-    again, _ = driven(tmp_path / "b", helm.driven(run), None)
-    alone, _ = driven(tmp_path / "c", run, None)
-    assert steered == again != alone
-    (both,) = (given.order for given in helm.given if given.at_ns == 4_000_000_000)
-    assert both == BY_HAND._replace(command=Twist(0.1, 0.0))
-    assert "repeat it" in helm.note(run)
 
 
 def test_whether_a_command_is_held_is_said_by_the_last_one_alone() -> None:

@@ -39,18 +39,28 @@ def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
         assert envs.metadata == {**plain.metadata, "autoreset_mode": mode}
     every, endings = [plain, *ours], set()
     assert_all_alike([envs.reset(seed=np.int64(5) if envs in ours else 5) for envs in every])
-    for n, actions in enumerate(np.random.default_rng(0).uniform(-1.0, 1.0, (16, count, 2))):
+    rng = np.random.default_rng(list(AutoresetMode).index(mode))
+    wanted: tuple[dict[str, Any], ...] = (
+        {},
+        {"goal": (1.0, 2.0)},
+        {"start": (0.5, 0.0, 1.0)},
+        {"world_seed": 3},
+        {"soil": "dry_sand"},
+    )
+    for n, actions in enumerate(rng.uniform(-1.0, 1.0, (16, count, 2))):
         stepped, *_ = steps = [envs.step(actions.astype("f4")) for envs in every]
         assert_all_alike(steps)
         endings |= set(zip(stepped[2].tolist(), stepped[3].tolist(), strict=True))
         if mode is AutoresetMode.DISABLED and (mask := stepped[2] | stepped[3]).any():
             assert_all_alike([envs.reset(options={"reset_mask": mask.copy()}) for envs in every])
-        if n % 7 == 3:
-            mask = np.arange(count) % 2 == 0
-            seeds = [n, *[None] * (count - 1)]
-            assert_all_alike(
-                [envs.reset(seed=seeds, options={"reset_mask": mask.copy()}) for envs in every]
-            )
+        if n % 4 == 3:
+            mask = rng.permutation(np.arange(count) % 2 == 0)
+            seeds = [n if rng.integers(2) else None for _ in range(count)]
+            options = wanted[rng.integers(len(wanted))]
+            begun = [
+                envs.reset(seed=seeds, options={"reset_mask": mask.copy(), **options}) for envs in every
+            ]
+            assert_all_alike(begun)
         if n % 5 == 4:  # also where one has just ended
             assert_all_alike([envs.reset(seed=n if n > 9 else None) for envs in every])
     assert len(endings) == 3 or count == 1

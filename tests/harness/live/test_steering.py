@@ -211,4 +211,5 @@ def test_what_is_drawn_on_a_page_and_in_a_plan_is_the_plan_of_a_run_with_the_sam
     helm, run = Helm(None, StopRequest()), run.but(plan=plan)
     steered = driven(tmp_path / "a", run, helm, {0: Hand(helm, run, 0, rng)})
     assert len(helm.given) > 5
+    assert "not" not in helm.note(run)
     assert driven(tmp_path / "b", helm.driven(run), None) == steered
