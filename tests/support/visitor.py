@@ -48,6 +48,10 @@ class Visitor(AbstractContextManager["Visitor"]):
         """What each chart draws: times and values."""
         return {part["title"]: part["data"] for part in [*self._parts.values()] if "data" in part}
 
+    def value(self, label: str) -> Any:  # noqa: ANN401 - whatever it holds
+        """What a control shows."""
+        return self._parts[self._called(label)]["value"]
+
     def press(self, label: str) -> None:
         self._send("GuiUpdate", uuid=self._called(label), updates={"value": True})
 
