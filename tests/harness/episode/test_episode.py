@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
@@ -100,10 +101,23 @@ def test_people_begin_anew_with_a_reset_and_walk_on_when_the_rover_is_put_elsewh
     assert told(None) == [(tick, (tick - 50 if tick > 50 else tick) / 100) for tick, _ in walked]
 
 
-@pytest.mark.parametrize(("robot", "driver"), [("leo", "wander"), ("rover_zero4wd", "swing")])
-def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str, driver: str) -> None:
+@pytest.mark.parametrize(
+    "own",
+    [
+        {"robot": "leo", "driver": "wander", "actors": ["random"]},
+        {"robot": "rover_zero4wd", "driver": "swing"},
+        {"robot": "leo", "driver": "figure8", "soil": "dry_sand"},
+        {
+            "robot": "husky",
+            "driver": "dwa",
+            "actuators": "real",
+            "faults": ["cmd_vel:dropout=0.5", "cmd_vel:latency=0.2", "motor.left:weak=0.5"],
+        },
+    ],
+)
+def test_after_a_reset_the_rover_drives_as_it_did_at_first(own: dict[str, Any]) -> None:
     count = 67  # of periods of 50 ms: after 3 s a driver may take itself for stuck
-    run = config(robot=robot, terrain="rocky", driver=driver, duration=0.1 * count, seed=3)
+    run = config(terrain="rocky", duration=0.1 * count, seed=3, **own)
     episode, batches = Episode(run), []
     for batch in episode.batches():
         batches.append(batch)
