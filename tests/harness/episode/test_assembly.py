@@ -214,3 +214,8 @@ def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
             assert not any(s.hazard_contact for s in samples if isinstance(s, TruthState))
             people = [s for s in samples if isinstance(s, ActorPoses)]
             assert all(s.position[0][1] == pytest.approx(s.stamp_ns / 1e9, abs=0.02) for s in people)
+
+
+def test_a_free_place_of_a_target_lies_near_the_start_that_is_given() -> None:
+    (target,) = world_of(FLAT.alone(start=(9.0, -9.0, 0.0), targets=["post:within=4"])).targets
+    assert math.dist(target.position[:2], (9.0, -9.0)) <= 4.0

@@ -58,7 +58,7 @@ def test_who_knows_the_token_gets_a_cookie_and_with_it_the_page(behind: int) -> 
         assert asked(gate.port, Cookie="other=1; rover_live=")[0] == 403
         status, cookie, _ = asked(gate.port, f"/?token={TOKEN}")
         assert (status, "HttpOnly" in cookie, "SameSite=Strict" in cookie) == (303, True, True)
-        assert asked(gate.port, Cookie=f"other=1; {cookie.partition(';')[0]}") == (200, "", b"page")
+        assert asked(gate.port, cookie=f"other=1; {cookie.partition(';')[0]}") == (200, "", b"page")
         with pytest.raises(UsageError, match="cannot be served"):
             Gate("127.0.0.1", gate.port, TOKEN, behind)
     with pytest.raises(OSError, match="refused"):

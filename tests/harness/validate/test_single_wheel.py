@@ -98,6 +98,7 @@ def test_what_is_not_measured_is_left_out_and_told(trials: Path) -> None:
     lines += [
         ",smooth,0.01,0.01,0,,20,,",
         "1,smooth,0.01,0.01,0,1,5e7,0.01,",
+        "1,smooth,-0.01,0.01,0,1,20,0.01,",
         "1,square,0.01,0.01,0,1,20,0.01,",
         "1,smooth,0.01,0.01,0,1,,0.01,",
         "1,smooth,0.01,0.01,0,1,20,,",
@@ -107,7 +108,7 @@ def test_what_is_not_measured_is_left_out_and_told(trials: Path) -> None:
     assert len(table) == len(whole) + 1
     told = [
         "1 trials of 'square'",
-        "2 trials whose",
+        "3 trials whose",
         "1 trials without",
         "sinkage was not measured in 1",
     ]
