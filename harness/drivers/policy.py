@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, find_named
+from harness.base.files import Files, made_of_files
 from harness.drivers import point_nav
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.beeline import Beeline
@@ -95,15 +96,15 @@ def read_policy(file: Path | str) -> Policy:
     if path.exists() and not path.is_file():
         raise UsageError(f"policy {path} is not a file; give an .npz file")
     try:
-        return _read(path, path.stat().st_mtime_ns)
+        return _read(path)
     except OSError as error:
         raise UsageError(
             f"policy {path} cannot be read: {error.strerror or error}; give an .npz file"
         ) from error
 
 
-@lru_cache(maxsize=4)
-def _read(path: Path, _modified_ns: int) -> Policy:
+@made_of_files(4)
+def _read(path: Path) -> tuple[Policy, Files]:
     try:
         with ZipFile(path) as packed:
             is_small = sum(member.file_size for member in packed.infolist()) <= MOST_BYTES
@@ -127,7 +128,7 @@ def _read(path: Path, _modified_ns: int) -> Policy:
     activation = str(arrays["activation"])
     find_named(f"policy {path}: activation", activation, ACTIVATIONS)
     _check_shapes(path, layers)
-    return Policy(layers, activation)
+    return Policy(layers, activation), [path]
 
 
 def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None:

@@ -5,14 +5,13 @@ kernels.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 from typing import NamedTuple
 
 from harness.base.errors import UsageError, find_named
-from harness.base.files import modified_ns
+from harness.base.files import Files, made_of_files
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.encounters import StagedEncounter
 from harness.faults.actuation import WHEEL, ActuatorFaults
@@ -38,7 +37,6 @@ from harness.world.targets.placing import target_names
 from harness.world.world import RoverNeeds, World, build_world, starting_at, with_actors, with_targets
 from rover_metrics.topics import ENERGY
 
-Written = tuple[int, ...]  # when files were last written [ns]
 SAME_GRAVITY = 0.1  # [m/s^2] of models for one world: Earth's is 9.78 to 9.83
 
 
@@ -82,12 +80,10 @@ def world_of(run: Run) -> World:
     world = _terrain_world(run)
     if run.world.soil:
         spec = run.world
-        written = _written(soil_files(spec.soil))
-        world = _of_soil(world, spec.soil, spec.terrain, spec.keep_ruts, written)
+        world = _of_soil(world, spec.soil, spec.terrain, spec.keep_ruts)
     targets = run.world.targets
     if targets:
-        written = _written(name for target in targets for name in target.files)
-        world = _marked(world, run.rover.start, targets, Datum(*run.world.datum), written)
+        world = _marked(world, run.rover.start, targets, Datum(*run.world.datum))
     return _peopled(world, run.rover.start, people(run.world))
 
 
@@ -230,27 +226,20 @@ def _taken(
     ]
 
 
-def _written(files: Iterable[Path | str]) -> Written:
-    """When files were last written, by which what was made of them is told from what it would be now."""
-    return tuple(modified_ns(Path(file)) for file in files)
-
-
 _graded = lru_cache(maxsize=1)(graded)
 _named_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to four times
 
 
-@lru_cache(maxsize=2)
-def _file_world(
-    spec: WorldSpec, rover: RoverNeeds, seed: int, _written_then: Written
-) -> tuple[World, Written]:
+@made_of_files(2)
+def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> tuple[World, Files]:
     world = file_world(spec, rover, seed)
-    return world, _written(file for file, _ in world.files)
+    return world, (spec.terrain, *(file for file, _ in world.files))
 
 
-@lru_cache(maxsize=2)
-def _of_soil(world: World, soil: str, terrain: str, keeps_ruts: bool, _written_then: Written) -> World:
+@made_of_files(2)
+def _of_soil(world: World, soil: str, terrain: str, keeps_ruts: bool) -> tuple[World, Files]:
     soils = soils_on(soil, world.ground, terrain)
-    return replace(world, soil=replace(soils, keeps_ruts=keeps_ruts))
+    return replace(world, soil=replace(soils, keeps_ruts=keeps_ruts)), soil_files(soil)
 
 
 @lru_cache(maxsize=2)  # of a long way, each step is looked at
@@ -259,16 +248,12 @@ def _peopled(world: World, start: Start | None, who: tuple[Pedestrian, ...]) -> 
     return with_actors(world, who) if who else world
 
 
-@lru_cache(maxsize=2)
+@made_of_files(2)
 def _marked(
-    world: World,
-    start: Start | None,
-    targets: tuple[TargetSpec, ...],
-    datum: Datum,
-    _written_then: Written,
-) -> World:
+    world: World, start: Start | None, targets: tuple[TargetSpec, ...], datum: Datum
+) -> tuple[World, Files]:
     world = world if start is None else starting_at(world, start)
-    return with_targets(world, targets, datum)
+    return with_targets(world, targets, datum), [file for target in targets for file in target.files]
 
 
 def _terrain_world(run: Run) -> World:
@@ -277,12 +262,7 @@ def _terrain_world(run: Run) -> World:
     rover = find_rover(run.rover.robot)
     sizes = rover.clearance, rover.step_limit, rover.wheel_radius
     needs = RoverNeeds(*sizes, needs_start=run.rover.start is None)
-    asked = run.world, needs, run.seed, _written([run.world.terrain])
-    world, written = _file_world(*asked)
-    if written != _written(file for file, _ in world.files):  # what an SDF file names has changed
-        _file_world.cache_clear()
-        world, _ = _file_world(*asked)
-    return world
+    return _file_world(run.world, needs, run.seed)
 
 
 def _check_rover(rover: RoverSetup) -> None:

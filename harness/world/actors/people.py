@@ -4,17 +4,16 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.base.files import modified_ns
+from harness.base.files import Files, made_of_files
 from harness.spec.actor import NAME, SUFFIXES, ActorOptions, ActorSpec
 from harness.world.actors.route import LONGEST_ROUTE, Point
-from harness.world.sdf.document import Person
+from harness.world.sdf.document import Document, Person
 from harness.world.sdf.poses import read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
 from harness.world.sdf.reading import read_document
@@ -39,37 +38,29 @@ class Trajectory:
     delay: float = 0.0  # before it begins [s]
 
 
-def read_trajectories(path: Path, folders: tuple[str, ...] = ()) -> tuple[Trajectory, ...]:
+@made_of_files(32)  # asked several times a run, as are documents
+def read_trajectories(path: Path, folders: tuple[str, ...] = ()) -> tuple[tuple[Trajectory, ...], Files]:
     """Returns the people of a file: the one whose trajectory it is, or its actors; else UsageError.
 
     What it includes is looked for in the folders first.
     """
-    return _read(path, folders, modified_ns(path))
-
-
-def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
-    """Returns the actors of an SDF file and of those that it includes; UsageError for invalid ones."""
-    return _actors(path, folders, modified_ns(path))
-
-
-@lru_cache(maxsize=32)  # asked several times a run, as is the other
-def _read(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Trajectory, ...]:
     root = read_xml(path)
     if root.tag == "trajectory":
         points, _ = _way_points(root, path)
-        return (Trajectory(AROUND.sub("", path.stem), points),)
+        return (Trajectory(AROUND.sub("", path.stem), points),), [path]
     if root.tag == "actor":
         pose, _ = read_pose(root, name := root.get("name", "actor"))
-        return (_scripted(Person(name, root, pose, path)),)
-    people = tuple(map(_scripted, actors_of(path, folders)))
-    if not people:
+        return (_scripted(Person(name, root, pose, path)),), [path]
+    document = _document(path, folders)
+    if not document.actors:
         raise UsageError(f"{path} has neither a <trajectory> nor an <actor>; name a file with one")
-    return people
+    return tuple(map(_scripted, document.actors)), document.files
 
 
-@lru_cache(maxsize=8)
-def _actors(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Person, ...]:
-    return tuple(read_document(path, Resources([*map(Path, folders)])).actors)
+@made_of_files(8)
+def _document(path: Path, folders: tuple[str, ...]) -> tuple[Document, Files]:
+    document = read_document(path, Resources([*map(Path, folders)]))
+    return document, [path, *document.files]
 
 
 def _scripted(person: Person) -> Trajectory:
@@ -132,7 +123,7 @@ def of_terrain(terrain: str, folders: Sequence[str] = ()) -> tuple[ActorSpec, ..
     if not terrain.lower().endswith(SUFFIXES) or not path.is_file():
         return ()
     with suppress(UsageError):  # the world reports it, whose mistake it is
-        if actors_of(path, tuple(folders)):
+        if _document(path, tuple(folders)).actors:
             return (ActorSpec(terrain, "", ActorOptions(), file=terrain),)
     return ()
 

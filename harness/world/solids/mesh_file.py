@@ -9,7 +9,6 @@ import io
 import re
 import warnings
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError, find_named
-from harness.base.files import modified_ns
+from harness.base.files import Files, made_of_files
 from harness.spec.world import MESH_UNITS
 from harness.world.sdf.reader import DEEPEST, parse_xml
 from rover_metrics.number import number
@@ -95,7 +94,10 @@ def joined(meshes: "list[Mesh]") -> Mesh:
     return Mesh(vertices[first], faces[has_area])
 
 
-def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tuple[Mesh, str]:
+@made_of_files(8)  # a world names a file many times
+def read_mesh(
+    path: Path, submesh: str = "", unit: str = "", up: str = ""
+) -> tuple[tuple[Mesh, str], Files]:
     """Returns the triangles of a file and the SHA-256 of what was read; UsageError if it is unusable.
 
     Args:
@@ -104,11 +106,6 @@ def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tu
         unit: One of MESH_UNITS; "" is as the file says, else metres.
         up: One of UP; "" is as the file says, else z.
     """
-    return _read(path, modified_ns(path), submesh, unit, up)
-
-
-@lru_cache(maxsize=8)  # a world names a file many times
-def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tuple[Mesh, str]:
     if path.suffix.lower() not in SUFFIXES:
         kinds = ", ".join(SUFFIXES)
         raise UsageError(f"mesh {path}: meshes of that kind are not read; readable are {kinds}")
@@ -123,9 +120,8 @@ def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tu
         raise UsageError(f"mesh {path}: {error}") from error
     turned = np.eye(4)
     turned[:3, :3] = UP[up or axis]
-    return mesh.moved(turned, (MESH_UNITS[unit] if unit else scale,) * 3), hashlib.sha256(
-        data
-    ).hexdigest()
+    metres = mesh.moved(turned, (MESH_UNITS[unit] if unit else scale,) * 3)
+    return (metres, hashlib.sha256(data).hexdigest()), [path]
 
 
 def _check_coded(data: bytes, suffix: str) -> None:

@@ -28,9 +28,14 @@ IN_FOLDER: dict[str, Any] = {  # that is written with all cases
     "mesh.sdf": SDF.replace("</world>", MESH + "</world>"),
     "includes.sdf": SDF.replace("</world>", INCLUDE + "</world>"),
     "box/model.config": "<model><name>box</name><sdf>model.sdf</sdf></model>",
+    "guy/model.config": "<model><name>guy</name><sdf>model.sdf</sdf></model>",
+    "crowd.sdf": SDF.replace("</world>", "<include><uri>model://guy</uri></include></world>"),
     "soil.yaml": "soils: [dry_sand, firm]\nmap: soil.npy\n",
 }
-WALK = "<trajectory><waypoint><pose>{0} 1 0 0 0 0</pose></waypoint></trajectory>"
+WALK = (
+    "<sdf version='1.9'><actor name='guy'><script><trajectory id='0' type='walk'><waypoint>"
+    "<time>1</time><pose>{0} 1 0 0 0 0</pose></waypoint></trajectory></script></actor></sdf>"
+)
 BOXED = "<sdf version='1.9'>" + MODEL.format("b", "0 0 0 0 0 0", BOX) + "</sdf>"
 BOXES = BOXED.format("1 1 1"), BOXED.format("1 2 1")
 ROCKS = TETRAHEDRON.format(0.3), TETRAHEDRON.format(0.5)
@@ -42,7 +47,11 @@ CASES: dict[str, tuple[Any, Any, dict[str, Any]]] = {
     "box/model.sdf": (*BOXES, {"terrain": "{}/includes.sdf", "resource_path": ["{}"]}),
     "target.obj": (*ROCKS, {"targets": ["{}/target.obj:x=1,y=0"]}),
     "soil.npy": (HALVES, 1 - HALVES, {"soil": "{}/soil.yaml"}),
-    "guy.sdf": (WALK.format(2), WALK.format(3), {"actors": ["guy={}/guy.sdf"]}),
+    "guy/model.sdf": (
+        WALK.format(2),
+        WALK.format(3),
+        {"terrain": "{}/crowd.sdf", "resource_path": ["{}"]},
+    ),
     "leo/leo.xml": (LEO, BEHIND, {"robot": "{}/leo"}),
 }
 
