@@ -119,7 +119,8 @@ def _capsule(namespace: bytes, name: bytes, digest: bytes) -> object:
         fields = whole.find(address, DEFINITION)
         handles = {TYPE_SUPPORT: ctypes.addressof(support), DEFINITION: fields}
         support.find = _Find(lambda _, identifier: handles.get(identifier))
-    support.get_type_hash = _GetHash(lambda _: ctypes.addressof(type_hash))
+    # No Python of ours may run there: a signal's handler would raise in it, which nobody could catch.
+    support.get_type_hash = _GetHash({ctypes.addressof(support): ctypes.addressof(type_hash)}.get)
     _kept.extend((support, callbacks, type_hash, label))
     capsule: object = _python.PyCapsule_New(ctypes.c_void_p(ctypes.addressof(support)), label, None)
     return capsule
