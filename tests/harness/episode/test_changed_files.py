@@ -38,6 +38,7 @@ WALK = (
 )
 BOXED = "<sdf version='1.9'>" + MODEL.format("b", "0 0 0 0 0 0", BOX) + "</sdf>"
 BOXES = BOXED.format("1 1 1"), BOXED.format("1 2 1")
+WALKS = WALK.format(2), WALK.format(3)
 ROCKS = TETRAHEDRON.format(0.3), TETRAHEDRON.format(0.5)
 BEHIND = LEO.replace('name="lidar" pos="0.174 0', 'name="lidar" pos="0.1 0')
 # The file that changes, what it holds before and after, and options that name it or what leads to it.
@@ -47,11 +48,7 @@ CASES: dict[str, tuple[Any, Any, dict[str, Any]]] = {
     "box/model.sdf": (*BOXES, {"terrain": "{}/includes.sdf", "resource_path": ["{}"]}),
     "target.obj": (*ROCKS, {"targets": ["{}/target.obj:x=1,y=0"]}),
     "soil.npy": (HALVES, 1 - HALVES, {"soil": "{}/soil.yaml"}),
-    "guy/model.sdf": (
-        WALK.format(2),
-        WALK.format(3),
-        {"terrain": "{}/crowd.sdf", "resource_path": ["{}"]},
-    ),
+    "guy/model.sdf": (*WALKS, {"terrain": "{}/crowd.sdf", "resource_path": ["{}"]}),
     "leo/leo.xml": (LEO, BEHIND, {"robot": "{}/leo"}),
 }
 

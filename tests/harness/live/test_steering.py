@@ -17,7 +17,7 @@ from harness.episode.direct import run_direct
 from harness.episode.fingerprint import StreamHash
 from harness.episode.helm import Helm, Order
 from harness.episode.result import Outputs
-from harness.live.keys import DIRECTIONS, HELD, Keys
+from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
 from harness.live.wheel import GOAL, Wheel
 from harness.robots import find_rover
 from harness.samples import Place, Twist
@@ -68,7 +68,7 @@ class Rover:
 class Grip:
     """The keys of a rover that are held, as somebody would tell it who looks at the keyboard."""
 
-    shares: tuple[float, float] = (0.0, 0.0)
+    shares: tuple[float, float] = STANDING
     until: float = -1.0
 
 
@@ -93,7 +93,7 @@ class Page(RuleBasedStateMachine):
         _, *pressed = key
         self.wheels[number].press(*pressed)
         grip, wanted, rover = self.grips[number], self.wanted[number], find_rover(ROBOTS[number])
-        held = grip.shares if self.now < grip.until else (0.0, 0.0)
+        held = grip.shares if self.now < grip.until else STANDING
         forward, left = (new or old for new, old in zip(pressed, held, strict=True))
         self.grips[number] = Grip((forward, left), self.now + HELD)
         if (wanted.driver or wanted.own) != CMD_VEL:
@@ -146,6 +146,21 @@ class Page(RuleBasedStateMachine):
 
 Page.TestCase.settings = settings(max_examples=40, stateful_step_count=30, derandomize=True)
 TestPage = Page.TestCase
+
+
+def test_a_key_of_turning_goes_with_one_of_driving_as_long_as_either_is_held() -> None:
+    now = [0.0]
+    keys = Keys(lambda: now[0])
+    for forward, left, both in (
+        (1.0, 0.0, (1.0, 0.0)),
+        (0.0, 1.0, (1.0, 1.0)),
+        (-1.0, 0.0, (-1.0, 1.0)),
+    ):
+        keys.press(forward, left)
+        now[0] += 0.9 * HELD
+        assert keys.share == both
+    now[0] += 0.2 * HELD
+    assert keys.share == STANDING
 
 
 class Hand:
