@@ -151,31 +151,34 @@ def symbol(name: str, address: int) -> Callable[[], int]:
     return made
 
 
-def native(*kinds: type) -> Callable[[int, Sequence[int]], None]:
-    """Makes a function (address, tuple of arguments) by which kernels call a C function without result.
+def native(*kinds: type, answers: bool = False) -> Callable[[int, Sequence[int]], Any]:
+    """Makes a function (address, tuple of arguments) by which kernels call a C function.
 
     Args:
         kinds: Of the function's arguments: ctypes.c_void_p or c_int.
+        answers: Whether it returns a c_int, or else nothing.
     """
     if not IS_COMPILED:
-        return lambda address, args: ctypes.CFUNCTYPE(None, *kinds)(address)(*args)
+        returned = ctypes.c_int if answers else None
+        return lambda address, args: ctypes.CFUNCTYPE(returned, *kinds)(address)(*args)
 
     def typed(_: object, address: object, args: object) -> tuple[object, object]:
         def generate(context: Any, builder: Any, _: object, given: Any) -> object:  # noqa: ANN401
             integer, pointer = cgutils.ir.IntType(32), cgutils.voidptr_t
+            returned = integer if answers else cgutils.ir.VoidType()
             passed = [integer if kind is ctypes.c_int else pointer for kind in kinds]
-            function = cgutils.ir.FunctionType(cgutils.ir.VoidType(), passed).as_pointer()
+            function = cgutils.ir.FunctionType(returned, passed).as_pointer()
             values = zip(cgutils.unpack_tuple(builder, given[1]), passed, strict=True)
-            builder.call(
+            answer = builder.call(
                 builder.inttoptr(given[0], function),
                 [
                     builder.trunc(value, kind) if kind is integer else builder.inttoptr(value, kind)
                     for value, kind in values
                 ],
             )
-            return context.get_dummy_value()
+            return answer if answers else context.get_dummy_value()
 
-        return numba.types.void(address, args), generate
+        return (numba.types.int32 if answers else numba.types.void)(address, args), generate
 
-    made: Callable[[int, Sequence[int]], None] = numba.extending.intrinsic(typed)
+    made: Callable[[int, Sequence[int]], Any] = numba.extending.intrinsic(typed)
     return made

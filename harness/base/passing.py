@@ -76,3 +76,4 @@ def _array_reader(kind: type[np.generic]) -> Callable[[NDArray[np.int64]], NDArr
 
 doubles, singles = _array_reader(np.float64), _array_reader(np.float32)
 integers, truths = _array_reader(np.int64), _array_reader(np.bool_)
+integers32, integers8 = _array_reader(np.int32), _array_reader(np.int8)

@@ -83,10 +83,6 @@ class DrivenRover:
         self._base.command(twist)
         self.simulation.command_ahead(self._base.ahead(TICKS_PER_CONTROL))
 
-    def launch(self) -> None:
-        """Begins on another thread what `drive` does, which waits for it."""
-        self.simulation.physics.launch_aside()
-
     def drive(self) -> None:
         """Lets the physics go on by one control period."""
         self.simulation.physics.run(watched=False)

@@ -251,12 +251,10 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return self._view.draw(self.course, self.driven, self.goal, self.steps)
 
     def close(self) -> None:
-        """Gives back the window or page, OpenGL and threads; may be called twice."""
+        """Gives back the window or page, and OpenGL; may be called twice."""
         if self._view is not None:
             self._view.close()
         self._view = None
-        if hasattr(self, "driven"):
-            self.driven.simulation.physics.stay()
 
     @property
     def spec(self) -> EnvSpec | None:

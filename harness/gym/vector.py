@@ -1,12 +1,11 @@
 """Many environments that are stepped together, on all processors.
 
 Each is an environment of its own, with its own world, and each trajectory is the one that it drives by
-itself, to the bit. The physics of some goes on in threads of their own, which do without the
-interpreter, while this thread reads what has been driven.
+itself, to the bit. The physics of some is done by other threads, which do without the interpreter, while
+this thread reads what has been driven.
 """
 
 from collections.abc import Callable, Sequence
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from harness.base.errors import UsageError
 from harness.gym.env import Info, RoverEnv
 from harness.gym.many import Flags, ManyRovers
 from harness.gym.observation import Observation
+from harness.physics.pool import Pool
 
 
 class RoverVectorEnv(ManyRovers):
@@ -27,8 +27,7 @@ class RoverVectorEnv(ManyRovers):
         make: Makes one environment from a render mode and options.
         num_envs: Number of environments.
         autoreset_mode: When an environment that has ended begins anew, as Gymnasium defines it.
-        threads: Number of environments whose physics may go on at a time, each in a thread of its own;
-            1 for none but this thread, 0 for one more than there are processors.
+        threads: Number of threads that do the physics, this one among them; 0 for one per processor.
         render_mode: Render mode of each environment.
         options: Options of each environment.
 
@@ -55,8 +54,8 @@ class RoverVectorEnv(ManyRovers):
         one = make(render_mode=render_mode, **options)
         super().__init__(one, num_envs, autoreset_mode)
         self.envs = [one, *(make(render_mode=render_mode, **options) for _ in range(1, num_envs))]
-        most = cpu_count() + 1 if cpu_count() > 1 else 1
-        self._threads = min(num_envs, threads or most)
+        others = min(num_envs, threads or cpu_count()) - 1
+        self._pool = Pool(num_envs, others) if others else None
         self.seen: list[Observation] = [{}] * num_envs
         self._ended: Flags = np.zeros(num_envs, np.bool_)
 
@@ -102,6 +101,8 @@ class RoverVectorEnv(ManyRovers):
         """Closes the environments, which ends their threads."""
         for env in self.envs:
             env.close()
+        if self._pool is not None:
+            self._pool.close()
 
     def _stepped(self) -> list[int]:
         """The environments that a step drives; with NEXT_STEP, those that ended begin anew instead."""
@@ -112,20 +113,15 @@ class RoverVectorEnv(ManyRovers):
         """Drives and senses, in this order, what has been accepted."""
         for env in envs:
             env.command()
-        if self._threads == 1:  # all are driven first: Python's own part stays in the processor's caches
+        if self._pool is None:  # all are driven first: Python's own part stays in the processor's caches
             for env in envs:
                 env.drive()
             for env in envs:
                 env.sense()
             return
-        waiting = iter(envs)
-        for env in islice(waiting, self._threads):
-            env.driven.launch()
-        for env in envs:
-            env.drive()
-            for other in islice(waiting, 1):
-                other.driven.launch()
-            env.sense()
+        for place in self._pool.step([env.driven.simulation.physics for env in envs]):
+            envs[place].drive()
+            envs[place].sense()
 
     def _observations(self) -> Observation:
         seen = self.seen

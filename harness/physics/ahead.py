@@ -52,8 +52,8 @@ class Ahead:
         self._model, self._read, self._shown = scenes[0].model, data, (span, contacts)
         self._data, self.is_away = mujoco.MjData(self._model), False
         self._contacts = ContactWatch(scenes, self._data)
-        self._span = Span(self._model, self._data, span.motors, span.obstacles)
-        self._span.fence, self._strongest = span.fence, self._contacts.watched[-1]
+        self._span = Span(self._model, self._data, span.motors, span.obstacles, span.fence)
+        self._strongest = self._contacts.watched[-1]
         self._aside: Aside | None = None
         self._awake, self._most = awake, len(scenes)
         # Its steps have no halves that could be taken one after the other.

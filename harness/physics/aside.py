@@ -1,8 +1,4 @@
-"""A thread that steps a state while another one does something else, and never needs the interpreter.
-
-It is woken by a lock of Python's own that any thread may release, because a thread that had to take the
-interpreter's lock first would wait for the thread that reads.
-"""
+"""A thread that steps a state while another one does something else, and never needs the interpreter."""
 
 import ctypes
 import os
@@ -13,10 +9,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base import native_lock
 from harness.base.compiled import kernel, native
+from harness.base.native_lock import release_natively, take_natively
 from harness.physics.contacts import ContactWatch
-from harness.physics.passed_over import SIGNATURE
-from harness.physics.stepping import Span, Stepping
+from harness.physics.stepping import Span
 from harness.physics.steps_kernel import advance, begin_step, is_wrong
 
 OVER = -1  # instead of where to end: the thread is to end
@@ -25,15 +22,6 @@ TAKEN_NS = 20_000  # from one offer to the next: others have taken the core, and
 UNDER_WAY, GOES_ON = -1, -2  # instead of whether a step is begun: nothing has landed
 DUE, DONE = 1, 2  # an errand
 
-_api = ctypes.pythonapi
-_api.PyThread_allocate_lock.restype = ctypes.c_void_p
-_api.PyThread_free_lock.argtypes = (ctypes.c_void_p,)
-_ACQUIRE, _RELEASE = (
-    ctypes.cast(function, ctypes.c_void_p).value or 0
-    for function in (_api.PyThread_acquire_lock, _api.PyThread_release_lock)
-)
-_acquire = native(ctypes.c_void_p, ctypes.c_int)
-_release = native(ctypes.c_void_p)
 _run = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)  # a kernel, as numba calls them
 _yield, _tell_time = native(), native(ctypes.c_int, ctypes.c_void_p)
 CLOCK = getattr(time, "CLOCK_MONOTONIC", 0)
@@ -44,7 +32,6 @@ if hasattr(os, "sched_yield"):  # not on Windows
         ctypes.cast(_C.sched_yield, ctypes.c_void_p).value or 0,
         ctypes.cast(_C.clock_gettime, ctypes.c_void_p).value or 0,
     )
-_wait = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int)(_ACQUIRE)  # without the interpreter's lock
 
 
 @kernel("void(int64[::1], boolean, UniTuple(int64, 2))")
@@ -69,19 +56,13 @@ def stay_awake(steps: NDArray[np.int64], is_under_way: bool, system: tuple[int, 
         before = now
 
 
-@kernel(
-    "void(UniTuple(int64, 4), UniTuple(int64, 2), int64[::1], int64[:,::1], Tuple((UniTuple(int64, 6),"
-    "Tuple((float64[::1], int64[::1], float64[:,::1])), Tuple((int32[:], float64[:,::1])),"
-    "Tuple((float64[::1], float64[:,::1])), Tuple((UniTuple(float64[::1], 3),"
-    "UniTuple(float64[:,::1], 3))), Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
-    f"Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])), {SIGNATURE})))"
-)
+@kernel("void(UniTuple(int64, 4), UniTuple(int64, 2), int64[::1], int64[:,::1], int64)")
 def serve(
     locks: tuple[int, int, int, int],
     system: tuple[int, int],
     steps: NDArray[np.int64],
     errands: NDArray[np.int64],
-    stepping: Stepping,
+    stepping: int,
 ) -> None:
     """Advances whenever the first lock is released, then releases the second; ends at OVER.
 
@@ -95,23 +76,22 @@ def serve(
             steps could be made.
         stepping: What `advance` takes beside them; contacts must be known.
     """
-    pointers, control, health, felt, recorded, contacts, watched, obstacles = stepping
     is_begun, result = False, np.zeros(1, np.int64)  # of a kernel: None, and no error
     while True:
-        _acquire(locks[2], (locks[0], 1))
+        take_natively(locks[2], locks[0], 1)
         if steps[1] == OVER:
             return
-        span = (steps[0], steps[1], steps[2], int(is_begun))
-        steps[0] = advance(pointers, span, control, health, felt, recorded, contacts, watched, obstacles)
+        end = steps[1]
+        steps[0] = advance(stepping, (steps[0], end, steps[2], int(is_begun)))
         for row in range(errands.shape[0]):
-            if errands[row, 2] == DUE and steps[0] == span[1]:
+            if errands[row, 2] == DUE and steps[0] == end:
                 _run(errands[row, 0], (result.ctypes.data, result.ctypes.data, errands[row, 1]))
                 errands[row, 2] = DONE
-        is_begun = steps[3] == GOES_ON and not is_wrong(health, recorded[0][0])
+        is_begun = steps[3] == GOES_ON and not is_wrong(stepping)
         steps[3] = int(is_begun)
-        _release(locks[3], (locks[1],))
+        release_natively(locks[3], locks[1])
         if is_begun:  # meanwhile somebody decides what is commanded
-            begin_step(pointers, recorded[0], obstacles)
+            begin_step(stepping)
             if system[0]:
                 stay_awake(steps, False, system)
 
@@ -149,12 +129,10 @@ class Aside:
     ) -> None:
         self._steps, rows = np.zeros(4, np.int64), np.zeros((errands, 3), np.int64)
         self._free, self._errands = list(rows), dict[Errand, NDArray[np.int64]]()
-        self._locks = tuple(_api.PyThread_allocate_lock() for _ in range(2))
-        for lock in self._locks:
-            _wait(lock, 1)
+        self._locks = native_lock.taken_lock(), native_lock.taken_lock()
         self._system = _SYSTEM if awake else (0, 0)
-        locks = (*self._locks, _ACQUIRE, _RELEASE)
-        args = locks, self._system, self._steps, rows, span.arguments(contacts)
+        locks = (*self._locks, native_lock.ACQUIRE, native_lock.RELEASE)
+        args = locks, self._system, self._steps, rows, span.passed(contacts)
         self._thread = threading.Thread(target=serve, args=args, daemon=True)
         self._thread.start()
 
@@ -174,13 +152,13 @@ class Aside:
             goes_on: Whether to begin the step after them, too; the next launch waits until it is begun.
         """
         self._steps[:] = 0, steps, per_tick, GOES_ON if goes_on else UNDER_WAY
-        _api.PyThread_release_lock(ctypes.c_void_p(self._locks[0]))
+        native_lock.release(self._locks[0])
 
     def land(self) -> int:
         """Waits for what was launched; returns where it ended, as `Span.advance`."""
         if self._system[0]:
             stay_awake(self._steps, is_under_way=True, system=self._system)
-        _wait(self._locks[1], 1)
+        native_lock.take(self._locks[1])
         for errand, row in self._errands.items():
             errand.is_done, row[2] = bool(row[2] == DONE), 0
         return int(self._steps[0])
@@ -195,4 +173,4 @@ class Aside:
         self.launch(OVER, 0)
         self._thread.join()
         for lock in self._locks:
-            _api.PyThread_free_lock(ctypes.c_void_p(lock))
+            native_lock.free(lock)

@@ -30,10 +30,6 @@ PassedOver = tuple[
     NDArray[np.int64],
     NDArray[np.float64],
 ]
-SIGNATURE = (
-    "Tuple((float64[:,::1], int32[:,::1], int32[:,::1], UniTuple(int32[::1], 4),"
-    "int64[:,::1], float64[::1]))"
-)
 
 
 def obstacles_of(scenes: Sequence[Scene], data: mujoco.MjData) -> PassedOver:

@@ -7,7 +7,6 @@ knows ROS, drivers or sample rates.
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
-from weakref import finalize
 
 import mujoco
 import numpy as np
@@ -15,17 +14,18 @@ from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.physics.ahead import Ahead, has_second_core
-from harness.physics.aside import Aside, Errand
+from harness.physics.aside import Errand
 from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.health import check_health, check_place
 from harness.physics.passed_over import obstacles_of
+from harness.physics.pool import Offer
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
 from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
 from harness.physics.stepping import Span
-from harness.physics.steps_kernel import SPAN
+from harness.physics.stepping_record import SPAN
 from harness.physics.world_geoms import soil_ground
 from harness.robots.model import keep_mujoco_quiet
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
@@ -89,9 +89,9 @@ class Physics:
             for scene, contacts in zip(scenes, self.contacts.rovers, strict=True)
         )
         motors = np.concatenate([rover.motors for rover in self.rovers])
-        self._span = Span(self.model, self.data, motors, obstacles_of(scenes, self.data))
         bounds = self.ground.bounds(EDGE_MARGIN)
-        self._span.fence = np.array([[rover.qpos_at, *bounds] for rover in self.rovers])
+        fence = np.array([[rover.qpos_at, *bounds] for rover in self.rovers])
+        self._span = Span(self.model, self.data, motors, obstacles_of(scenes, self.data), fence)
         begin = 0
         for rover in self.rovers:
             end = begin + rover.motors.size
@@ -100,7 +100,7 @@ class Physics:
         self.span = SPAN if self.crowd is None else 1
         self._scenes, self._is_launched = scenes, False
         self._ahead: Ahead | None = None
-        self._aside: Aside | None = None
+        self._taken: int | None = None  # where steps ended that somebody else did
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
             rover.restore(state)
             rover.parking.hold(True)
@@ -133,8 +133,11 @@ class Physics:
             watched: Whether anybody asks which contacts there were, not only how many.
         """
         self._began, per_tick = self.step_count, self.steps_per_tick
-        if self._is_launched:
-            self._simulated, self._is_launched = self._land() // per_tick, False
+        if self._ahead is not None and self._is_launched:
+            self._simulated, self._is_launched = self._ahead.land() // per_tick, False
+            return
+        if self._taken is not None:
+            self._simulated, self._taken = self._taken // per_tick, None
             return
         self._prepare(watched=watched)
         self._simulated = 0
@@ -188,20 +191,23 @@ class Physics:
             steps = len(ticks) * self.steps_per_tick
             self._is_launched = self._ahead.launch(steps, self.steps_per_tick, errands)
 
-    def launch_aside(self) -> None:
-        """Lets another thread simulate what all rovers have been commanded, with no contact watched.
+    def offer(self) -> Offer | None:
+        """Returns what another thread may do instead of the next `run`, with no contact watched.
 
-        The next `run` waits for it, as for what `launch` began; until then nobody may look.
+        Until it has been given to `take` nobody may look. None where rovers park or set off within
+        these ticks, or where they are done already.
         """
         ticks = list(zip(*(rover.parked for rover in self.rovers), strict=True))
-        if len(set(ticks)) == 1:
-            self._prepare(watched=False)
-            self._hold(ticks[0])
-            if self._aside is None:
-                self._aside = Aside(self._span, self.contacts)
-                self._end_aside = finalize(self, self._aside.close)  # nobody has to say that it is done
-            self._aside.launch(len(ticks) * self.steps_per_tick, self.steps_per_tick)
-            self._is_launched = True
+        if len(set(ticks)) != 1 or self._taken is not None:
+            return None
+        self._prepare(watched=False)
+        self._hold(ticks[0])
+        per_tick = self.steps_per_tick
+        return Offer(self._span.passed(self.contacts), len(ticks) * per_tick, per_tick)
+
+    def take(self, ended: int) -> None:
+        """Takes note of where the steps ended that were offered, for the next `run`."""
+        self._taken = ended
 
     def halt(self) -> None:
         """Takes back what another core has begun of the next step, since friction is to change.
@@ -213,19 +219,12 @@ class Physics:
 
     def stay(self) -> None:
         """Ends what has been launched, and its thread."""
-        if self._is_launched:
-            self._land()
-            self._is_launched = False
         if self._ahead is not None:
+            if self._is_launched:
+                self._ahead.land()
             self._ahead.come_back()
             self._ahead.close()
-        if self._aside is not None:
-            self._end_aside()
-        self._ahead = self._aside = None
-
-    def _land(self) -> int:
-        thread = self._aside or self._ahead
-        return 0 if thread is None else thread.land()
+        self._ahead, self._is_launched = None, False
 
     def _prepare(self, *, watched: bool) -> None:
         self.contacts.begin(watches=watched)

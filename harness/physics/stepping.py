@@ -1,19 +1,13 @@
 """The clock ticks that are simulated in one go: what is commanded before, what each was like after."""
 
-from typing import Any
-
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.base.passing import fill, filled
 from harness.physics.contacts import ContactWatch
 from harness.physics.passed_over import PassedOver
-from harness.physics.steps_kernel import SPAN, Integers, addresses, advance, is_wrong
-
-RECORDED = ("qpos", "qvel", "qfrc_actuator")  # of MuJoCo's state at the end of a tick
-
-Doubles = NDArray[np.float64]
-Stepping = tuple[Any, ...]  # what `steps_kernel.advance` takes beside steps: arrays of one MjData
+from harness.physics.stepping_record import CONTACTS, OWN, SPAN, STATE, STEPPING, Doubles, Integers
+from harness.physics.steps_kernel import addresses, advance, is_wrong
 
 
 class Span:
@@ -24,31 +18,44 @@ class Span:
         data: Its state.
         motors: Controls that are commanded.
         obstacles: Those that are passed over while no rover can touch them.
+        fence: Where each rover's pose stands in qpos, and x from, x to, y from, y to between which it
+            may be [m], shape (rovers, 5).
 
     Attributes:
         motors: Controls that are commanded.
         obstacles: As given.
+        fence: As given.
         commands: To them in each tick, shape (SPAN, motors).
         warnings: MuJoCo's counters of them.
         sums: MuJoCo's sensor values summed over the steps of each tick, shape (SPAN, sensors).
-        fence: Where each rover's pose stands in qpos, and x from, x to, y from, y to between which it
-            may be [m], shape (rovers, 5).
     """
 
-    fence: Doubles
-
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, motors: Integers, obstacles: PassedOver
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        motors: Integers,
+        obstacles: PassedOver,
+        fence: Doubles,
     ) -> None:
         self.motors, self.commands = motors, np.zeros((SPAN, motors.size))
-        self.obstacles = obstacles
+        self.obstacles, self.fence = obstacles, fence
         self.warnings = data.warning.number  # a view: MuJoCo counts up in it
-        self._pointers = *addresses(), model._address, data._address  # noqa: SLF001 - no other name
-        self._control = data.ctrl, motors, self.commands
         self.sums = np.zeros((SPAN, data.sensordata.size))
-        self._felt = data.sensordata, self.sums
-        self._state: tuple[Doubles, ...] = tuple(getattr(data, name) for name in RECORDED)
+        self._state: tuple[Doubles, ...] = tuple(getattr(data, name) for name in STATE)
         self._record = tuple(np.zeros((SPAN, part.size)) for part in self._state)
+        pointers = np.array([*addresses(), model._address, data._address])  # noqa: SLF001 - no other name
+        last = data.warning.lastinfo  # stands before each counter
+        counters = np.lib.stride_tricks.as_strided(last, (last.size, 2), (*last.strides, last.itemsize))
+        commands = data.ctrl, motors, self.commands
+        discs, geoms, bodies, bits, rovers, reach = obstacles
+        passed = discs, geoms, bodies, *bits, rovers, reach
+        felt = data.sensordata, self.sums
+        own = pointers, *commands, counters, fence, *felt, *self._state, *self._record, *passed
+        self._kept = dict(zip(OWN, own, strict=True))
+        self._passed = filled(STEPPING, self._kept, {})
+        self._address = int(self._passed.ctypes.data)
+        self._watched: tuple[object, object] = None, None
 
     def advance(self, steps: tuple[int, int, int], watch: ContactWatch) -> int:
         """Steps to the end, or until a tick after which there are warnings or a rover left its fence.
@@ -62,22 +69,23 @@ class Span:
         """
         step, end, per_tick = steps
         while True:
-            pointers, *rest = self.arguments(watch)
-            step = advance(pointers, (step, end, per_tick, 0), *rest)
+            step = advance(self.passed(watch), (step, end, per_tick, 0))
             if step >= 0:
                 return step
             step = -step
             watch.look((step - 1) // per_tick)
 
-    def arguments(self, watch: ContactWatch) -> Stepping:
-        """Returns what `steps_kernel.advance` takes, but for its steps."""
-        health, recorded = (self.warnings, self.fence), (self._state, self._record)
-        watched = watch.contacts, watch.watched
-        return self._pointers, self._control, health, self._felt, recorded, *watched, self.obstacles
+    def passed(self, watch: ContactWatch) -> int:
+        """Returns the address of what `steps_kernel.advance` takes, as long as both are kept."""
+        contacts, watched = self._watched
+        if watch.contacts is not contacts or watch.watched is not watched:
+            self._watched = watch.contacts, watch.watched
+            fill(self._passed, dict(zip(CONTACTS, (*watch.contacts, *watch.watched), strict=True)))
+        return self._address
 
     def is_wrong(self) -> bool:
         """Returns whether there are warnings, or a rover left its fence."""
-        return is_wrong((self.warnings, self.fence), self._state[0])
+        return is_wrong(self._address)
 
     def take(self, other: "Span") -> None:
         """Takes over what the ticks of another span were like, one of the same model."""
@@ -91,7 +99,7 @@ class Span:
         return path
 
     def show(self, tick: int, sums: Doubles) -> None:
-        """Sets what RECORDED names to what it was at the end of a tick, and the sums of its sensors."""
+        """Sets what STATE names to what it was at the end of a tick, and the sums of its sensors."""
         for part, values in zip(self._state, self._record, strict=True):
             part[:] = values[tick]
         sums[:] = self.sums[tick]

@@ -14,27 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel, native
-from harness.base.sim_time import TICKS_PER_CONTROL
-from harness.physics.passed_over import SIGNATURE, PassedOver, pass_over, restore
+from harness.physics.passed_over import pass_over, restore
+from harness.physics.stepping_record import (
+    Contacts,
+    Doubles,
+    Integers,
+    Watched,
+    contacts_at,
+    felt_at,
+    health_at,
+    motors_at,
+    obstacles_at,
+    pointers_at,
+    state_at,
+    ticks_at,
+)
 
-SPAN = TICKS_PER_CONTROL  # clock ticks that are simulated in one go, at most
-FOUND = 14  # numbers of a strongest contact: see `Watched`
 WHEEL, BODY, ROCK, HAZARD = 1, 2, 3, 4  # what a geom is to a rover; 0: ground
 LIBRARIES = {"win32": "mujoco.dll", "darwin": f"libmujoco.{mujoco.__version__}.dylib"}
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
-# Which sensor values are counts of contacts, (rovers, 2): from and to; what each geom is to each rover,
-# (rovers, geoms); where the rovers' poses stand in qpos, (rovers,); the strongest contact of each kind,
-# (rovers, SPAN, 3, FOUND): its place in the order of the kinds' first ones, 0 for none, then normal
-# force [N], geoms of the rover and of the other, position [m] and pose of the rover.
-Watched = tuple[Integers, NDArray[np.int8], Integers, Doubles]
-# MuJoCo's own: count of contacts, contacts as rows of numbers and of integers, where in a row the
-# position stands and the geoms do.
-Contacts = tuple[NDArray[np.int32], Doubles, NDArray[np.int32], Integers]
-
-# Addresses of mj_contactForce, mj_step, mj_step1, mj_step2, of the model and of its data.
-Pointers = tuple[int, int, int, int, int, int]
 
 _step = native(ctypes.c_void_p, ctypes.c_void_p)
 _contact_force = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
@@ -150,14 +147,8 @@ def look(
     return _look_at_all(pointers, state, contacts, watched, tick)
 
 
-@kernel("boolean(Tuple((int32[:], float64[:,::1])), float64[::1])")
-def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
-    """Returns whether there are warnings, or a rover left its fence.
-
-    Args:
-        health: The data's counters of warnings; the rovers' `Span.fence`.
-        qpos: Where they are.
-    """
+@inlined
+def _is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
     warnings, fence = health
     for rover in range(fence.shape[0]):
         at = int(fence[rover, 0])
@@ -167,45 +158,29 @@ def is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
     return bool(np.any(warnings))
 
 
-@kernel(
-    "int64(UniTuple(int64, 6), UniTuple(int64, 4), Tuple((float64[::1], int64[::1], float64[:,::1])),"
-    "Tuple((int32[:], float64[:,::1])), Tuple((float64[::1], float64[:,::1])),"
-    "Tuple((UniTuple(float64[::1], 3), UniTuple(float64[:,::1], 3))),"
-    "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
-    "Tuple((int64[:,::1], int8[:,::1], int64[::1], float64[:,:,:,::1])),"
-    f"{SIGNATURE})"
-)
-def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object that holds them
-    pointers: Pointers,
-    steps: tuple[int, int, int, int],
-    control: tuple[Doubles, Integers, Doubles],
-    health: tuple[NDArray[np.int32], Doubles],
-    felt: tuple[Doubles, Doubles],
-    recorded: tuple[tuple[Doubles, ...], tuple[Doubles, ...]],
-    contacts: Contacts,
-    watched: Watched,
-    obstacles: PassedOver,
-) -> int:
+@kernel("boolean(int64)")
+def is_wrong(stepping: int) -> bool:
+    """Returns whether there are warnings, or a rover left its fence; takes what `advance` does."""
+    return _is_wrong(health_at(stepping), state_at(stepping)[0])
+
+
+@kernel("int64(int64, UniTuple(int64, 4))")
+def advance(stepping: int, steps: tuple[int, int, int, int]) -> int:
     """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
 
     Args:
-        pointers: Of MuJoCo's functions, the model and its data.
+        stepping: Address of a record, as `stepping_record.STEPPING` has it.
         steps: Where to begin and to end, counted from the first tick's first step; steps of a tick; 1
             after `begin_step`, else 0.
-        control: The data's controls, those that are commanded, and to what, shape (ticks, motors).
-        health: The data's counters of warnings; the rovers' `Span.fence`.
-        felt: The data's sensor values; where their sums over a tick's steps come, (ticks, sensors).
-        recorded: What of the data is recorded, qpos and qvel first; where it comes, each (ticks, ...).
-        contacts: As `look` has it.
-        watched: As `look` has it.
-        obstacles: Those that are passed over while no rover can touch them.
 
     Returns:
         Where it ended, counted as in `steps`; negative after such a touch.
     """
     begin, end, per_tick, is_begun = steps
-    (force, step_whole, _, step_second, model, data), ended = pointers, end
-    (sensors, sums), (state, record) = felt, recorded
+    (force, step_whole, _, step_second, model, data), ended = pointers_at(stepping), end
+    control, health, (sensors, sums) = motors_at(stepping), health_at(stepping), felt_at(stepping)
+    state, record, obstacles = state_at(stepping), ticks_at(stepping), obstacles_at(stepping)
+    contacts, watched = contacts_at(stepping)
     if not is_begun:
         pass_over(obstacles, state[0], state[1])
     for step in range(begin, end):
@@ -220,7 +195,7 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
         if is_last:
             for part in range(len(state)):
                 record[part][tick] = state[part]
-        if is_last and is_wrong(health, state[0]):
+        if is_last and _is_wrong(health, state[0]):
             ended = step + 1
             break
         if touches and not contacts[1].size:
@@ -231,15 +206,12 @@ def advance(  # noqa: PLR0913, PLR0917 - a kernel takes arrays, and no object th
 
 
 @inlined
-def begin_step(pointers: Pointers, state: tuple[Doubles, ...], obstacles: PassedOver) -> None:
+def begin_step(stepping: int) -> None:
     """Does the half of the next step that needs no commands, mj_step1; `advance` goes on from there.
 
-    Until then the friction of the model must stay as it is.
-
-    Args:
-        pointers: As `advance` has them.
-        state: Positions and velocities of the data come first.
-        obstacles: As `advance` has them; those that are passed over stay so until it ends.
+    Until then the friction of the model must stay as it is, and obstacles that are passed over stay so.
+    It takes what `advance` does.
     """
-    pass_over(obstacles, state[0], state[1])
+    state, pointers = state_at(stepping), pointers_at(stepping)
+    pass_over(obstacles_at(stepping), state[0], state[1])
     _step(pointers[2], (pointers[4], pointers[5]))
