@@ -17,6 +17,7 @@ from harness.base.errors import UsageError
 from harness.gym.env import Info, RoverEnv
 from harness.gym.many import Flags, ManyRovers
 from harness.gym.observation import Observation
+from harness.physics.physics import Physics
 from harness.physics.pool import Pool
 
 
@@ -111,18 +112,23 @@ class RoverVectorEnv(ManyRovers):
 
     def _drive(self, envs: Sequence[RoverEnv[Any]]) -> None:
         """Drives and senses, in this order, what has been accepted."""
-        for env in envs:
-            env.command()
         if self._pool is None:  # all are driven first: Python's own part stays in the processor's caches
+            for env in envs:
+                env.command()
             for env in envs:
                 env.drive()
             for env in envs:
                 env.sense()
             return
-        for place in self._pool.step([env.driven.simulation.physics for env in envs]):
+        for place in self._pool.step(map(_commanded, envs)):
             envs[place].drive()
             envs[place].sense()
 
     def _observations(self) -> Observation:
         seen = self.seen
         return {name: np.array([observation[name] for observation in seen]) for name in seen[0]}
+
+
+def _commanded(env: RoverEnv[Any]) -> Physics:
+    env.command()
+    return env.driven.simulation.physics

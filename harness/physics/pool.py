@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 from weakref import finalize
 
@@ -105,40 +105,46 @@ class Pool:
             thread.start()
         self.close = finalize(self, _close, self._slots, self._bells, made)  # nobody has to say it
 
-    def step(self, worlds: Sequence[World]) -> Iterator[int]:
-        """Has all worlds stepped that offer it; yields their places as they come, in any order.
+    def step(self, worlds: Iterable[World]) -> Iterator[int]:
+        """Has worlds stepped that offer it, the first ones while others are still made ready.
 
-        Those that offer nothing come first.
+        Yields:
+            The place of each, as they come, in any order; those that offer nothing come first.
         """
-        offers = [world.offer() for world in worlds]
-        begun = deque(place for place, offer in enumerate(offers) if offer is not None)
-        for place in begun:
-            row = self._slots[place]
-            row[STEPPING:ENDED] = offers[place]
-            native_lock.release(int(row[READY]))
-        self._ring()
+        given, alone, begun = list[World](), list[int](), deque[int]()
         try:
-            yield from (place for place, offer in enumerate(offers) if offer is None)
+            for place, world in enumerate(worlds):
+                given.append(world)
+                if (offer := world.offer()) is None:
+                    alone.append(place)
+                    continue
+                row = self._slots[place]
+                row[STEPPING:ENDED] = offer
+                native_lock.release(int(row[READY]))
+                begun.append(place)
+                if len(begun) == 1:
+                    _ring(self._bells)
+            _ring(self._bells)
+            yield from alone
             while begun:
-                place = self._next(begun)
-                worlds[place].take(int(self._slots[place, ENDED]))
-                yield place
+                yield self._next(begun, given)
         finally:  # also where somebody stops in between
             while begun:
-                place = self._next(begun)
-                worlds[place].take(int(self._slots[place, ENDED]))
+                self._next(begun, given)
 
-    def _next(self, begun: deque[int]) -> int:
+    def _next(self, begun: deque[int], worlds: Sequence[World]) -> int:
         """Waits for a world, or steps the last one if nobody has begun it; returns its place."""
-        done = int(self._slots[begun[0], DONE])
-        if not native_lock.take(done, waits=False):
-            if step_if_free(LOCKS[0], self._slots, begun[-1]):
-                return begun.pop()
-            native_lock.take(done)
-        return begun.popleft()
-
-    def _ring(self) -> None:
-        _ring(self._bells)
+        first, last = begun[0], begun[-1]
+        done = int(self._slots[first, DONE])
+        is_done = native_lock.take(done, waits=False)
+        if not is_done and step_if_free(LOCKS[0], self._slots, last):
+            place = begun.pop()
+        else:
+            place = begun.popleft()
+            if not is_done:
+                native_lock.take(done)
+        worlds[place].take(int(self._slots[place, ENDED]))
+        return place
 
 
 def _ring(bells: Sequence[NDArray[np.int64]]) -> None:
