@@ -8,7 +8,7 @@ import tempfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -32,6 +32,8 @@ with _kept_out("coverage", "scipy.linalg", "yaml"):
 numba.np.arraymath._HAVE_BLAS = True  # noqa: SLF001 - kernels of others find it when they need it
 
 IS_COMPILED = not numba.config.DISABLE_JIT
+
+_kept: list[object] = []  # as long as C may call them
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -126,8 +128,21 @@ def inlined(function: F) -> F:
 def entry(compiled: Callable[[int], None]) -> int:
     """Returns the address of a kernel void(int64); C calls it as int (result, error, argument)."""
     made: Any = compiled  # a dispatcher, of one signature
+    if not IS_COMPILED:
+        return _entry_of(compiled)
     (of,) = made.overloads.values()
     return int(of.library.get_pointer_to_function(of.fndesc.llvm_func_name))
+
+
+@cache
+def _entry_of(function: Callable[[int], None]) -> int:
+    def call(_: object, __: object, argument: int) -> int:
+        function(argument)
+        return 0
+
+    kinds = ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64
+    _kept.append(made := ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(call))
+    return ctypes.cast(made, ctypes.c_void_p).value or 0
 
 
 def symbol(name: str, address: int) -> Callable[[], int]:
@@ -182,3 +197,7 @@ def native(*kinds: type, answers: bool = False) -> Callable[[int, Sequence[int]]
 
     made: Callable[[int, Sequence[int]], Any] = numba.extending.intrinsic(typed)
     return made
+
+
+# Calls a kernel by its `entry`, with the addresses of a result and an error, and what it takes.
+run_entry = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base import native_lock
-from harness.base.compiled import kernel, native
+from harness.base.compiled import entry, kernel, native, run_entry
 from harness.base.native_lock import release_natively, take_natively
 from harness.physics.contacts import ContactWatch
 from harness.physics.stepping import Span
+from harness.physics.stepping_record import BEGIN, END, ENDED, IS_BEGUN, RECORD
 from harness.physics.steps_kernel import advance, begin_step, is_wrong
 
 OVER = -1  # instead of where to end: the thread is to end
@@ -21,8 +22,8 @@ LONGEST = 10_000  # times that a core is offered to others before one sleeps: so
 TAKEN_NS = 20_000  # from one offer to the next: others have taken the core, and want it
 UNDER_WAY, GOES_ON = -1, -2  # instead of whether a step is begun: nothing has landed
 DUE, DONE = 1, 2  # an errand
+NEXT = ENDED + 1  # behind what `advance` takes
 
-_run = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)  # a kernel, as numba calls them
 _yield, _tell_time = native(), native(ctypes.c_int, ctypes.c_void_p)
 CLOCK = getattr(time, "CLOCK_MONOTONIC", 0)
 _SYSTEM = 0, 0  # the addresses of sched_yield and clock_gettime
@@ -46,7 +47,7 @@ def stay_awake(steps: NDArray[np.int64], is_under_way: bool, system: tuple[int, 
     clock = np.zeros(2, np.int64)  # seconds and nanoseconds
     before = np.int64(0)
     for tries in range(LONGEST):
-        if (steps[3] < 0) != is_under_way:
+        if (steps[NEXT] < 0) != is_under_way:
             return
         _yield(system[0], ())
         _tell_time(system[1], (CLOCK, clock.ctypes.data))
@@ -56,42 +57,40 @@ def stay_awake(steps: NDArray[np.int64], is_under_way: bool, system: tuple[int, 
         before = now
 
 
-@kernel("void(UniTuple(int64, 4), UniTuple(int64, 2), int64[::1], int64[:,::1], int64)")
+@kernel("void(UniTuple(int64, 5), UniTuple(int64, 2), int64[::1], int64[:,::1])")
 def serve(
-    locks: tuple[int, int, int, int],
+    addresses: tuple[int, int, int, int, int],
     system: tuple[int, int],
     steps: NDArray[np.int64],
     errands: NDArray[np.int64],
-    stepping: int,
 ) -> None:
     """Advances whenever the first lock is released, then releases the second; ends at OVER.
 
     Args:
-        locks: The two locks, and the addresses of what takes and what releases them.
+        addresses: Of the two locks, of what takes and what releases them, of the `entry` of `advance`.
         system: As `stay_awake` has it, to wait awake; zeros to sleep.
-        steps: Where to begin and to end, and steps of a tick, as `advance` has them; GOES_ON to begin
-            the step after them, too, if all is well, or else UNDER_WAY. Afterwards where it ended comes
-            first, and last 1 if that step is begun, or else 0.
+        steps: What `advance` takes, of a record whose contacts are known; then GOES_ON to begin the step
+            after them, too, if all is well, or else UNDER_WAY. Afterwards where it ended comes
+            last but one, and last 1 if that step is begun, or else 0.
         errands: Of each that may be due: as `Errand.passed` has it, and DUE, which becomes DONE if all
             steps could be made.
-        stepping: What `advance` takes beside them; contacts must be known.
     """
     is_begun, result = False, np.zeros(1, np.int64)  # of a kernel: None, and no error
     while True:
-        take_natively(locks[2], locks[0], 1)
-        if steps[1] == OVER:
+        take_natively(addresses[2], addresses[0], 1)
+        if steps[END] == OVER:
             return
-        end = steps[1]
-        steps[0] = advance(stepping, (steps[0], end, steps[2], int(is_begun)))
+        steps[IS_BEGUN] = int(is_begun)
+        run_entry(addresses[4], (result.ctypes.data, result.ctypes.data, steps.ctypes.data))
         for row in range(errands.shape[0]):
-            if errands[row, 2] == DUE and steps[0] == end:
-                _run(errands[row, 0], (result.ctypes.data, result.ctypes.data, errands[row, 1]))
+            if errands[row, 2] == DUE and steps[ENDED] == steps[END]:
+                run_entry(errands[row, 0], (result.ctypes.data, result.ctypes.data, errands[row, 1]))
                 errands[row, 2] = DONE
-        is_begun = steps[3] == GOES_ON and not is_wrong(stepping)
-        steps[3] = int(is_begun)
-        release_natively(locks[3], locks[1])
+        is_begun = steps[NEXT] == GOES_ON and not is_wrong(steps[RECORD])
+        steps[NEXT] = int(is_begun)
+        release_natively(addresses[3], addresses[1])
         if is_begun:  # meanwhile somebody decides what is commanded
-            begin_step(stepping)
+            begin_step(steps[RECORD])
             if system[0]:
                 stay_awake(steps, False, system)
 
@@ -127,12 +126,13 @@ class Aside:
     def __init__(
         self, span: Span, contacts: ContactWatch, *, errands: int = 0, awake: bool = False
     ) -> None:
-        self._steps, rows = np.zeros(4, np.int64), np.zeros((errands, 3), np.int64)
+        self._steps, rows = np.zeros(NEXT + 1, np.int64), np.zeros((errands, 3), np.int64)
+        self._steps[RECORD] = span.passed(contacts)
         self._free, self._errands = list(rows), dict[Errand, NDArray[np.int64]]()
         self._locks = native_lock.taken_lock(), native_lock.taken_lock()
         self._system = _SYSTEM if awake else (0, 0)
-        locks = (*self._locks, native_lock.ACQUIRE, native_lock.RELEASE)
-        args = locks, self._system, self._steps, rows, span.passed(contacts)
+        addresses = (*self._locks, native_lock.ACQUIRE, native_lock.RELEASE, entry(advance))
+        args = addresses, self._system, self._steps, rows
         self._thread = threading.Thread(target=serve, args=args, daemon=True)
         self._thread.start()
 
@@ -151,7 +151,8 @@ class Aside:
             per_tick: Steps of a tick.
             goes_on: Whether to begin the step after them, too; the next launch waits until it is begun.
         """
-        self._steps[:] = 0, steps, per_tick, GOES_ON if goes_on else UNDER_WAY
+        self._steps[BEGIN:IS_BEGUN] = 0, steps, per_tick
+        self._steps[NEXT] = GOES_ON if goes_on else UNDER_WAY
         native_lock.release(self._locks[0])
 
     def land(self) -> int:
@@ -161,12 +162,12 @@ class Aside:
         native_lock.take(self._locks[1])
         for errand, row in self._errands.items():
             errand.is_done, row[2] = bool(row[2] == DONE), 0
-        return int(self._steps[0])
+        return int(self._steps[ENDED])
 
     @property
     def has_begun(self) -> bool:
         """Whether the step after those that have landed is begun; False while they are under way."""
-        return int(self._steps[3]) == 1
+        return int(self._steps[NEXT]) == 1
 
     def close(self) -> None:
         """Ends the thread, which must have landed; nothing is launched any more."""

@@ -19,12 +19,11 @@ from harness.physics.contacts import ContactWatch
 from harness.physics.crowd import Crowd
 from harness.physics.health import check_health, check_place
 from harness.physics.passed_over import obstacles_of
-from harness.physics.pool import Offer
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
 from harness.physics.soil import soil_bed
 from harness.physics.start import spawn_pose
-from harness.physics.stepping import Span
+from harness.physics.stepping import Offer, Span
 from harness.physics.stepping_record import SPAN
 from harness.physics.world_geoms import soil_ground
 from harness.robots.model import keep_mujoco_quiet
@@ -203,7 +202,7 @@ class Physics:
         self._prepare(watched=False)
         self._hold(ticks[0])
         per_tick = self.steps_per_tick
-        return Offer(self._span.passed(self.contacts), len(ticks) * per_tick, per_tick)
+        return Offer(self._span.passed(self.contacts), 0, len(ticks) * per_tick, per_tick)
 
     def take(self, ended: int) -> None:
         """Takes note of where the steps ended that were offered, for the next `run`."""

@@ -1,13 +1,33 @@
 """The clock ticks that are simulated in one go: what is commanded before, what each was like after."""
 
+from typing import NamedTuple
+
 import mujoco
 import numpy as np
 
 from harness.base.passing import fill, filled
 from harness.physics.contacts import ContactWatch
 from harness.physics.passed_over import PassedOver
-from harness.physics.stepping_record import CONTACTS, OWN, SPAN, STATE, STEPPING, Doubles, Integers
+from harness.physics.stepping_record import (
+    CONTACTS,
+    ENDED,
+    OWN,
+    SPAN,
+    STATE,
+    STEPPING,
+    Doubles,
+    Integers,
+)
 from harness.physics.steps_kernel import addresses, advance, is_wrong
+
+
+class Offer(NamedTuple):
+    """What `steps_kernel.advance` takes of a world, and any thread may have done."""
+
+    record: int
+    begin: int
+    end: int
+    per_tick: int
 
 
 class Span:
@@ -55,6 +75,8 @@ class Span:
         self._kept = dict(zip(OWN, own, strict=True))
         self._passed = filled(STEPPING, self._kept, {})
         self._address = int(self._passed.ctypes.data)
+        self._steps = np.zeros(ENDED + 1, np.int64)
+        self._steps_at = int(self._steps.ctypes.data)
         self._watched: tuple[object, object] = None, None
 
     def advance(self, steps: tuple[int, int, int], watch: ContactWatch) -> int:
@@ -69,14 +91,16 @@ class Span:
         """
         step, end, per_tick = steps
         while True:
-            step = advance(self.passed(watch), (step, end, per_tick, 0))
+            self._steps[:] = self.passed(watch), step, end, per_tick, 0, 0
+            advance(self._steps_at)
+            step = int(self._steps[ENDED])
             if step >= 0:
                 return step
             step = -step
             watch.look((step - 1) // per_tick)
 
     def passed(self, watch: ContactWatch) -> int:
-        """Returns the address of what `steps_kernel.advance` takes, as long as both are kept."""
+        """Returns the address of its record, which is right as long as both are kept."""
         contacts, watched = self._watched
         if watch.contacts is not contacts or watch.watched is not watched:
             self._watched = watch.contacts, watch.watched

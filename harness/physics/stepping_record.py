@@ -44,6 +44,11 @@ CONTACTS = (
 )
 STEPPING = layout((*OWN, *CONTACTS))
 
+# What `steps_kernel.advance` takes, as integers: the address of a record; where to begin and to end,
+# counted from the first tick's first step; steps of a tick; 1 after `begin_step`, else 0. Then where it
+# ended, counted alike; negative after a touch before contacts are known.
+RECORD, BEGIN, END, PER_TICK, IS_BEGUN, ENDED = range(6)
+
 _passed = reader(STEPPING)
 
 

@@ -10,12 +10,15 @@ from functools import cache
 from pathlib import Path
 
 import mujoco
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel, native
+from harness.base.passing import pointer
 from harness.physics.passed_over import pass_over, restore
 from harness.physics.stepping_record import (
+    ENDED,
     Contacts,
     Doubles,
     Integers,
@@ -160,23 +163,19 @@ def _is_wrong(health: tuple[NDArray[np.int32], Doubles], qpos: Doubles) -> bool:
 
 @kernel("boolean(int64)")
 def is_wrong(stepping: int) -> bool:
-    """Returns whether there are warnings, or a rover left its fence; takes what `advance` does."""
+    """Returns whether there are warnings, or a rover left its fence; takes the address of a record."""
     return _is_wrong(health_at(stepping), state_at(stepping)[0])
 
 
-@kernel("int64(int64, UniTuple(int64, 4))")
-def advance(stepping: int, steps: tuple[int, int, int, int]) -> int:
+@kernel("void(int64)")
+def advance(steps: int) -> None:
     """Steps to the end, or until something is wrong after a tick, or a touch before contacts are known.
 
     Args:
-        stepping: Address of a record, as `stepping_record.STEPPING` has it.
-        steps: Where to begin and to end, counted from the first tick's first step; steps of a tick; 1
-            after `begin_step`, else 0.
-
-    Returns:
-        Where it ended, counted as in `steps`; negative after such a touch.
+        steps: Address of integers in the order of `stepping_record.RECORD` and what follows it.
     """
-    begin, end, per_tick, is_begun = steps
+    row = numba.carray(pointer(steps), ENDED + 1, np.int64)
+    stepping, begin, end, per_tick, is_begun = row[0], row[1], row[2], row[3], row[4]
     (force, step_whole, _, step_second, model, data), ended = pointers_at(stepping), end
     control, health, (sensors, sums) = motors_at(stepping), health_at(stepping), felt_at(stepping)
     state, record, obstacles = state_at(stepping), ticks_at(stepping), obstacles_at(stepping)
@@ -202,7 +201,7 @@ def advance(stepping: int, steps: tuple[int, int, int, int]) -> int:
             ended = -(step + 1)
             break
     restore(obstacles)
-    return ended
+    row[ENDED] = ended
 
 
 @inlined
@@ -210,7 +209,7 @@ def begin_step(stepping: int) -> None:
     """Does the half of the next step that needs no commands, mj_step1; `advance` goes on from there.
 
     Until then the friction of the model must stay as it is, and obstacles that are passed over stay so.
-    It takes what `advance` does.
+    It takes the address of a record.
     """
     state, pointers = state_at(stepping), pointers_at(stepping)
     pass_over(obstacles_at(stepping), state[0], state[1])

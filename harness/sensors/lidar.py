@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.compiled import IS_COMPILED, entry
+from harness.base.compiled import entry
 from harness.physics.aside import Errand
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
@@ -102,8 +102,8 @@ class LidarSensor(Sensor):
 
     @property
     def errand(self) -> ScanAside | None:
-        """The scan; None where meshes may be met, or where nothing is compiled."""
-        if self._aside is None and not self._lidar.surroundings.has_meshes and IS_COMPILED:
+        """The scan; None where meshes may be met."""
+        if self._aside is None and not self._lidar.surroundings.has_meshes:
             self._aside = self._lidar.aside(self._simulation.model)
         return self._aside
 
