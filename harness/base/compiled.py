@@ -175,7 +175,8 @@ def native(*kinds: type, answers: bool = False) -> Callable[[int, Sequence[int]]
     """
     if not IS_COMPILED:
         returned = ctypes.c_int if answers else None
-        return lambda address, args: ctypes.CFUNCTYPE(returned, *kinds)(address)(*args)
+        made_of = ctypes.CFUNCTYPE(returned, *kinds)
+        return lambda address, args: made_of(int(address))(*map(int, args))
 
     def typed(_: object, address: object, args: object) -> tuple[object, object]:
         def generate(context: Any, builder: Any, _: object, given: Any) -> object:  # noqa: ANN401
