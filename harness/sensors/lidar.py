@@ -34,8 +34,9 @@ class Lidar:
     ) -> None:
         self.spec = spec
         self._site = model.site(site).id
-        self.surroundings = Surroundings(model, others)
+        self.surroundings, self._model = Surroundings(model, others), model
         self._fan, self._pose = self._bundle(), np.empty((4, 3))
+        self._passed: tuple[mujoco.MjData | None, int] = None, 0
 
     def _bundle(self) -> RayBundle:
         angles = self.spec.angles
@@ -49,12 +50,18 @@ class Lidar:
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
 
-        +inf: nothing within range_max; -inf: something nearer than range_min. The poses in `data`
-        must be those of its qpos: after mj_step, call mj_kinematics first.
+        +inf: nothing within range_max; -inf: something nearer than range_min. The poses in `data` become
+        those of its qpos: after mj_step they are one step old.
         """
-        pose = self._pose
-        pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
-        return self.coded(self._fan.cast(data, pose))
+        if self.surroundings.has_meshes:
+            pose = self._pose
+            mujoco.mj_kinematics(self._model, data)
+            pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
+            return self.coded(self._fan.cast(data, pose))
+        if self._passed[0] is not data:
+            self._passed = data, self._fan.passed_at(self._site, self._model, data)
+        cast_rays_of(self._passed[1])
+        return self.coded(self._fan.distances)
 
     def coded(self, distances: NDArray[np.float64]) -> NDArray[np.float32]:
         """Returns distances [m] as ranges of a scan: -inf below range_min; the argument changes, too."""
@@ -113,5 +120,4 @@ class LidarSensor(Sensor):
         if aside is not None and aside.is_done:
             aside.is_done = False
             return LaserScan(simulation.time_ns, self._lidar.coded(aside.rays.distances))
-        mujoco.mj_kinematics(simulation.model, simulation.data)  # poses are one step old
         return LaserScan(simulation.time_ns, self._lidar.scan(simulation.data))

@@ -37,28 +37,28 @@ class ImuSensor(Sensor):
         self._steps = 0  # in the window so far
         force, rate = (simulation.felt(name) for name in ("imu_accelerometer", "imu_gyro"))
         self._felt = np.r_[force, rate]
-        self._sum = np.zeros(6)
+        self._sum = [0.0] * 6
         self._mounting = simulation.model.site(simulation.scene.own("imu")).quat.copy()
         self._attitude = np.empty(4)
 
     def observe(self, sums: NDArray[np.float64]) -> None:
         """Adds ticks that have just been simulated to the window, one after the other."""
-        for values in sums[:, self._felt]:
-            self._sum += values
+        for values in sums[:, self._felt].tolist():  # lists are faster than arrays as small as this
+            self._sum = [total + value for total, value in zip(self._sum, values, strict=True)]
         self._steps += self._simulation.steps_per_tick * len(sums)
 
     def read(self) -> Imu:
         """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
         mujoco.mju_mulQuat(self._attitude, self._simulation.pose[3:], self._mounting)
         w, x, y, z = self._attitude.tolist()
-        fx, fy, fz, wx, wy, wz = (self._sum / self._steps).tolist()
+        fx, fy, fz, wx, wy, wz = (total / self._steps for total in self._sum)
         reading = Imu(self._simulation.time_ns, (x, y, z, w), (wx, wy, wz), (fx, fy, fz))
         self.after_reset()
         return reading
 
     def after_reset(self) -> None:
         """Starts a new window; what is in the present one is never read."""
-        self._sum.fill(0.0)
+        self._sum = [0.0] * 6
         self._steps = 0
 
 
