@@ -14,7 +14,7 @@ pytest.importorskip("viser", reason="needs the extra [live]")
 
 from harness.base.interrupt import StopRequest
 from harness.episode.direct import run_direct
-from harness.episode.helm import Given, Helm
+from harness.episode.helm import Helm, Order
 from harness.episode.result import Outputs
 from harness.live.page import LivePage
 from harness.robots import find_rover
@@ -29,6 +29,18 @@ FLEET = ("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=2.5")
 PERIODS = 45  # of 50 ms: two rows
 
 
+class Told(Helm):
+    """A helm that keeps what is ordered."""
+
+    def __init__(self) -> None:
+        super().__init__(None, StopRequest())
+        self.ordered: list[Order] = []
+
+    def order(self, number: int, order: Order) -> None:
+        super().order(number, order)
+        self.ordered.append(order)
+
+
 class Session:
     """A paused run of two rovers, and who looks at its page; `steps` goes on where the run waits."""
 
@@ -36,7 +48,7 @@ class Session:
         run = Run.of(terrain="rolling", duration=4.0, lidar_beams=36, driver="wander")
         self.run = run.but(rovers=parse_rovers(FLEET, run.rover))
         self.logs = [folder / rover.name for rover in self.run.rovers]
-        self.helm = Helm(None, StopRequest())
+        self.helm = Told()
         self.helm.paused = True
 
     def drive(self) -> None:
@@ -88,40 +100,40 @@ class Session:
 
         assert watch.sight is not None
         x, y, _ = watch.sight.position
-        yield from self.ordered(number, partial(visitor.click, 1.0, -2.0))
+        yield from self.ordered(number, partial(visitor.click, 1.0, -2.0), "goal")
         self.assert_goal(x + 1.0, y - 2.0, (x, y))
 
-        yield from self.ordered(number, partial(visitor.command, "Drive backwards"))
-        command = self.last.order.command
+        yield from self.ordered(number, partial(visitor.command, "Drive backwards"), "command")
+        command = self.last.command
         assert command is not None
         assert (command.linear, command.angular) == (-rover.cruise_speed, 0.0)
-        yield from self.ordered(number, partial(visitor.press, "Let it drive by itself"))
-        assert self.last.order.driver == ""
-        yield from self.ordered(number, partial(visitor.press, "Reset"))
-        assert self.last.order.reset
+        yield from self.ordered(number, partial(visitor.press, "Let it drive by itself"), "driver")
+        assert self.last.driver == ""
+        yield from self.ordered(number, partial(visitor.press, "Reset"), "reset")
+        assert self.last.reset
 
-    def ordered(self, number: int, act: partial[None]) -> Iterator[None]:
-        """Acts, and lets periods pass until a rover has been ordered something: the chosen one."""
-        before = len(self.helm.given)
+    def ordered(self, number: int, act: partial[None], what: str) -> Iterator[None]:
+        """Acts; once that was ordered, however late, lets the period pass in which it is followed."""
+        helm, before = self.helm, (len(self.helm.ordered), len(self.helm.given))
+
+        def found() -> list[Order]:
+            return [one for one in helm.ordered[before[0] :] if getattr(one, what) not in (None, False)]
+
         act()
-        yield from self.until(lambda: len(self.helm.given) > before, self.helm.step)
-        assert {each.number for each in self.helm.given[before:]} == {number}
+        wait_until(found)
+        self.last, *_ = found()
+        helm.step()
+        yield
+        assert {each.number for each in helm.given[before[1] :]} == {number}  # the chosen one
 
-    def until(
-        self, condition: Callable[[], bool], meanwhile: Callable[[], object] = bool
-    ) -> Iterator[None]:
+    def until(self, condition: Callable[[], bool]) -> Iterator[None]:
         deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline
-            meanwhile()
             yield
 
-    @property
-    def last(self) -> Given:
-        return self.helm.given[-1]
-
     def assert_goal(self, x: float, y: float, of: tuple[float, float]) -> None:
-        goal = self.last.order.goal
+        goal = self.last.goal
         assert goal is not None
         assert (goal.x, goal.y) == pytest.approx((x, y), abs=0.02)
         assert goal.yaw == pytest.approx(math.atan2(y - of[1], x - of[0]), abs=0.05)
