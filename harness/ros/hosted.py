@@ -10,7 +10,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import SPIN_TIMEOUT, spin_until
+from harness.ros.context import spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import Thresholds
@@ -24,7 +24,7 @@ class HostedMetrics:
 
     Args:
         bridge: Publishes to it.
-        node: The node; one executor spins both.
+        node: The node; the bridge's executor is to spin it, too, from now on.
 
     Attributes:
         topics: Those that the node listens to and the bridge publishes; /clock is not among them.
@@ -33,9 +33,9 @@ class HostedMetrics:
 
     def __init__(self, bridge: Bridge, node: MetricsNode) -> None:
         self._executor, self.node = bridge.executor, node
-        node.host()
         self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_channel, self._clocks_before = bridge.clock_channel, node.clocks
+        self._take = node.host(channel.topic for channel in (*self._channels, self._clock_channel))
         self.topics = tuple(channel.topic for channel in self._channels)
         self.lost = dict.fromkeys((*self.topics, self._clock_channel.topic), 0)
 
@@ -79,12 +79,18 @@ class HostedMetrics:
     def make_room(self, channels: Sequence[Channel]) -> None:
         """Returns at once: nothing of it waits between two ticks."""
 
-    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002 - it counts
-        """Spins until the counts agree; gives up what does not come.
+    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:
+        """Has the node handle what has gone out until the counts agree; gives up what does not come.
+
+        Args:
+            channels: On which something has just gone out: mostly it has arrived with that.
 
         Raises:
             RunFailed: Messages arrived that this run did not send.
         """
+        for channel in channels:
+            if (take := self._take.get(channel.topic)) is not None:
+                take()
         deadline, overdue = time.monotonic() + PATIENCE, False
         while missing := self._missing():
             if overdue:
@@ -92,13 +98,13 @@ class HostedMetrics:
                     self.lost[topic] += count
                 return
             overdue = time.monotonic() > deadline  # who was stopped for long has yet to look what came
-            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-            for _ in range(sum(missing.values()) - 1):  # a spin serves one message
-                self._executor.spin_once(timeout_sec=0.0)
+            self._executor.spin_once(timeout_sec=0.0)  # with nothing to be served it naps
+            for topic in missing:
+                self._take[topic]()
 
     def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - it counts
-        """Spins until the node has taken the time, at which it serves its timer; as for samples."""
-        self.wait_for_samples()
+        """Has the node take the time, at which it serves its timer; as for samples."""
+        self.wait_for_samples((self._clock_channel,))
 
     def _missing(self) -> dict[str, int]:
         """How many messages are not handled yet, of each topic that has any."""

@@ -19,6 +19,7 @@ from rclpy.task import Future
 from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
+from harness.ros.context import serve_waiting
 from harness.ros.remote import RemoteNode, wait_for_answers
 
 CLOCKS = 8  # of /clock that may wait for a node; its queue holds ten
@@ -123,7 +124,7 @@ class RemoteNodes:
         if awaited:
             wait_for_answers(awaited, self._bridge.executor)
         else:
-            self._bridge.executor.spin_once(timeout_sec=0.0)  # takes an answer that has come
+            serve_waiting(self._bridge.executor)  # takes an answer that has come
 
     def _listeners(self, channel: Channel) -> list[RemoteNode]:
         """The nodes that listen to a topic; all while the graph does not say whose each reader is."""

@@ -111,15 +111,15 @@ class RoverNodes:
         self.navigation = Navigation(*of, truth_map=truth_map)
 
     def host_metrics(self, executor: Executor, outputs: Outputs) -> None:
-        """Starts a MetricsNode on the bridge's executor and waits until DDS has connected it.
+        """Starts a MetricsNode and waits until DDS has connected it.
 
         Raises:
             UsageError: DDS does not connect it, or its log cannot be created.
         """
         node = metrics_node(self._context, outputs, self.setup.name)
         self._at_end.callback(node.destroy_node)
-        executor.add_node(node)
         self.hosted = HostedMetrics(self.bridge, node)
+        executor.add_node(node)
         self.hosted.await_match()
 
     def begin(self, description: Description | None) -> None:

@@ -14,7 +14,7 @@ from rclpy.executors import ExternalShutdownException
 
 from harness.base.errors import RunFailed
 from harness.base.interrupt import GRACE, Overdue, StopRequest
-from harness.base.sim_time import NANOSECONDS
+from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.helm import Helm
 from harness.episode.loop import Pacer, Route, drive
@@ -22,7 +22,13 @@ from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeStream
 from harness.messages.sinks import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
-from harness.ros.context import SPIN_TIMEOUT, make_executor, ros_context, spin_until
+from harness.ros.context import (
+    SPIN_TIMEOUT,
+    make_executor,
+    ros_context,
+    serve_waiting,
+    spin_until,
+)
 from harness.ros.controls import Controls
 from harness.ros.effect import awaited_effects
 from harness.ros.hosted import heard_by
@@ -124,9 +130,10 @@ class _Session:
     ) -> tuple[RunResult, ...]:
         """Publishes the episodes tick by tick until their end, a failure or a stop request."""
         episodes = self._source.begin()  # takes its time: other runs are discovered by then
-        self._executor.spin_once(timeout_sec=0.0)
+        serve_waiting(self._executor)
         for rover, episode in zip(self.rovers, episodes, strict=True):
             rover.begin(episode.description)
+        serve_waiting(self._executor)  # who has just come gets all in its order
         accounts = [
             RunAccount(
                 RunResult(run=self._run, number=rover.number, mode=self._mode(), info=episode.info),
@@ -188,6 +195,8 @@ class _Session:
             rover.bridge.send(tick, sent, listeners=(*remotes, *rover.listeners))
             if rover is self.rovers[-1] and self._sent is not None:
                 first.publish_clock(self._sent, listeners=everybody, others=others)
+                if tick.stamp_ns % CONTROL_PERIOD_NS == 0:
+                    serve_waiting(self._executor)  # /cmd_vel, parameters and other services
 
         return [
             Route(rover.faults, partial(send, rover), (*output.observers, account))

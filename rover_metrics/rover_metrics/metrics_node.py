@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from datetime import datetime
 from functools import partial
@@ -15,6 +15,7 @@ try:
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
     from rclpy.parameter import Parameter
+    from rclpy.subscription import Subscription
     from std_srvs.srv import SetBool, Trigger
 
     from rover_metrics.ros.guarded_node import GuardedNode
@@ -22,7 +23,7 @@ try:
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
-    from rover_metrics.ros.subscriptions import QUEUE, subscribe
+    from rover_metrics.ros.subscriptions import QUEUE, subscribe, take_all
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
@@ -66,6 +67,8 @@ class MetricsNode(GuardedNode):
         in_lock_step: Whether a simulator waits until this node has handled what it sent.
         is_hosted: Whether it is part of a simulator's process, which waits for it too.
     """
+
+    _taken: tuple[Subscription, ...] = ()  # whose messages no executor serves
 
     def __init__(
         self,
@@ -150,10 +153,26 @@ class MetricsNode(GuardedNode):
         if self.in_lock_step:
             self.timer.serve()
 
-    def host(self) -> None:
-        """Takes note that a simulator in this process waits for it, whose clock is yet to begin."""
+    def host(self, topics: Iterable[str]) -> dict[str, Callable[[], None]]:
+        """Takes note that a simulator in this process waits for it, whose clock is yet to begin.
+
+        Args:
+            topics: Those whose messages no executor is to serve that is given the node after this.
+
+        Returns:
+            What handles the messages that have come, by topic.
+        """
         self.is_hosted = self.in_lock_step = True
         self.timer.detach()
+        own = {each.topic_name: each for each in self.subscriptions}
+        taken = {topic: own[topic] for topic in topics}
+        self._taken = tuple(taken.values())
+        return {topic: partial(take_all, subscription) for topic, subscription in taken.items()}
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """Those that an executor serves."""
+        return (each for each in super().subscriptions if each not in self._taken)
 
     def periodic_logging(self) -> None:
         """Writes a row; what a failing disk refuses waits in memory."""

@@ -12,6 +12,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
     qos_policy_name_from_kind,
 )
+from rclpy.subscription import Subscription
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros.decoding import READERS, decoded
@@ -92,6 +93,13 @@ def subscribe(
     except UnsupportedEventTypeError:  # a middleware that does not report losses
         node.create_subscription(message_type, name, handler, qos, raw=is_raw)
     return topic
+
+
+def take_all(subscription: Subscription) -> None:
+    """Handles what has come for a subscription to bytes; an executor takes three times as long."""
+    take, kind, handle = subscription.handle.take_message, subscription.msg_type, subscription.callback
+    while (taken := take(kind, True)) is not None:  # with what is known of its way
+        handle(taken[0])
 
 
 # The class of the event has another name in each distribution.
