@@ -26,7 +26,6 @@ Watched = tuple[Integers, NDArray[np.int8], Integers, Doubles]
 # position stands and the geoms do.
 Contacts = tuple[NDArray[np.int32], Doubles, NDArray[np.int32], Integers]
 
-
 STATE = ("qpos", "qvel", "qfrc_actuator")  # what of MuJoCo's is recorded at the end of a tick
 BITS = ("geom_contype", "geom_conaffinity", "body_contype", "body_conaffinity")
 OWN = (
@@ -63,12 +62,6 @@ def _bits(of: Integers) -> NDArray[np.int32]:
 
 
 @inlined
-def _pointers(of: Integers) -> tuple[int, int, int, int, int, int]:
-    p = integers(of).ravel()
-    return p[0], p[1], p[2], p[3], p[4], p[5]
-
-
-@inlined
 def _strongest(of: Integers) -> Doubles:
     strongest: Doubles = numba.carray(pointer(of[0]), (of[1], SPAN, KINDS_OF_CONTACT, FOUND), np.float64)
     return strongest
@@ -76,7 +69,7 @@ def _strongest(of: Integers) -> Doubles:
 
 @inlined
 def obstacles_at(address: int) -> PassedOver:
-    """Returns what is passed over, of a record."""
+    """Returns the obstacles of the record at an address."""
     of = _passed(address)
     return (
         doubles(of["discs"]),
@@ -95,7 +88,7 @@ def obstacles_at(address: int) -> PassedOver:
 
 @inlined
 def contacts_at(address: int) -> tuple[Contacts, Watched]:
-    """Returns contacts, and what is watched of them, of a record."""
+    """Returns the contacts of the record at an address, and what is watched of them."""
     of = _passed(address)
     return (
         (
@@ -115,27 +108,28 @@ def contacts_at(address: int) -> tuple[Contacts, Watched]:
 
 @inlined
 def pointers_at(address: int) -> Pointers:
-    """Returns the first of OWN, of a record."""
-    return _pointers(_passed(address)["pointers"])
+    """Returns the addresses of MuJoCo's functions, model and data in the record at an address."""
+    p = integers(_passed(address)["pointers"]).ravel()
+    return p[0], p[1], p[2], p[3], p[4], p[5]
 
 
 @inlined
 def health_at(address: int) -> tuple[NDArray[np.int32], Doubles]:
-    """Returns how many warnings there are of each kind, and the rovers' `Span.fence`, of a record."""
+    """Returns the warnings counted in the record at an address, of each kind, and the rovers' fences."""
     of = _passed(address)
     return integers32(of["counters"])[:, 1], doubles(of["fence"])
 
 
 @inlined
 def state_at(address: int) -> tuple[Doubles, Doubles, Doubles]:
-    """Returns STATE of a record."""
+    """Returns positions, velocities and actuator forces in the record at an address."""
     of = _passed(address)
     return _row(of["qpos"]), _row(of["qvel"]), _row(of["qfrc_actuator"])
 
 
 @inlined
 def ticks_at(address: int) -> tuple[Doubles, Doubles, Doubles]:
-    """Returns where STATE is recorded, of a record."""
+    """Returns where STATE goes at the end of each tick, (ticks, n), in the record at an address."""
     of = _passed(address)
     return (
         doubles(of["qpos of ticks"]),
@@ -146,13 +140,13 @@ def ticks_at(address: int) -> tuple[Doubles, Doubles, Doubles]:
 
 @inlined
 def motors_at(address: int) -> tuple[Doubles, Integers, Doubles]:
-    """Returns controls, which of them are commanded, and to what, of a record."""
+    """Returns controls in the record at an address, which of them are commanded, and to what."""
     of = _passed(address)
     return _row(of["controls"]), integers(of["motors"]).ravel(), doubles(of["commands"])
 
 
 @inlined
 def felt_at(address: int) -> tuple[Doubles, Doubles]:
-    """Returns sensor values, and where their sums come, of a record."""
+    """Returns sensor values in the record at an address, and where their sums come."""
     of = _passed(address)
     return _row(of["sensors"]), doubles(of["sums"])

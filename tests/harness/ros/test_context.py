@@ -1,13 +1,17 @@
-"""Spinning until something holds, on a clock of the test's own."""
+"""Spinning until something holds, on a clock of the test's own, and what waits, with real executors."""
 
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from harness.ros.context import spin_until, spin_until_quiet
+from std_msgs.msg import Empty
+
+from harness.ros.context import make_executor, serve_waiting, spin_until, spin_until_quiet
+from tests.support.ros import Ros
+from tests.support.waiting import PATIENCE
 
 
 @pytest.mark.parametrize(
@@ -49,3 +53,23 @@ def test_patience_is_of_time_in_which_this_process_runs(
 
     executor: Any = SimpleNamespace(spin_once=spin_once)
     assert spin_until(executor, lambda: clock[0] > comes, 5.0) == came
+
+
+@pytest.mark.parametrize("time_jumps", [False, True])
+def test_all_that_waits_is_served_by_either_executor(ros: Ros, *, time_jumps: bool) -> None:
+    heard: list[str] = []
+    with make_executor(ros.context, time_jumps=time_jumps) as executor:
+        node = rclpy.create_node("someone", context=ros.context, enable_rosout=False)
+        executor.add_node(node)
+        ways = {name: node.create_publisher(Empty, name, 10) for name in "ab"}
+        for name in ways:
+            node.create_subscription(Empty, name, lambda _, name=name: heard.append(name), 10)
+        assert spin_until(
+            executor, lambda: all(w.get_subscription_count() for w in ways.values()), PATIENCE
+        )
+        serve_waiting(executor)  # from now on it knows who is new
+        for name in "aba":
+            ways[name].publish(Empty())
+        serve_waiting(executor)
+        assert sorted(heard) == ["a", "a", "b"]
+        node.destroy_node()
