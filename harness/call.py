@@ -105,9 +105,8 @@ def _find(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, s
         services.update((name, kinds[0]) for name, kinds in known if kinds[0] in TYPES)
         return wanted in services if wanted else bool(services)
 
-    if (
-        spin_until(executor, look, PATIENCE) and wanted is None
-    ):  # others may be found later than the first
+    is_found = spin_until(executor, look, PATIENCE)
+    if is_found and wanted is None:  # others may be found later than the first
         spin_until_quiet(executor, lambda: look() and len(services), LOOK, PATIENCE)
     return services
 

@@ -1,20 +1,14 @@
-"""Files: whether one can be written, before the run; whole or not at all; what is made of them."""
+"""Files that are written: whether one can be, found out before the run; whole or not at all."""
 
 import os
 import tempfile
-from collections.abc import Callable, Iterable
-from functools import lru_cache, wraps
 from pathlib import Path
-from typing import ParamSpec, TypeVar
 
 from harness.base.errors import HarnessError, UsageError
 from rover_metrics.log.files import whole_file
 
-__all__ = ["BESIDE", "check_target", "made_of_files", "modified_ns", "whole_file", "write_whole"]
+__all__ = ["BESIDE", "check_target", "whole_file", "write_whole"]
 
-P = ParamSpec("P")
-T = TypeVar("T")
-Files = Iterable[Path | str]
 BESIDE = Path()  # in place of a file: beside the log of a run, under its name
 
 
@@ -60,38 +54,3 @@ def check_target(flag: str, target: Path, suffix: str = "") -> None:
     except OSError as error:
         message = f"{flag} {target} cannot be written: {error.strerror}; choose another place"
         raise UsageError(message) from error
-
-
-def made_of_files(size: int) -> Callable[[Callable[P, tuple[T, Files]]], Callable[P, T]]:
-    """Decorates what makes something of files, so that it is made anew only when one of them changes.
-
-    Args:
-        size: How many results are kept, by the arguments.
-
-    Returns:
-        A decorator of functions that return what they make, and every file that they have read.
-    """
-
-    def decorate(make: Callable[P, tuple[T, Files]]) -> Callable[P, T]:
-        @lru_cache(maxsize=size)
-        def kept(*args: P.args, **kwargs: P.kwargs) -> tuple[T, tuple[Path, ...], list[int]]:
-            made, read = make(*args, **kwargs)
-            files = tuple(map(Path, read))
-            return made, files, [*map(modified_ns, files)]
-
-        @wraps(make)
-        def current(*args: P.args, **kwargs: P.kwargs) -> T:
-            made, files, written = kept(*args, **kwargs)  # type: ignore[arg-type]  # all are hashable
-            if written != [*map(modified_ns, files)]:
-                kept.cache_clear()
-                made, *_ = kept(*args, **kwargs)  # type: ignore[arg-type]
-            return made
-
-        return current
-
-    return decorate
-
-
-def modified_ns(path: Path) -> int:
-    """Returns when a file was last written [ns]; 0 if there is none."""
-    return path.stat().st_mtime_ns if path.exists() else 0

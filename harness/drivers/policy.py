@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, find_named
-from harness.base.files import Files, made_of_files
+from harness.base.made_of_files import Files, made_of_files
 from harness.drivers import point_nav
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.beeline import Beeline

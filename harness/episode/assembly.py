@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from harness.base.errors import UsageError, find_named
-from harness.base.files import Files, made_of_files
+from harness.base.made_of_files import Files, made_of_files
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.encounters import StagedEncounter
 from harness.faults.actuation import WHEEL, ActuatorFaults

@@ -104,6 +104,7 @@ class RoverVectorEnv(ManyRovers):
             env.close()
         if self._pool is not None:
             self._pool.close()
+            self._pool = None  # its locks are gone: who steps on does the physics alone
 
     def _stepped(self) -> list[int]:
         """The environments that a step drives; with NEXT_STEP, those that ended begin anew instead."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
-from harness.base.files import modified_ns
+from harness.base.made_of_files import modified_ns
 from harness.episode.assembly import actor_names
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover

@@ -111,7 +111,7 @@ class Pool:
             The place of each, as they come, in any order; those that offer nothing come first.
         """
         self._settle()
-        self._worlds, alone = [], list[int]()
+        alone = list[int]()
         try:
             for place, world in enumerate(worlds):
                 self._worlds.append(world)
@@ -133,6 +133,7 @@ class Pool:
         """Has those stepped to the end that somebody who stopped in between left behind."""
         for _ in self._ended():
             pass
+        self._worlds = []  # which may be large, and over
 
     def _ended(self) -> Iterator[int]:
         """Yields the places of worlds that are begun, as they are stepped by whomever."""

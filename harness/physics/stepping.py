@@ -22,7 +22,14 @@ from harness.physics.steps_kernel import addresses, advance, is_wrong
 
 
 class Offer(NamedTuple):
-    """What `steps_kernel.advance` takes of a world, and any thread may have done."""
+    """Steps of a world that any thread may do, as `steps_kernel.advance` takes them.
+
+    Attributes:
+        record: The address of what is stepped.
+        begin: The step to begin with, counted from the first tick's first one.
+        end: The step to end before, counted alike.
+        per_tick: Steps of a tick.
+    """
 
     record: int
     begin: int

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.base.files import Files, made_of_files
+from harness.base.made_of_files import Files, made_of_files
 from harness.spec.actor import NAME, SUFFIXES, ActorOptions, ActorSpec
 from harness.world.actors.route import LONGEST_ROUTE, Point
 from harness.world.sdf.document import Document, Person

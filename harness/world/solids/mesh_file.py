@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError, find_named
-from harness.base.files import Files, made_of_files
+from harness.base.made_of_files import Files, made_of_files
 from harness.spec.world import MESH_UNITS
 from harness.world.sdf.reader import DEEPEST, parse_xml
 from rover_metrics.number import number

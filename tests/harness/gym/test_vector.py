@@ -152,3 +152,5 @@ def test_mistakes_with_many_episodes_are_told_in_a_line(small: dict[str, Any]) -
     envs.close()
     envs.close()
     assert threading.active_count() == threads
+    envs.step(actions)  # alone
+    assert [env.steps for env in envs.envs] == [2, 2]
