@@ -27,7 +27,7 @@ with needing_ros():
     import rclpy
     from geometry_msgs.msg import PoseArray, PoseStamped, Twist
     from nav_msgs.msg import Odometry as OdometryMessage
-    from rclpy.executors import ExternalShutdownException
+    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import Imu as ImuMessage
@@ -41,6 +41,7 @@ from harness.drivers.policy import Policy, read_policy
 from harness.robots import RoverSpec, find_rover
 from rover_metrics.ros.arguments import complaint, refusal, split_ros_args
 from rover_metrics.ros.guarded_node import GuardedNode
+from rover_metrics.ros.program import spin
 from rover_metrics.topics import quaternion, stamp_ns, vector
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -134,7 +135,9 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
     try:
         with suppress(KeyboardInterrupt, ExternalShutdownException):
-            rclpy.spin(PolicyNode(policy, rover, options.goal))
+            executor = SingleThreadedExecutor()
+            executor.add_node(PolicyNode(policy, rover, options.goal))
+            spin(executor)
     finally:
         rclpy.try_shutdown()
     return 0

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.exceptions import NameValidationException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 try:
@@ -24,7 +24,7 @@ from rover_metrics.errors import RoverMetricsError, StartError
 from rover_metrics.ros.arguments import check_words, complaint, refusal
 
 HAS_EVENTS_EXECUTOR = EventsExecutor is not SingleThreadedExecutor
-SPIN_TIMEOUT = 0.2  # [s]: EventsExecutor notices a signal only between two spins
+SPIN_TIMEOUT = 0.2  # [s]: how long one spin may block; a signal is answered between two
 
 
 def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
@@ -93,10 +93,25 @@ def _spin(node: Node, executors: ExitStack) -> None:
 
 def _spin_by_one_executor(node: Node, executors: ExitStack, *, in_lock_step: bool) -> None:
     """Returns when the node's lock-step has begun or ended, or ROS is shut down."""
-    timeout = SPIN_TIMEOUT if in_lock_step else None
     executor = executors.enter_context(EventsExecutor() if in_lock_step else SingleThreadedExecutor())
     executor.add_node(node)
-    while rclpy.ok() and node.in_lock_step is in_lock_step:
-        executor.spin_once(timeout_sec=timeout)
+    spin(executor, lambda: node.in_lock_step is in_lock_step)
     if rclpy.ok():
         executors.close()  # another one follows
+
+
+def spin(executor: Executor, goes_on: Callable[[], bool] = lambda: True) -> None:
+    """Spins until ROS is shut down, by a signal for instance, or something says that it does not go on.
+
+    `rclpy.spin` may block for ever after a signal: rclpy wakes whoever waits first and shuts its context
+    down afterwards, so that he finds ROS up and waits again. EventsExecutor is not woken at all.
+
+    Args:
+        executor: Has the node.
+        goes_on: Is asked before each spin.
+
+    Raises:
+        ExternalShutdownException: ROS was shut down within a spin.
+    """
+    while executor.context.ok() and goes_on():
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)

@@ -154,7 +154,7 @@ def test_a_node_that_is_stopped_ends_well(
     end: type[BaseException],
 ) -> None:
     made = Mock(wraps=PolicyNode)
-    monkeypatch.setattr("harness.gym.policy_node.rclpy.spin", Mock(side_effect=end))
+    monkeypatch.setattr("harness.gym.policy_node.spin", Mock(side_effect=end))
     monkeypatch.setattr("harness.gym.policy_node.PolicyNode", made)
     write_policy(tmp_path / "small.npz", policy)
     words = [str(tmp_path / "small.npz"), "--goal", "3,-1", "--robot", "rover_zero4wd"]

@@ -1,5 +1,6 @@
 """How a node's program ends when its executor does what a test says."""
 
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -7,6 +8,8 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 import rclpy
+import rclpy.executors
+from rclpy.context import Context
 
 from rover_metrics.ros import program
 
@@ -22,7 +25,7 @@ class Stage:
         self.errors: dict[str, BaseException] = {}
         monkeypatch.setattr(rclpy, "init", lambda *, args: self.happen("init", args))
         monkeypatch.setattr(rclpy, "try_shutdown", lambda: self.happen("shutdown ROS"))
-        monkeypatch.setattr(rclpy, "ok", lambda: self.ros_is_up)
+        monkeypatch.setattr(rclpy, "ok", self.ok)
         monkeypatch.setattr(program, "SingleThreadedExecutor", lambda: self.happen("standard executor"))
         monkeypatch.setattr(program, "EventsExecutor", lambda: self.happen("events executor"))
         self.in_lock_step = False
@@ -34,6 +37,13 @@ class Stage:
             raise self.errors[what]
         return self
 
+    @property
+    def context(self) -> "Stage":
+        return self
+
+    def ok(self) -> bool:
+        return self.ros_is_up
+
     def make_node(self) -> Any:  # noqa: ANN401
         return self.happen("make node")
 
@@ -41,8 +51,9 @@ class Stage:
         assert node is self
         self.happen("add node")
 
-    def spin_once(self, timeout_sec: float | None) -> None:
-        self.happen("spin" if timeout_sec is None else "spin bounded")
+    def spin_once(self, timeout_sec: float) -> None:
+        assert timeout_sec > 0.0
+        self.happen("spin")
         self.ros_is_up = self.ros_is_up and bool(self.lock_steps)
         self.in_lock_step = self.lock_steps.pop(0) if self.lock_steps else False
 
@@ -71,7 +82,7 @@ def test_while_a_simulator_waits_the_faster_executor_spins_the_node(monkeypatch:
     stage = Stage(monkeypatch)
     stage.lock_steps = [False, True, True, False]
     assert stage.run() == 0
-    fast = ["shutdown executor", "events executor", "add node", *["spin bounded"] * 2]
+    fast = ["shutdown executor", "events executor", "add node", "spin", "spin"]
     standard = ["shutdown executor", "standard executor", "add node", "spin"]
     assert stage.events == [*UP, *SPUN, "spin", *fast, *standard, *DOWN]
 
@@ -92,3 +103,25 @@ def test_an_error_of_rclpy_after_a_signal_is_a_clean_end(
     failed = ("fail", f"{type(error).__name__}: {error}") in stage.events
     assert failed is (ros_is_up and where == "spin")
     assert stage.events[-1] == DOWN[-1]
+
+
+def test_a_wait_that_was_woken_before_ros_is_down_ends(ros_domain: int, monkeypatch: Patch) -> None:
+    # rclpy answers a signal in this order; whoever is quick finds ROS up, and waits once more.
+    wait_set, waits, context = rclpy.executors._rclpy.WaitSet, list[int](), Context()
+
+    def wait(self: Any, timeout_ns: int) -> None:  # noqa: ANN401 - rclpy's
+        waits.append(timeout_ns)
+        with context.handle:
+            context.handle.shutdown()
+        wait_of_rclpy(self, timeout_ns)
+
+    wait_of_rclpy = wait_set.wait
+    assert ros_domain >= 0
+    rclpy.init(args=[], context=context)
+    executor = rclpy.executors.SingleThreadedExecutor(context=context)
+    executor.add_node(rclpy.create_node("waiter", context=context))
+    executor.spin_once(timeout_sec=0.0)  # that a node came wakes it, too
+    monkeypatch.setattr(wait_set, "wait", wait)
+    with suppress(rclpy.executors.ExternalShutdownException):
+        program.spin(executor)
+    assert len(waits) == 1
