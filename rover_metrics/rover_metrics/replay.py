@@ -18,6 +18,7 @@ from pathlib import Path
 
 try:
     from rover_metrics.bag.bag_reader import Bag
+    from rover_metrics.bag.mcap_stream import absolute
     from rover_metrics.bag.playback import Playback
     from rover_metrics.extended.parameter_file import read_values
     from rover_metrics.timing import TimeSource
@@ -184,7 +185,7 @@ def _remap(text: str) -> tuple[str, str]:
     """Returns the two parts of FROM:=TO, both made absolute."""
     known = [source.name for source in (*SENSORS, *TRUTH, *ENERGY, CLOCK)]
     name, separator, recorded = text.partition(":=")
-    name, recorded = (f"/{part.strip().lstrip('/')}" for part in (name, recorded))
+    name, recorded = map(absolute, (name, recorded))
     if not separator or recorded == "/" or name not in known:
         valid = ", ".join(topic.lstrip("/") for topic in known)
         message = f"'{text}' is not valid; give FROM:=TO, where FROM is one of {valid}"

@@ -292,6 +292,14 @@ def test_remapped_topics_are_read_as_recorded(tmp_path: Path, capsys: Capsys) ->
     assert "/scan is missing (/rover1/scan would do)" in told
 
 
+def test_topics_of_programs_that_leave_out_the_first_slash_are_read(tmp_path: Path) -> None:
+    messages = [(topic.lstrip("/"), t, data) for topic, t, data in drive()]
+    types = {topic.lstrip("/"): kind for topic, kind in TYPES.items()}
+    for storage in StoragePlugin:
+        bag = write_folder(tmp_path / storage.name, messages, types=types, storage=storage)
+        assert replay(bag) == cells(expected_rows())
+
+
 def test_one_odometry_gives_poses_and_speeds(tmp_path: Path) -> None:
     messages = []
     for topic, time_ns, data in drive():

@@ -17,6 +17,7 @@ from harness.robots.urdf.joints import Joints
 
 GRAVITY = 9.81
 TOP_SPEED = 1.0  # [m/s], of wheels whose joints state no limit
+FASTEST = 10.0  # [m/s] at a rim: a joint's limit beyond it, as 100 or 1000 rad/s, stands for none
 GRIP = 1.0  # friction of wheels; 1 is what RoboTerrain's rovers have
 SCRAPING = 0.3  # friction of all else
 TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.15, 0.95, 0.002, 0.5, 2.0]}
@@ -126,13 +127,15 @@ class _Workshop:
             if name not in driven:
                 continue
             effort, speed = self._limit(name, "effort"), self._limit(name, "velocity")
-            joint, fastest = self._spec.joint(name), speed or round(TOP_SPEED / radius, 2)
+            is_meant = 0.0 < speed * radius <= FASTEST
+            joint, fastest = self._spec.joint(name), speed if is_meant else round(TOP_SPEED / radius, 2)
             if not effort:
                 lost = joint.damping[0] * fastest + joint.frictionloss
                 effort = round(GRIP * self._mass * GRAVITY * radius / len(driven) + lost, 3)
                 guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
-            if not speed:
-                guesses["model: wheel speed"] = f"{fastest:g} rad/s, {TOP_SPEED:g} m/s"
+            if not is_meant:
+                no_limit = f"; {speed:g} rad/s, {speed * radius:.3g} m/s, stands for none" * bool(speed)
+                guesses["model: wheel speed"] = f"{fastest:g} rad/s, {TOP_SPEED:g} m/s{no_limit}"
             motor = self._motor(name, effort, [-fastest, fastest])
             gain = effort / (STIFFNESS * fastest)
             motor.set_to_velocity(kv=gain)

@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 
 import zstandard
 
-from rover_metrics.bag.mcap_stream import LARGEST_RECORD, BagError, McapFile, Message
+from rover_metrics.bag.mcap_stream import LARGEST_RECORD, BagError, McapFile, Message, absolute
 from rover_metrics.bag.order import in_time
 from rover_metrics.log.documents import DocumentError, read_yaml
 
@@ -43,9 +43,9 @@ class SqliteFile:
         try:
             with closing(self._connect()) as database:
                 for key, name, kind in database.execute("SELECT id, name, type FROM topics"):
-                    self._names[key] = str(name)
+                    self._names[key] = absolute(str(name))
                     if _has_messages(database, key):
-                        self.topics[str(name)] = str(kind)
+                        self.topics[self._names[key]] = str(kind)
         except sqlite3.Error as error:
             raise BagError(f"not readable as a rosbag2 database ({error})") from error
 

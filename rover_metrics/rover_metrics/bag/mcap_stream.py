@@ -39,6 +39,11 @@ class Message(NamedTuple):
     data: bytes  # CDR; empty where they were not asked for
 
 
+def absolute(topic: str) -> str:
+    """Returns a topic's full name, of which other programs than rosbag2 leave the first slash out."""
+    return f"/{topic.strip().lstrip('/')}"
+
+
 class McapFile:
     """An MCAP file, finished or not; `topics` has the message type of each topic with messages."""
 
@@ -55,7 +60,7 @@ class McapFile:
                 topic = topics[record.channel_id]
                 yield Message(topic, record.log_time, record.data if topic in wanted else b"")
             elif isinstance(record, records.Channel):
-                topics[record.id] = record.topic
+                topics[record.id] = absolute(record.topic)
 
     def _records(self, problems: list[str]) -> Iterator[records.McapRecord]:
         bad_chunks: list[records.Chunk] = []
@@ -101,7 +106,7 @@ class McapFile:
             return None
         counts = summary.statistics.channel_message_counts
         there = [channel for channel in summary.channels.values() if counts.get(channel.id)]
-        return {channel.topic: _type(channel, summary.schemas) for channel in there}
+        return {absolute(channel.topic): _type(channel, summary.schemas) for channel in there}
 
     def _scanned_topics(self) -> dict[str, str]:
         """Topics and types of the channels that have a message, from the records themselves."""
@@ -116,7 +121,7 @@ class McapFile:
                 channels[record.id] = record
             elif isinstance(record, records.Message) and record.channel_id in channels:
                 channel = channels[record.channel_id]
-                topics[channel.topic] = _type(channel, schemas)
+                topics[absolute(channel.topic)] = _type(channel, schemas)
         if problems and not topics:
             if not self._is_damaged:
                 mend = _mend(self._path.name)

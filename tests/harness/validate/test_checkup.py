@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from harness import robot as command
-from harness.robots import ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec, find_rover
 from harness.validate import driving, square
 from harness.validate.checkup import check_up, wheel_loads
 from harness.validate.grounds import flat
@@ -42,6 +42,16 @@ def test_nothing_is_odd_about_a_rover_that_ships_or_has_public_numbers(
         backward = math.degrees(math.atan2(0.17145 + ahead, 0.0508))
         tip = checks["tip angle backward, by its centre of mass"]
         assert tip.measured == pytest.approx(backward, abs=1.5)
+
+
+def test_a_rover_that_would_leave_the_plane_is_driven_more_slowly(tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(ROVERS["leo"].folder, tmp_path / "leo"))
+    model = folder / "leo.xml"
+    fast = model.read_text().replace("-12 12", "-240 240").replace("-4 4", "-40 40")
+    model.write_text(fast)
+    names = [check.quantity for check in check_up(find_rover(str(folder)))]
+    assert "simulation" not in names
+    assert sum("speed reached" in name for name in names) == 2
 
 
 def test_a_rover_that_steers_is_driven_in_curves_and_passes(foreign: Foreign) -> None:
