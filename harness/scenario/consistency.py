@@ -23,6 +23,9 @@ def problems(scenario: "Scenario") -> Iterator[PydanticCustomError]:
     """Yields what in a file contradicts another part of it."""
     for name in sorted(scenario.matrix.model_fields_set & scenario.model_fields_set):
         yield _mistake((name,), f"give one of {name} and matrix: {name}")
+    for name in sorted(scenario.matrix.model_fields_set):
+        if not getattr(scenario.matrix, name):
+            yield _mistake(("matrix", name), "an empty list drives nothing; leave it out, or fill it")
     if scenario.seeds is not None and "seed" in scenario.model_fields_set:
         yield _mistake(("seed",), "give one of seed and seeds")
     if not scenario.measured:

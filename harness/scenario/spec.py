@@ -1,6 +1,7 @@
 """What a *.scenario.yaml says: values that are checked as they are read, and their JSON schema."""
 
 import re
+from collections import Counter
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, create_model, model_validator
@@ -48,6 +49,13 @@ def _from_0_on(seeds: object) -> object:
     return tuple(range(seeds))
 
 
+def _each_once(seeds: tuple[int, ...]) -> tuple[int, ...]:
+    seed, times = Counter(seeds).most_common(1)[0]
+    if times > 1:
+        raise ValueError(f"seed {seed} is given {times} times, for the same run; leave it there once")
+    return seeds
+
+
 _Bounds = Annotated[tuple[Bound, ...], Field(min_length=1)]
 Bounds = Annotated[_Bounds, BeforeValidator(_one_or_several, json_schema_input_type=Bound | _Bounds)]
 _Measures = Annotated[tuple[Measure, ...], Field(min_length=1)]
@@ -56,7 +64,8 @@ Measures = Annotated[
 ]
 _Seeds = Annotated[tuple[Seed, ...], Field(min_length=1)]
 _Count = Annotated[int, Field(ge=1, le=MOST_RUNS)]
-Seeds = Annotated[_Seeds, BeforeValidator(_from_0_on, json_schema_input_type=_Count | _Seeds)]
+_Input = BeforeValidator(_from_0_on, json_schema_input_type=_Count | _Seeds)
+Seeds = Annotated[_Seeds, _Input, AfterValidator(_each_once)]
 
 
 class Goal(Value):

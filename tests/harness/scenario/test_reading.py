@@ -39,6 +39,8 @@ PARTS = [
     ("lidar_beams: 1", ":4:1:", "give 2 to 100000"),
     ("seed: 1\nseeds: 2", ":4:1:", "one of seed and seeds"),
     ("seeds: []", ":4:1:", "give at least 1"),
+    ("seeds: [3, 1, 3]", ":4:1: seeds:", "seed 3 is given 2 times"),
+    ("matrix: {robot: []}", ":4:10: matrix.robot", "an empty list"),
     ("seeds: 0", ":4:1: seeds:", "0 seeds are not valid; give 1 to 100000"),
     ("seeds: 100000000", ":4:1: seeds:", "give 1 to 100000, or a list of them"),
     ("start: [1, 2]", ":4:1:", "too few values"),
