@@ -19,10 +19,8 @@ from rclpy.task import Future
 from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import serve_waiting
 from harness.ros.remote import RemoteNode, wait_for_answers
 
-CLOCKS = 8  # of /clock that may wait for a node; its queue holds ten
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)
 
 
@@ -116,15 +114,12 @@ class RemoteNodes:
         clock = self._bridge.clock_channel.topic
         for backlog in self._backlogs.values():
             backlog.later[clock] += 1
-            room = {clock: CLOCKS}
-            if backlog.of(clock) > CLOCKS:
-                awaited[backlog.node] = backlog.question()
-            elif any(2 * n >= room.get(t, backlog.node.holds) for t, n in backlog.later.items()):
+            node, room = backlog.node, {clock: backlog.node.holds_clocks}
+            if backlog.of(clock) > node.holds_clocks:
+                awaited[node] = backlog.question()
+            elif any(2 * n >= room.get(t, node.holds) for t, n in backlog.later.items()):
                 backlog.question()  # answered while the simulation goes on
-        if awaited:
-            wait_for_answers(awaited, self._bridge.executor)
-        else:
-            serve_waiting(self._bridge.executor)  # takes an answer that has come
+        wait_for_answers(awaited, self._bridge.executor)
 
     def _listeners(self, channel: Channel) -> list[RemoteNode]:
         """The nodes that listen to a topic; all while the graph does not say whose each reader is."""

@@ -44,6 +44,7 @@ class RemoteNode:
         name: The full name.
         keeps_order: Whether it has promised to handle everything in the order of its arrival.
         holds: How many messages of a topic may wait for it, as far as it says.
+        holds_clocks: How many of /clock.
         waited_s: Wall time for which the run has stood still for its answers [s].
         is_gone: Whether it has stopped answering: then nobody asks it any more.
 
@@ -64,13 +65,14 @@ class RemoteNode:
         if not self._runs_on_sim_time():
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
-        self.keeps_order, self.holds = False, 1
+        self.keeps_order, self.holds, self.holds_clocks = False, 1, 1
         if not time_jumps:
             promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
             said = "" if promise is None else promise.message
-            room = re.fullmatch(f"{KEEPS_ORDER}{HOLDS.format('([1-9][0-9]?)')}", said)
-            self.keeps_order = said == KEEPS_ORDER or room is not None
-            self.holds = 1 if room is None else int(room[1])
+            if (
+                room := re.fullmatch(KEEPS_ORDER + HOLDS.format(*2 * ["([1-9][0-9]?)"]), said)
+            ) is not None:
+                self.keeps_order, self.holds, self.holds_clocks = True, int(room[1]), int(room[2])
         self._received_before = self._ask_received()
         self.waited_s, self.is_gone = 0.0, False
 

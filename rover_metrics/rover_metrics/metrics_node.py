@@ -18,7 +18,7 @@ try:
     from rclpy.subscription import Subscription
     from std_srvs.srv import SetBool, Trigger
 
-    from rover_metrics.ros.guarded_node import GuardedNode
+    from rover_metrics.ros.guarded_node import CLOCKS, GuardedNode
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 LOG_PERIOD = 1.0  # seconds of ROS time
 KEEPS_ORDER = "handles everything, its rows included, in the order of its arrival"
-HOLDS = "; {} messages of each topic may wait"  # where it says so
+HOLDS = "; {} messages of each topic and {} of /clock may wait"
 SPARE = 2  # places of a queue that it does not speak of
 
 
@@ -268,9 +268,9 @@ class MetricsNode(GuardedNode):
     def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
         self.in_lock_step, response.success = request.data or self.is_hosted, True
-        free = min(self.settings.pose_queue, QUEUE) - SPARE
-        room = HOLDS.format(free) if free > 0 else ""
-        response.message = KEEPS_ORDER + room if request.data and HAS_EVENTS_EXECUTOR else ""
+        free = max(min(self.settings.pose_queue, QUEUE) - SPARE, 1)
+        promise = KEEPS_ORDER + HOLDS.format(free, CLOCKS - SPARE)
+        response.message = promise if request.data and HAS_EVENTS_EXECUTOR else ""
         return response
 
 

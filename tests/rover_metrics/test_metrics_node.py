@@ -32,6 +32,7 @@ from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.health.rejections import BELOW_LIMIT
 from rover_metrics.health.watches import STANDS_STILL
 from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, SPARE, MetricsNode
+from rover_metrics.ros.guarded_node import CLOCKS
 from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.ros.subscriptions import QUEUE
 from rover_metrics.topics import SENSORS, TRUTH
@@ -87,7 +88,7 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) 
     assert node.rows >= 1
 
 
-@pytest.mark.parametrize(("queue", "free"), [(1, 0), (10, QUEUE - SPARE), (100, QUEUE - SPARE)])
+@pytest.mark.parametrize(("queue", "free"), [(1, 1), (10, QUEUE - SPARE), (100, QUEUE - SPARE)])
 def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, queue: int, free: int) -> None:
     node = rig.start(use_sim_time=True, pose_queue=queue)
     assert not node.in_lock_step
@@ -97,7 +98,7 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, queue: int, 
         future = client.call_async(SetBool.Request(data=waits))
         rig.spin_until(future.done)
         assert (future.result().success, node.in_lock_step) == (True, waits)
-        promise = KEEPS_ORDER + (HOLDS.format(free) if free else "")
+        promise = KEEPS_ORDER + HOLDS.format(free, CLOCKS - SPARE)
         assert future.result().message == (promise if waits and HAS_EVENTS_EXECUTOR else "")
     depths = [each.qos_profile.depth for each in node.subscriptions if each.topic_name in node.received]
     assert min(depths) == min(queue, QUEUE)

@@ -3,7 +3,6 @@
 import json
 import time
 from collections.abc import Callable
-from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,15 +28,13 @@ class Rig:
         self.matched = 0
         self.now = 0.0
         self.readers: list[tuple[str, str]] = []  # of /scan: namespace and name
-        self.is_busy = False  # no answer comes where nobody waits for it
-        self._tasks: list[Callable[[], None]] = []
         self._waiting: list[tuple[Any, object]] = []
         scan = SimpleNamespace(get_subscription_count=lambda: self.matched)
         self.scan: Any = SimpleNamespace(topic="/scan", publisher=scan)
         self.bridge: Any = SimpleNamespace(
             get_namespace=lambda: "/rover1/",
             create_client=self._client,
-            executor=SimpleNamespace(spin_once=self._spin, create_task=self._later),
+            executor=SimpleNamespace(),
             clock_channel=SimpleNamespace(topic="/clock"),
             channels=[self.scan],
             count_subscribers={"/scan": 2}.get,
@@ -60,20 +57,12 @@ class Rig:
         if not condition():
             self.matched += 2
             self.now += 1.0
-            self._answer()
+            self.answer()
         self.came_true.append(condition())
         return self.came_true[-1]
 
-    def _later(self, task: Callable[[bool], None], argument: bool) -> None:
-        self._tasks.append(partial(task, argument))
-
-    def _spin(self, timeout_sec: float) -> None:  # noqa: ARG002
-        if not self.is_busy:
-            self._answer()
-        while self._tasks:
-            self._tasks.pop()()
-
-    def _answer(self) -> None:
+    def answer(self) -> None:
+        """What was asked is answered, as when a run serves its executor."""
         waiting, self._waiting = self._waiting, []
         for future, answer in waiting:
             future.set_result(answer)

@@ -23,6 +23,8 @@ from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import Message, is_time
 
+CLOCKS = 50  # messages of /clock that wait: what else comes in half a second needs less room
+
 # What the content of a message can bring about; what a signal or a shutdown raises must go through.
 FAILURES = (
     *(ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError),
@@ -30,7 +32,7 @@ FAILURES = (
 )
 
 # As rclpy's but for the depth: with 1, a foreign message takes the place of the simulator's.
-CLOCK_QOS = keep_last(10, BEST_EFFORT)
+CLOCK_QOS = keep_last(CLOCKS, BEST_EFFORT)
 
 Handler = Callable[..., Any]
 

@@ -5,9 +5,11 @@ third of the time, and in the order of its arrival. Its ROS-time timers miscount
 or goes back, so that it is only for a simulator that waits and has said so.
 """
 
+import os
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
+from pathlib import Path
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
@@ -95,9 +97,23 @@ def _spin_by_one_executor(node: Node, executors: ExitStack, *, in_lock_step: boo
     """Returns when the node's lock-step has begun or ended, or ROS is shut down."""
     executor = executors.enter_context(EventsExecutor() if in_lock_step else SingleThreadedExecutor())
     executor.add_node(node)
+    _give_way(in_lock_step)
     spin(executor, lambda: node.in_lock_step is in_lock_step)
     if rclpy.ok():
         executors.close()  # another one follows
+
+
+def _give_way(gives_way: bool) -> None:
+    """Lets the threads of this process, DDS' included, interrupt whoever wakes them, or wait their turn.
+
+    A simulator that runs ahead goes on undisturbed, and more is there to be handled in one go. Other
+    systems than Linux, and a process to which somebody has given another policy, stay as they are.
+    """
+    if hasattr(os, "SCHED_BATCH") and os.sched_getscheduler(0) in (os.SCHED_OTHER, os.SCHED_BATCH):
+        for thread in Path("/proc/self/task").iterdir():
+            with suppress(OSError):  # it has ended
+                policy = os.SCHED_BATCH if gives_way else os.SCHED_OTHER
+                os.sched_setscheduler(int(thread.name), policy, os.sched_param(0))
 
 
 def spin(executor: Executor, goes_on: Callable[[], bool] = lambda: True) -> None:

@@ -16,6 +16,7 @@ from std_srvs.srv import Trigger
 
 from rover_metrics.errors import LogError
 from rover_metrics.health.rejections import NO_TIME
+from rover_metrics.ros.guarded_node import CLOCKS
 from rover_metrics.topics import SENSORS
 from tests.rover_metrics.conftest import Rig
 
@@ -98,7 +99,7 @@ def test_a_clock_that_is_no_time_is_left_out_also_after_simulated_time_was_off(r
         publisher.publish(Clock(clock=Time(sec=sec, nanosec=nanosec)))
     rig.spin_until(lambda: node.get_clock().now().nanoseconds == 6 * 10**9)
     assert dict(node.reception.remarks["/clock"]) == {NO_TIME: 4}
-    assert (clock.qos_profile.depth, clock.qos_profile.reliability.name) == (10, "BEST_EFFORT")
+    assert (clock.qos_profile.depth, clock.qos_profile.reliability.name) == (CLOCKS, "BEST_EFFORT")
 
 
 def test_a_flood_of_bytes_that_are_no_message_is_counted_in_few_lines(
