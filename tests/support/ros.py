@@ -58,8 +58,10 @@ class Ros:
         if service not in self._clients:
             self._clients[service] = node.create_client(kind, service)
             self.until(self._clients[service].service_is_ready)
-        while True:  # an answer is lost while the server does not know this client yet
-            future = self._clients[service].call_async(kind.Request(**request))
-            self.executor.spin_until_future_complete(future, timeout_sec=ANSWER)
-            if future.done():
-                return future.result()
+        asked: list[Untyped] = []
+        while True:  # an answer is lost while the server does not know this client yet, or it comes late
+            asked.append(self._clients[service].call_async(kind.Request(**request)))
+            self.executor.spin_until_future_complete(asked[-1], timeout_sec=ANSWER)
+            for future in asked:
+                if future.done():
+                    return future.result()
