@@ -19,6 +19,7 @@ from harness.base.interrupt import StopRequest
 from harness.cli.flags import add_flags, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR
 from harness.episode.helm import Helm
+from harness.live import load_page
 from harness.live.page import LivePage
 from harness.live.player import FRAME, Player
 from harness.live.recording import Track, manifests_near, read_tracks, run_of
@@ -37,6 +38,7 @@ def _play(options: argparse.Namespace) -> int:
     near = manifests_near(recording.parent, DEFAULT_LOG_DIR)
     run = run_of(recording, options.manifest or (), near)
     tracks = read_tracks(recording, run)
+    load_page(live)
     with StopRequest() as stop:
         _show(run, tracks, live, stop)
     return 0

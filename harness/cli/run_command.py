@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.console import Console
 
 from harness.base.edge import loading
-from harness.base.errors import HarnessError, UsageError, needing_ros
+from harness.base.errors import UsageError, needing_ros
 from harness.base.files import BESIDE, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.base.opengl import keep_opengl_out
@@ -26,7 +26,7 @@ from harness.episode.manifest import write_manifest
 from harness.episode.mishaps import mishaps
 from harness.episode.result import Drive, Outputs, RunResult, steered
 from harness.episode.social_recorder import SocialRecorder
-from harness.live import watched
+from harness.live import load_page, watched
 from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.view.drawing import SUFFIXES, Drawing
@@ -154,6 +154,7 @@ def _loaded(options: RunOptions) -> Drive:
     """
     if options.files.page is not None:
         importlib.import_module("harness.report.content")
+    load_page(options.live)
     if options.direct:
         from harness.episode.direct import run_direct  # noqa: PLC0415
 
@@ -209,7 +210,7 @@ def _report(
         for path in filter(None, (log_manifest, summary)):
             try:
                 write_manifest(result, path)
-            except HarnessError as error:  # noqa: PERF203 - two files at most
+            except UsageError as error:  # noqa: PERF203 - two files at most
                 if result.failure is None or path == summary:  # a full disk is reported once
                     complaints[str(error)] = None
     for complaint in complaints:

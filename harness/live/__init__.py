@@ -6,12 +6,23 @@ own pace; a Helm takes what is ordered on it.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
 
 from harness.base.interrupt import StopRequest
 from harness.episode.helm import Helm
 from harness.episode.loop import Observer
 from harness.spec.live import LiveOptions
 from harness.spec.run import Run
+
+
+def load_page(options: LiveOptions) -> None:
+    """Loads what a page takes, if one is wanted; call it while a signal still ends the process at once.
+
+    What a StopRequest raises is swallowed by libraries of viser that are just being loaded.
+    """
+    if options.live is not None and find_spec("viser") is not None:  # else `watched` says so
+        import_module("harness.live.panel")
 
 
 @contextmanager

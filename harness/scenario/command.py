@@ -11,6 +11,7 @@ from harness.base.files import check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.cli.flags import from_flags
+from harness.live import load_page
 from harness.scenario.attempt import AttemptOptions
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
@@ -29,6 +30,7 @@ def run_scenarios(options: argparse.Namespace, files: Iterable[str]) -> int:
     targets = {name: getattr(options, name) for name in files if getattr(options, name) is not None}
     for name, target in targets.items():
         check_target(f"--{name}", target)
+    load_page(from_flags(LiveOptions, options))
     with StopRequest():
         verdicts = _driven(options, console)
         if targets or options.table:

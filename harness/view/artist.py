@@ -47,7 +47,11 @@ class Artist(AbstractContextManager["Artist"]):
         assert self._process.stdin is not None  # noqa: S101 - a pipe
         assert self._process.stdout is not None  # noqa: S101 - a pipe
         self._in, self._out = self._process.stdin, self._process.stdout
-        self.ready = self._out.readline() == READY
+        try:
+            self.ready = self._out.readline() == READY
+        except BaseException:  # of a signal: nobody else knows of the process yet
+            self.__exit__()
+            raise
 
     def __exit__(self, *_: object) -> None:
         self._process.terminate()  # an unfinished file is taken away before the process ends

@@ -210,6 +210,16 @@ def test_who_stops_a_run_is_not_kept_waiting_by_its_video(
     assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": signals[0].name}
 
 
+def test_a_signal_while_the_manifest_is_written_is_no_fault_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "harness.cli.run_command.write_manifest", lambda *_: signal.raise_signal(signal.SIGTERM)
+    )
+    words = ["--terrain", "flat", "--duration", "0.5", "--direct", "--log-dir", str(tmp_path)]
+    assert main(words) == 128 + signal.SIGTERM
+
+
 def crash(self: Wander, observation: Observation) -> Twist:  # noqa: ARG001 - a driver's method
     if observation.time_ns >= 1_500_000_000:
         message = "the driver fell asleep"

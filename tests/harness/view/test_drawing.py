@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from harness.base.errors import UsageError
+from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.assembly import fleet
 from harness.episode.episode import episodes_of
 from harness.episode.together import together
@@ -58,6 +59,24 @@ def test_missing_opengl_is_one_line_and_only_pictures_need_it(tmp_path: Path) ->
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == [logs]
     assert len(list(logs.glob("*.csv"))) == 1
+
+
+INTERRUPTING = """
+import os, signal, sys
+open(sys.argv[1], "w").write(str(os.getpid()))
+os.kill(os.getppid(), signal.SIGINT)
+input()
+"""
+
+
+def test_a_signal_while_what_draws_is_started_leaves_no_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pid = tmp_path / "pid"
+    monkeypatch.setattr(artist, "PROGRAM", (sys.executable, "-c", INTERRUPTING, str(pid)))
+    with pytest.raises(Interrupted) as error, StopRequest():
+        artist.Artist(dict(os.environ))
+    assert not Path(f"/proc/{pid.read_text()}").exists(), error
 
 
 def test_of_a_fleet_the_states_of_each_rover_are_drawn(
