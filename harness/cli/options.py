@@ -165,6 +165,7 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
         (bool(ros.wait_for_topic), "--wait-for-topic"),
         (bool(ros.ros_args) and not given.namespace, "--ros-args"),
         (bool(given.namespace), "--namespace"),
+        (ros.cmd_vel != "auto", "--cmd-vel"),
         (ros.truth_map, "--truth-map"),
         (ros.frames.odom_tf != FrameOptions().odom_tf, "--odom-tf"),
         (ros.frames.odom_tf_3d, "--odom-tf-3d"),

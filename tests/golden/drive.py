@@ -20,6 +20,7 @@ from harness.episode.assembly import actor_names
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.fingerprint import StreamHash
+from harness.episode.helm import Helm
 from harness.episode.manifest import manifest
 from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
@@ -174,7 +175,8 @@ def drive_direct(
 ) -> list[Driven]:
     """Drives a run without ROS; the hash of its stream leaves out that one more sensor.
 
-    With one it goes no faster than a rate that is out of its reach, which is to change nothing.
+    With one it is steered by nobody at a rate that is out of its reach, and goes on step by step as
+    if it was paused, which is to change nothing.
     Images are not recorded: to draw them takes longer than all else, and is done through ROS.
     """
     options = run_options(run, files, folder, sensor)
@@ -183,9 +185,15 @@ def drive_direct(
         pytest.MonkeyPatch.context() as patch,
     ):
         patch.setattr(CameraPainter, "image", lambda *_: None)
-        ros = options.ros.but(record=recording, rate=1e4 if sensor else None)
-        results = run_direct(options.run, outputs, ros, StopRequest())
+        stop, ros = StopRequest(), options.ros.but(record=recording)
+        results = run_direct(options.run, outputs, ros, stop, helm=_stepped(stop) if sensor else None)
     return [_driven(*each) for each in zip(results, observers, strict=True)]
+
+
+def _stepped(stop: StopRequest) -> Helm:
+    helm = Helm(1e4, stop)
+    helm.paused, helm.idle = True, helm.step
+    return helm
 
 
 def drive_through_ros(

@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from mcap.reader import make_reader
+
 from harness.base.sim_time import period_ticks
 from harness.episode.assembly import actor_names, sensor_rows
 from harness.episode.result import RunResult
@@ -13,6 +15,7 @@ from harness.robots import find_rover
 from harness.samples import ActorPoses, Imu, Transforms
 from harness.sensors.table import ATTITUDE
 from harness.spec.rover import CMD_VEL
+from harness.spec.run import Run
 from tests.golden.evidence import Evidence, Message
 
 DUE = ("world", "outcome/status", "truth", "thresholds", "simulated_s", "wall_s", "lost", "rows", "log")
@@ -61,6 +64,18 @@ def by_topic(messages: Iterable[Message]) -> dict[str, list[tuple[int, bytes]]]:
     return found
 
 
+def recording_is_indexed(evidence: Evidence) -> Iterator[str]:
+    """The end of a recording tells how many messages there are, and has one definition of each type."""
+    if evidence.recording is not None:
+        with evidence.recording.open("rb") as file:
+            index = make_reader(file).get_summary()
+        assert index is not None
+        assert index.statistics is not None
+        types, count = [schema.name for schema in index.schemas.values()], index.statistics.message_count
+        if count != len(evidence.recorded) or sorted(types) != sorted({*types}):
+            yield f"a recording of {count} of {len(evidence.recorded)} messages has the types {types}"
+
+
 def second_recording_is_the_same(evidence: Evidence) -> Iterator[str]:
     """What the nodes of several rovers publish stands in the same places of a recording."""
     if len(set(evidence.recordings)) > 1:
@@ -94,6 +109,20 @@ def nothing_is_missing(evidence: Evidence) -> Iterator[str]:
             rows = driven.csv.count("\n") - 1
             if rows < 1 or driven.manifest["rows"] not in (rows, 0 if way == "ROS" else rows):
                 yield f"{driven.name} {way}: {rows} rows in the log"
+
+
+def manifest_repeats_the_run(evidence: Evidence) -> Iterator[str]:
+    """What a manifest says of its rover is the run, when it is read again."""
+    run = evidence.options.run
+    for way, some in (("direct", evidence.direct), ("ROS", evidence.ros)):
+        for driven, rover in zip(some, run.rovers, strict=bool(some)):
+            said = {**driven.manifest["arguments"]}
+            place = said.pop("number"), said.pop("world_robot")
+            if place != (run.rovers.index(rover), run.rover.robot if rover.name else ""):
+                yield f"{driven.name} {way}: stands at {place}"
+            if (again := Run.of(**said)) != run.but(rovers=(rover,)):
+                both = (one.model_dump(mode="json") for one in (run.but(rovers=(rover,)), again))
+                yield from (f"{driven.name} {way}: {line}" for line in differing(*both))
 
 
 def page_is_whole(evidence: Evidence) -> Iterator[str]:
@@ -219,9 +248,11 @@ def nothing_is_left_behind(evidence: Evidence) -> Iterator[str]:
 
 INVARIANTS: tuple[Callable[[Evidence], Iterator[str]], ...] = (
     nothing_is_missing,
+    manifest_repeats_the_run,
     page_is_whole,
     nothing_is_lost,
     second_run_is_the_same_but_for_its_sensor,
+    recording_is_indexed,
     second_recording_is_the_same,
     recording_without_ros_is_that_of_ros,
     ros_is_direct,

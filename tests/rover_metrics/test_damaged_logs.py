@@ -2,6 +2,7 @@
 
 import json
 from datetime import datetime
+from itertools import permutations
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,8 @@ def test_a_bad_log_harms_no_other(log: Path, tmp_path: Path, capsys: pytest.Capt
         assert (told, len(json.loads(out)["logs"])) == (f"analyze: skipped {bad}: {reason}\n", 1)
         assert (analyze.main([str(bad)]), social.main([str(bad)])) == (code, code)
         assert f"social: skipped {bad}: {reason}\n" in capsys.readouterr().err
+    for order in permutations(map(str, (wide, missing, log))):
+        assert analyze.main([*order, "-m", "CV", "-p", "--json"]) == 2
 
 
 @pytest.mark.parametrize(

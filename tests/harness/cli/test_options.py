@@ -112,6 +112,13 @@ def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:
 
 
 TWO = "--terrain flat --rover leo:a"
+GIVEN = {"wait_for": " /x", "wait_for_topic": " /x", "cmd_vel": " twist", "odom_tf": " wheels"}
+WITHOUT_ROS = {"log_dir", "rate", "record", "foxglove", "overwrite"}
+OF_ROS = [  # all that is not for a run without it, too
+    f"--{name.replace('_', '-')}{GIVEN.get(name, '')}"
+    for name, field in (RosOptions.model_fields | FrameOptions.model_fields).items()
+    if field.metadata and name not in WITHOUT_ROS
+]
 
 
 @pytest.mark.parametrize(
@@ -134,12 +141,10 @@ TWO = "--terrain flat --rover leo:a"
         ("--ros-args -p /metrics_node:log_dir:=other", "give --log-dir FOLDER before it"),
         *(
             (f"--direct {words}", f"{words.split()[0]} needs ROS; leave out --direct")
-            for words in ("--ros-args --", "--no-metrics", "--wait-for /x", "--namespace x", "--map-tf")
+            for words in ("--ros-args --", "--no-metrics", "--namespace x", *OF_ROS)
         ),
         ("--terrain-size 8", "--terrain-size '8' is not valid; give 10 to 50000"),
         ("--foxglove nowhere:x", "--foxglove 'nowhere:x' is not valid; give HOST, PORT or HOST:PORT"),
-        ("--direct --odom-tf-3d", "--odom-tf-3d needs ROS; leave out --direct"),
-        ("--direct --odom-tf wheels", "--odom-tf needs ROS; leave out --direct"),
         ("--direct --driver cmd_vel", "--driver cmd_vel needs ROS; leave out --direct"),
         (
             "--direct --driver goal",

@@ -107,7 +107,13 @@ def test_people_begin_anew_with_a_reset_and_walk_on_when_the_rover_is_put_elsewh
         {"robot": "leo", "driver": "wander", "actors": ["random"]},
         {"robot": "rover_zero4wd", "driver": "swing"},
         {"robot": "leo", "driver": "figure8", "soil": "dry_sand"},
-        {"robot": "husky", "driver": "dwa", "actuators": "real", "faults": ["cmd_vel:dropout=0.5"]},
+        {
+            "robot": "husky",
+            "driver": "dwa",
+            "goal_area": (-4.0, 4.0, -4.0, 4.0),
+            "actuators": "real",
+            "faults": ["cmd_vel:dropout=0.5"],
+        },
     ],
 )
 def test_after_a_reset_the_rover_drives_as_it_did_at_first(own: dict[str, Any]) -> None:

@@ -26,15 +26,18 @@ def batch(
     return Batch(ticks, Truth(time_ns=stamp, position=(x, y, 0.2)), goals=goals)
 
 
-def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path: Path) -> None:
+@pytest.mark.parametrize("began", [0, 3600])
+def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(
+    began: int, tmp_path: Path
+) -> None:
     log = SocialRecorder(("b_actor", "a_actor"), None, tmp_path)
     assert log.path is None
     goals = [(), (Place(2.1, 0.0, 0.0),), (), (Place(4.2, 0.0, 0.0), Place(9.0, 0.0, 0.0)), ()]
     for second, given in enumerate(goals, 1):
-        log.take(batch(second, float(second), *given))
-    sixth = batch(6, 6.0)
+        log.take(batch(began + second, float(second), *given))
+    sixth = batch(began + 6, 6.0)
     for sample in sixth.ticks[0].samples:  # either place alone
-        log.take(replace(sixth, ticks=(Tick(6 * 10**9, (sample,)),)))
+        log.take(replace(sixth, ticks=(Tick((began + 6) * 10**9, (sample,)),)))
     log.close()
     assert log.path is not None
     assert (log.path.parent, log.path.name[:11]) == (tmp_path / "social", "social_log_")

@@ -1,5 +1,6 @@
 import re
 import threading
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -15,6 +16,25 @@ from harness.gym.vector import RoverVectorEnv
 ID = "RoverHarness/PointNav-v0"
 # About every third goal is reached at once, others not at all.
 SHORT = {"time_limit": 0.2, "goal_radius": 2.0, "noise": "hardware"}
+PLANE = "<geometry><plane><normal>0 0 1</normal><size>14 14</size></plane></geometry>"
+LINK = f"<link name='l'><collision name='c'>{PLANE}</collision></link>"
+POINT = "<waypoint><time>{0}</time><pose>{0} 1 0 0 0 0</pose></waypoint>"
+WALK = f"<trajectory id='0' type='walk'>{POINT.format(0)}{POINT.format(4)}</trajectory>"
+YARD = (
+    f"<sdf version='1.9'><world name='w'><model name='g'><static>1</static>{LINK}</model>"
+    f"<actor name='guy'><script>{WALK}</script></actor></world></sdf>"
+)
+RUTS = {"soil": ("dry_sand", ""), "keep_ruts": True, "episodes_per_world": 2, "random_start": False}
+OTHERS: dict[AutoresetMode, dict[str, Any]] = {
+    AutoresetMode.SAME_STEP: RUTS
+    | {"randomisation": {"latency": (0.0, 0.1), "soil_friction": (0.5, 1.0)}},
+    AutoresetMode.DISABLED: {
+        "terrain": "yard.sdf",
+        "terrain_size": None,
+        "robot": "husky",
+        "actuators": "real",
+    },
+}
 
 
 def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # noqa: ANN401
@@ -27,9 +47,16 @@ def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # 
     [(1, [{"threads": 0}]), (3, [{"threads": 1}, {"threads": 2}, {"threads": 8}, {"processes": 2}])],
 )
 def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
-    small: dict[str, Any], mode: AutoresetMode, count: int, workers: list[dict[str, int]]
+    small: dict[str, Any],
+    mode: AutoresetMode,
+    count: int,
+    workers: list[dict[str, int]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    options = {**small, **SHORT, "randomisation": {"payload": (0.0, 4.0)}}
+    monkeypatch.chdir(tmp_path)
+    Path("yard.sdf").write_text(YARD)
+    options = {**small, **SHORT, "randomisation": {"payload": (0.0, 4.0)}, **OTHERS.get(mode, {})}
     named = mode.name if count == 1 else mode.value
     ours = [vector(options, count, autoreset_mode=named, **each) for each in workers]
     plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * count, autoreset_mode=mode)

@@ -1,7 +1,7 @@
 """Drawn orders from keys, clicks and elsewhere: what drives a rover is what a small model says."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +24,12 @@ from harness.samples import Place, Twist
 from harness.spec.ros import RosOptions
 from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.run import Run
+from rover_metrics.core.thresholds import Thresholds
 
 PERIOD = 0.05  # [s]
 ROBOTS = "leo", "rover_zero4wd"
 EITHER = strategies.sampled_from((0, 1))
+THRESHOLDS = "collision_threshold", "distance_threshold"
 COORDINATE = strategies.integers(-9, 9).map(float)
 
 
@@ -64,6 +66,18 @@ class Rover:
             self.goal = order.goal
 
 
+class Metrics:
+    """The metrics of a rover, which use thresholds from when they are told on."""
+
+    last_row = None
+
+    def __init__(self) -> None:
+        self.thresholds = Thresholds()
+
+    def use(self, thresholds: Thresholds) -> None:
+        self.thresholds = thresholds
+
+
 @dataclass
 class Grip:
     """The keys of a rover that are held, as somebody would tell it who looks at the keyboard."""
@@ -81,12 +95,14 @@ class Page(RuleBasedStateMachine):
     def begin(self, own: tuple[str, str]) -> None:
         self.now, self.helm = 0.0, Helm(None, StopRequest())
         self.helm.idle = self.helm.step
-        setups = [RoverSetup(robot=r, driver=d) for r, d in zip(ROBOTS, own, strict=True)]
+        each = zip("ab", ROBOTS, own, strict=True)
+        self.run = Run(rovers=tuple(RoverSetup(name=n, robot=r, driver=d) for n, r, d in each))
         self.wheels = [
-            Wheel(self.helm, n, setup, Keys(lambda: self.now)) for n, setup in enumerate(setups)
+            Wheel(self.helm, n, setup, Keys(lambda: self.now)) for n, setup in enumerate(self.run.rovers)
         ]
         self.driven, self.wanted = ([Rover(each) for each in own] for _ in range(2))
-        self.grips = [Grip(), Grip()]
+        self.grips, self.judged = [Grip(), Grip()], [Thresholds(), Thresholds()]
+        self.helm.metered = self.metered = [Metrics(), Metrics()]
         followers = [rover.follow for rover in self.driven]
         self.periods = self.helm.steered(iter(lambda: self.now, None), followers, lambda: 1)
 
@@ -124,6 +140,12 @@ class Page(RuleBasedStateMachine):
         self.grips[number] = Grip()
         self.wanted[number].reset()
 
+    @rule(number=EITHER, name=strategies.sampled_from(THRESHOLDS), value=strategies.integers(1, 9))
+    def judge(self, number: int, name: str, value: int) -> None:
+        self.helm.judge(number, replace(self.helm.thresholds(number), **{name: value / 10}))
+        self.judged[number] = replace(self.judged[number], **{name: value / 10})
+        assert [self.helm.thresholds(each) for each in (0, 1)] == self.judged
+
     @rule()
     def pause(self) -> None:
         self.helm.paused = not self.helm.paused
@@ -139,6 +161,12 @@ class Page(RuleBasedStateMachine):
             next(self.periods)
         for driven, wanted in zip(self.driven, self.wanted, strict=True):
             assert driven.state == wanted.state
+        assert [each.thresholds for each in self.metered] == self.judged
+        assert self.helm.driven(self.run) is self.run  # no plan says what is ordered of one of several
+        is_judged = self.judged != [Thresholds()] * 2
+        assert self.helm.note(self.run).endswith("do not repeat it") == (
+            is_judged or bool(self.helm.given)
+        )
         for rovers in zip(self.driven, self.wanted, self.grips, strict=True):
             for rover in rovers[:2]:
                 if others and rovers[2].until <= self.now and rover.own != GOAL:  # unseen

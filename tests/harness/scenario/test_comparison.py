@@ -12,7 +12,7 @@ from harness import __version__
 from harness.scenario.bound import Bound
 from harness.scenario.comparison import comparisons_of, title_of
 from harness.scenario.outputs import print_tables
-from harness.scenario.tables import csv_of, json_of
+from harness.scenario.tables import csv_of, json_of, runs_of
 from harness.scenario.verdict import Attempt, Measured, Verdict, verdicts_of
 from tests.harness.scenario.conftest import MakeCases
 from tests.support.snapshots import check_snapshot
@@ -110,6 +110,8 @@ def test_csv_and_json_have_every_number(make_cases: MakeCases) -> None:
     assert read["scenarios"][0]["cells"][1]["quantities"]["truth.speed, mean"]["difference"] == 1.0
     for scenario in read["scenarios"]:
         scenario["cells"] = [cell | {"quantities": [*cell["quantities"]]} for cell in scenario["cells"]]
+    columns = [set(runs_of(some).splitlines()[0].split(",")) for some in (several, several[::-1])]
+    assert columns[0] == columns[1]  # also where the first run has not been driven
     text = csv_of(several) + json.dumps(read, indent=1).replace(__version__, "VERSION")
     check_snapshot("scenario_numbers.txt", re.sub(r"[^ \",']*/(=?\w+\.scenario\.yaml)", r"\1", text))
 

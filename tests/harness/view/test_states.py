@@ -60,7 +60,10 @@ def test_heading_does_not_leap_where_a_turn_is_whole(tmp_path: Path) -> None:
 
 def test_half_a_state_at_the_end_is_left_out_and_what_is_no_recording_refused(tmp_path: Path) -> None:
     recorded(tmp_path / "states")
-    (tmp_path / "states").write_bytes((tmp_path / "states").read_bytes()[:-5])
+    whole, size = (tmp_path / "states").read_bytes(), 8 * (8 + len(LEO.joints))
+    (tmp_path / "states").write_bytes(whole + np.full(size // 8, np.nan).tobytes())  # as it diverges
+    assert len(read_states(tmp_path / "states").times) == 50
+    (tmp_path / "states").write_bytes(whole[:-5])
     assert len(read_states(tmp_path / "states").times) == 49
     (tmp_path / "states").write_text("no recording\n")
     with pytest.raises(UsageError, match="is no recording of an episode"):
