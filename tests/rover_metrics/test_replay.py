@@ -348,12 +348,18 @@ def test_samples_that_count_but_cannot_be_meant_so_are_told(
 
 @pytest.mark.parametrize("storage", StoragePlugin)
 def test_a_recording_written_topic_by_topic_is_played_in_the_order_of_its_times(
-    tmp_path: Path, storage: StoragePlugin
+    tmp_path: Path, storage: StoragePlugin, capsys: Capsys
 ) -> None:
-    """As programs write them that make a bag of tables."""
+    """As programs write them that make a bag of tables; what is wrong with it is told once."""
     messages = sorted(drive(offset_s=1e9, clock=False), key=lambda message: message[0])
-    rows = replay(write_folder(tmp_path / "bag", messages, storage=storage))
+    rows = replay(bag := write_folder(tmp_path / "bag", messages, storage=storage))
     assert [row[1:] for row in rows] == [row[1:] for row in cells(expected_rows())]
+    (file,) = (path for path in bag.iterdir() if path.suffix != ".yaml")
+    cut_off(file)
+    capsys.readouterr()
+    replay(file, code=1)
+    told = capsys.readouterr().err.splitlines()
+    assert sorted(told) == sorted({*told})
 
 
 @pytest.mark.parametrize(

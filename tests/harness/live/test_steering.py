@@ -1,7 +1,9 @@
 """Drawn orders from keys, clicks and elsewhere: what drives a rover is what a small model says."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +31,10 @@ from rover_metrics.core.thresholds import Thresholds
 PERIOD = 0.05  # [s]
 ROBOTS = "leo", "rover_zero4wd"
 EITHER = strategies.sampled_from((0, 1))
-THRESHOLDS = "collision_threshold", "distance_threshold"
+Threshold = tuple[str, int]
+THRESHOLD = strategies.tuples(
+    strategies.sampled_from(("collision_threshold", "distance_threshold")), strategies.integers(1, 9)
+)
 COORDINATE = strategies.integers(-9, 9).map(float)
 
 
@@ -67,15 +72,24 @@ class Rover:
 
 
 class Metrics:
-    """The metrics of a rover, which use thresholds from when they are told on."""
+    """The metrics of a rover, which use thresholds from when they are told on.
+
+    Attributes:
+        meanwhile: What happens the next time that they are told.
+        has_more: Whether something happened the last time.
+    """
 
     last_row = None
 
     def __init__(self) -> None:
-        self.thresholds = Thresholds()
+        self.thresholds, self.has_more = Thresholds(), False
+        self.meanwhile: Callable[[], None] | None = None
 
     def use(self, thresholds: Thresholds) -> None:
-        self.thresholds = thresholds
+        act, self.meanwhile = self.meanwhile, None
+        self.thresholds, self.has_more = thresholds, act is not None
+        if act is not None:
+            act()
 
 
 @dataclass
@@ -140,8 +154,13 @@ class Page(RuleBasedStateMachine):
         self.grips[number] = Grip()
         self.wanted[number].reset()
 
-    @rule(number=EITHER, name=strategies.sampled_from(THRESHOLDS), value=strategies.integers(1, 9))
-    def judge(self, number: int, name: str, value: int) -> None:
+    @rule(number=EITHER, threshold=THRESHOLD, meanwhile=strategies.none() | THRESHOLD)
+    def judge(self, number: int, threshold: Threshold, meanwhile: Threshold | None) -> None:
+        self.move(number, *threshold)
+        if meanwhile is not None:
+            self.metered[number].meanwhile = partial(self.move, number, *meanwhile)
+
+    def move(self, number: int, name: str, value: int) -> None:
         self.helm.judge(number, replace(self.helm.thresholds(number), **{name: value / 10}))
         self.judged[number] = replace(self.judged[number], **{name: value / 10})
         assert [self.helm.thresholds(each) for each in (0, 1)] == self.judged
@@ -161,7 +180,9 @@ class Page(RuleBasedStateMachine):
             next(self.periods)
         for driven, wanted in zip(self.driven, self.wanted, strict=True):
             assert driven.state == wanted.state
-        assert [each.thresholds for each in self.metered] == self.judged
+        assert [self.helm.thresholds(each) for each in (0, 1)] == self.judged
+        for metrics, judged in zip(self.metered, self.judged, strict=True):
+            assert metrics.thresholds == judged or metrics.has_more
         assert self.helm.driven(self.run) is self.run  # no plan says what is ordered of one of several
         is_judged = self.judged != [Thresholds()] * 2
         assert self.helm.note(self.run).endswith("do not repeat it") == (
