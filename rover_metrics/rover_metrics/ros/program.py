@@ -107,13 +107,13 @@ def _give_way(gives_way: bool) -> None:
     """Lets the threads of this process, DDS' included, interrupt whoever wakes them, or wait their turn.
 
     A simulator that runs ahead goes on undisturbed, and more is there to be handled in one go. Other
-    systems than Linux, and a process to which somebody has given another policy, stay as they are.
+    systems than Linux, and threads to which somebody has given another policy, stay as they are.
     """
-    if hasattr(os, "SCHED_BATCH") and os.sched_getscheduler(0) in (os.SCHED_OTHER, os.SCHED_BATCH):
-        for thread in Path("/proc/self/task").iterdir():
-            with suppress(OSError):  # it has ended
-                policy = os.SCHED_BATCH if gives_way else os.SCHED_OTHER
-                os.sched_setscheduler(int(thread.name), policy, os.sched_param(0))
+    policies = [getattr(os, name, 0) for name in ("SCHED_OTHER", "SCHED_BATCH")]
+    for thread in Path("/proc/self/task").glob("*"):
+        with suppress(OSError):  # it has ended, or this is forbidden
+            if os.sched_getscheduler(int(thread.name)) in policies:
+                os.sched_setscheduler(int(thread.name), policies[gives_way], os.sched_param(0))
 
 
 def spin(executor: Executor, goes_on: Callable[[], bool] = lambda: True) -> None:
