@@ -20,7 +20,6 @@ from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
 
 PRINTED = Path()  # in place of a file: on the terminal
-PRINTED_WIDTH = 160  # columns, where the output is not a terminal
 
 AnyLog = TypeVar("AnyLog")
 
@@ -67,8 +66,6 @@ def hand_over(
     if target is not None:
         write_whole(target, as_json() + "\n")
     console = PlainConsole()
-    if not console.is_terminal:
-        console.width = PRINTED_WIDTH
     console.print(Group(*terminal(sheets, console.width)))
     if last:
         console.print(last, soft_wrap=True)

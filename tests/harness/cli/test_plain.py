@@ -46,6 +46,19 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_folder")
+def test_a_pipe_takes_wide_tables_unless_it_is_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    cell = "/rover1/odometry/" * 6
+    for columns, is_whole in ((None, True), ("60", False)):
+        if columns:
+            monkeypatch.setenv("COLUMNS", columns)
+        console = PlainConsole(file=io.StringIO())
+        table = Table("topic")
+        table.add_row(cell)
+        console.print(table)
+        assert (cell in console.file.getvalue()) == is_whole  # type: ignore[attr-defined]
+
+
 def test_a_run_of_a_rover_and_a_map_of_such_names_tells_them_as_they_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
