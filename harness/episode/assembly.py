@@ -59,7 +59,7 @@ def check(run: Run) -> None:
 
 
 def check_world(run: Run) -> None:
-    """Checks starts, people, targets and what drivers meet in the world, built only where it matters."""
+    """Checks starts, goals, people, targets, what drivers meet in the world, built where it matters."""
     for rover in run.rovers:
         driver = find_driver(rover.driver)
         if issubclass(driver, StagedEncounter):
@@ -73,6 +73,16 @@ def check_world(run: Run) -> None:
             world = world_of(run)
             if rover is not run.rover and rover.start is not None:
                 starting_at(world, rover.start)
+    if run.plan.goals or run.plan.route is not None:
+        _check_places(run, world_of(run))
+
+
+def _check_places(run: Run, world: World) -> None:
+    for _, x, y, _ in run.plan.goals:
+        world.ground.check_place("goal", x, y, 0.0)
+    if run.plan.route is not None:
+        for mark in marks(run.plan.route, world.targets, Datum(*run.world.datum)):
+            world.ground.check_place("route: way point", *mark.place, margin=0.0)
 
 
 def world_of(run: Run) -> World:

@@ -125,13 +125,15 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             self._episodes_left = self.options.episodes_per_world
         self._episodes_left -= 1
         variation = draw_variation(self.options.randomisation, rng)
+        if (goal := wanted.get("goal")) is not None:
+            self.course.scene.world.ground.check_place("goal", goal[0], goal[1], margin=0.0)
         if (start := wanted.get("start")) is None:
             self.driven = started(self.course, self._draw_start, variation, noise_seed)
         else:
             self.driven = DrivenRover(self.course, start, variation, noise_seed)
         driven = self.driven
         x, y, _ = driven.simulation.position
-        self.goal = wanted.get("goal") or self._draw_goal((x, y))
+        self.goal = goal or self._draw_goal((x, y))
         self.steps = 0
         self._is_over = False
         self._begin(driven)

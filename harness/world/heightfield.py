@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.errors import UsageError
+
 Field = NDArray[np.float64]  # a value, mostly a height, for every vertex
 
 MOST_VERTICES = 1500 * 1500  # of a map that is made of a file
@@ -88,6 +90,16 @@ class Heightfield:
         """Returns x from, x to, y from, y to [m] of the map without a margin along its edge."""
         (half_x, half_y), (x, y) = self.half_size, self.middle
         return x - half_x + margin, x + half_x - margin, y - half_y + margin, y + half_y - margin
+
+    def check_place(self, what: str, x: float, y: float, margin: float = EDGE_MARGIN) -> None:
+        """Raises UsageError, which says what it is and tells the map, if a place [m] is off it."""
+        if not self.contains(x, y, margin):
+            left, right, low, high = self.bounds(margin)
+            edge = " or at its edge" * (margin > 0.0)
+            raise UsageError(
+                f"{what} {x:.4g},{y:.4g} is off the map{edge}; give x between {left:g} and "
+                f"{right:g} m, y between {low:g} and {high:g} m"
+            )
 
 
 def finest_cell(width: float, depth: float) -> float:

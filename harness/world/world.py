@@ -7,14 +7,13 @@ from itertools import chain
 
 import numpy as np
 
-from harness.base.errors import UsageError
 from harness.spec.target import TargetSpec
 from harness.spec.world import DEFAULT_DIFFICULTY
 from harness.world.actors.actor import Actor, actor_of
 from harness.world.actors.free_space import FreeSpace
 from harness.world.actors.people import Pedestrian
 from harness.world.geodesy import Datum
-from harness.world.heightfield import EDGE_MARGIN, Heightfield
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.soil_map import Soils
 from harness.world.targets.placing import Target, placed_targets
@@ -85,12 +84,7 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
 
 def starting_at(world: World, start: Start) -> World:
     """Returns the same world with another start; UsageError, which tells the map, if it is off it."""
-    if not world.ground.contains(*start[:2], EDGE_MARGIN):
-        x, x_to, y, y_to = world.ground.bounds(EDGE_MARGIN)
-        raise UsageError(
-            f"start {start[0]:g},{start[1]:g} is off the map or at its edge; give x between {x:g} and "
-            f"{x_to:g} m, y between {y:g} and {y_to:g} m"
-        )
+    world.ground.check_place("start", *start[:2])
     return replace(world, start=start)
 
 

@@ -125,6 +125,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--timestep", "0.007"], "nearest valid: 0.005"),
         (["--wheels", "6"], "unrecognized arguments: --wheels 6"),
         (["--direct", "--actor", "g=0,0/30,0"], "actor 'g' walks off the map at 19.60,0.00"),
+        (["--direct", "--driver", "goal", "--route", "1,0/@51,7"], "route: way point"),
         (["--direct", "--actor", "none.sdf"], "cannot read none.sdf: No such file"),
         (["--direct", "--actor", "g=random:speed=0"], "speed '0' is not valid; give 0.05 to 10"),
         (

@@ -10,7 +10,7 @@ from harness.base.streams import TARGETS, generator
 from harness.spec.target import MESH, TargetSpec
 from harness.world.actors.free_space import FreeSpace, along
 from harness.world.geodesy import Datum
-from harness.world.heightfield import EDGE_MARGIN, Heightfield
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.targets.forms import FORMS, Place, Skin, gate
 
@@ -137,12 +137,7 @@ def _standing(spec: TargetSpec, name: str, where: Where, ground: Heightfield, st
     yaw = _heading(spec, where, start)
     posts = _posts(spec, where, yaw)
     for x, y in posts:
-        if not ground.contains(x, y, EDGE_MARGIN):
-            left, right, low, high = ground.bounds(EDGE_MARGIN)
-            raise UsageError(
-                f"target '{spec}': {x:.4g},{y:.4g} is off the map or at its edge; give x between "
-                f"{left:g} and {right:g} m, y between {low:g} and {high:g} m"
-            )
+        ground.check_place(f"target '{spec}':", x, y)
     places = [(x, y, ground.height_at(x, y), yaw) for x, y in (where, *posts)]
     files: tuple[tuple[str, str], ...] = ()
     if spec.kind == "gate":

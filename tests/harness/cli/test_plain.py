@@ -45,7 +45,6 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     np.save("d[/x].npy", np.zeros((80, 80)))
 
 
-@pytest.mark.usefixtures("_folder")
 def test_a_pipe_takes_wide_tables_unless_it_is_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
     cell = "/rover1/odometry/" * 6
@@ -59,6 +58,7 @@ def test_a_pipe_takes_wide_tables_unless_it_is_told_otherwise(monkeypatch: pytes
         assert (cell in console.file.getvalue()) == is_whole  # type: ignore[attr-defined]
 
 
+@pytest.mark.usefixtures("_folder")
 def test_a_run_of_a_rover_and_a_map_of_such_names_tells_them_as_they_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -294,6 +294,7 @@ WRONG_RESETS = [
     ({"start": 5}, "start 5 is not valid; give a list"),
     ({"start": (5.0, 5.0, 0.0)}, "no rover can stand at start 5,5,0: it slid"),
     ({"start": (0.0, SIDE, 0.0)}, "is off the map or at its edge"),
+    ({"goal": (0.0, SIDE)}, "is off the map; give x between"),
     ({"terrain": "mars"}, "terrain 'mars' does not exist"),
     ({"difficulty": 1.5, "terrain": "flat"}, "is not valid"),
 ]
