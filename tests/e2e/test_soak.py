@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from benchmarks.resident import Growth
 from benchmarks.soak.drive import running
 from benchmarks.soak.outcome import GROWTH, Outcome
 from benchmarks.soak.plan import Plan
@@ -22,11 +24,34 @@ from benchmarks.soak.scenarios import (
     starved,
     stopped_node,
 )
+from harness.run import main
+from rover_metrics.core.columns import Row
+from rover_metrics.log.csv_log import CsvLog
 from tests.support.forked_program import ForkedProgram
 from tests.support.once import made_once
 
 WORLD = ("--terrain", "flat", "--timestep", "0.005", "--lidar-beams", "90")  # light ones
 PLAN = Plan(long=15, stopped=3, many=1, starved=2, nodes=2, fault_every=1, world=WORLD)
+
+
+HALTS = (
+    4,
+    8,
+    12,
+)  # rows after which a run stands still until it was looked at: it takes a quarter of a second
+
+
+def halting(words: list[str]) -> int:
+    """harness.run, which nobody is too slow to look at between two halts."""
+    write = CsvLog.write
+
+    def write_and_halt(log: CsvLog, row: Row) -> None:
+        write(log, row)
+        if log.rows in HALTS:
+            signal.raise_signal(signal.SIGSTOP)
+
+    CsvLog.write = write_and_halt  # type: ignore[method-assign, assignment]
+    return main(words)
 
 
 class ForkedPrograms:
@@ -38,7 +63,8 @@ class ForkedPrograms:
     def Popen(command: Sequence[str], *, stdout: Any, stderr: Any) -> Any:  # noqa: ANN401, N802
         if [*command[:2]] != [sys.executable, "-m"]:
             return subprocess.Popen(command, stdout=stdout, stderr=stderr)
-        return ForkedProgram(command[2], command[3:], getattr(stdout, "name", os.devnull))
+        program = halting if "harness.run" in command and "--direct" not in command else command[2]
+        return ForkedProgram(program, command[3:], getattr(stdout, "name", os.devnull))
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -64,6 +90,14 @@ def test_nothing_is_lost_and_nothing_grows(
 ) -> None:
     monkeypatch.setattr("benchmarks.resident.MINUTE", 3)  # what is light has filled its buffers by then
     monkeypatch.setattr("benchmarks.soak.scenarios.RIVALS_PER_CORE", 2)  # a third is left, not a fifth
+    look = Growth.look
+
+    def look_and_let_go(growth: Growth, process: int) -> None:
+        look(growth, process)
+        with suppress(ProcessLookupError):  # it has ended meanwhile
+            os.kill(process, signal.SIGCONT)
+
+    monkeypatch.setattr(Growth, "look", look_and_let_go)
     outcome = scenario(PLAN, reference, tmp_path)
     assert outcome.complaints == ()
     assert outcome.messages > 250 * outcome.seconds
