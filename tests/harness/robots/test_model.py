@@ -171,6 +171,10 @@ MISTAKES = {
         asset('<mesh file="x.stl"/></asset><compiler meshdir="../"/><asset>'),
         "is not in the rover's folder",
     ),
+    "assets elsewhere": (
+        asset('<mesh file="x.stl"/></asset><compiler assetdir="../"/><asset>'),
+        "is not in the rover's folder",
+    ),
     "no mesh": (asset('<mesh file="x.stl"/>'), "x.stl, which does not exist"),
 }
 
