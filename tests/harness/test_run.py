@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.base.errors import HarnessError, UsageError
+from harness.base.errors import UsageError
 from harness.run import main
 from harness.world.terrains import TERRAINS
 from rover_metrics.errors import LogError
@@ -159,7 +159,7 @@ def test_a_disk_that_is_full_is_told_of_in_one_line(
         raise LogError("cannot write a row: No space left on device")
 
     def no_manifest(*_: object) -> None:
-        raise HarnessError("cannot write the summary: No space left on device")
+        raise UsageError("cannot write the summary: No space left on device")
 
     monkeypatch.setattr(CsvLog, "write", no_row)
     monkeypatch.setattr("harness.cli.run_command.write_manifest", no_manifest)
