@@ -9,11 +9,13 @@ from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.helm import Helm, Order
+from harness.episode.loop import Observer
 from harness.episode.result import Outputs
 from harness.samples import Twist
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from tests.support.ros import Ros
 
 RUN = Run.of(terrain="rocky", driver="straight", duration=4.0, lidar_beams=36)
 LEFT, ON = Order(driver="cmd_vel", command=Twist(0.3, 0.4)), Order(driver="")
@@ -51,18 +53,35 @@ def test_what_was_ordered_through_ros_gives_the_same_bytes_without(
     assert steered.log_path.read_bytes() == direct.log_path.read_bytes()
 
 
+class Stranger:
+    """An observer that sends commands to a rover whose own driver obeys none."""
+
+    def __init__(self, ros: Ros) -> None:
+        from geometry_msgs.msg import Twist as Message  # noqa: PLC0415 - there may be no ROS
+
+        self._sent, self._publisher = (
+            Message(),
+            ros.node("stranger").create_publisher(Message, "/b/cmd_vel", 10),
+        )
+
+    def take(self, _: Batch) -> None:
+        self._publisher.publish(self._sent)
+
+
 def test_a_rover_of_a_fleet_that_is_steered_drives_through_ros_as_without(
-    ros_domain: int,  # noqa: ARG001 - sets it
-    tmp_path: Path,
+    ros: Ros, tmp_path: Path
 ) -> None:
     session = pytest.importorskip("harness.ros.session")
     two = fleet(RUN, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=1"), RUN.rover))
     logs, ways = list[list[bytes]](), {"ros": session.run_through_ros, "direct": run_direct}
     for way, drive in ways.items():
         helm, folder = Helm(None, StopRequest()), tmp_path / way
-        watching: tuple[tuple[Steering, ...], ...] = (Steering(helm, 1),), ()
+        watching: tuple[tuple[Observer, ...], ...] = (Steering(helm, 1), Stranger(ros)), ()
         outputs = [Outputs(log_dir=folder / str(n), observers=some) for n, some in enumerate(watching)]
-        results = drive(two, outputs, RosOptions(log_dir=folder), StopRequest(), None, helm)
+        options = RosOptions(log_dir=folder, cmd_vel="twist")
+        results = drive(two, outputs, options, StopRequest(), None, helm)
+        heard = [bool(result.commands.taken) for result in results]
+        assert heard == [False, way == "ros"]
         assert [each.number for each in helm.given] == [1, 1, 1]
         logs.append([result.log_path.read_bytes() for result in results])
     assert logs[0] == logs[1]
