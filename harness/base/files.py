@@ -30,16 +30,16 @@ def write_whole(
         raise failure(f"cannot write {name and f'{name} to '}{path}: {error.strerror}") from error
 
 
-def check_target(flag: str, target: Path, suffix: str = "") -> None:
+def check_target(flag: str, target: Path, *suffixes: str) -> None:
     """Finds out before a run whether a file can be written; UsageError if it cannot.
 
     Args:
         flag: Where the user named it.
         target: The file; it may exist.
-        suffix: How its name must end; any name will do without one.
+        suffixes: How its name may end; any name will do without one.
     """
-    if suffix and target.suffix.lower() != suffix:
-        raise UsageError(f"{flag} '{target}': name a file that ends in {suffix}")
+    if suffixes and target.suffix.lower() not in suffixes:
+        raise UsageError(f"{flag} '{target}': name a file that ends in {', '.join(suffixes)}")
     try:
         if target.is_dir():
             raise UsageError(f"{flag} {target} is a folder; name a file")

@@ -11,7 +11,6 @@ from harness.base.errors import UsageError
 from harness.scenario.comparison import Compared, Comparisons
 from rover_metrics.analysis.plots.style import COLOURS, DPI, STYLE, WIDTH
 
-FORMATS = (".png", ".pdf", ".svg")
 BOX, HEAD = 0.32, 0.9  # [inches] for a box, and around those of a quantity
 SPREAD = 0.25  # of a box's height, over which its dots lie
 
@@ -23,10 +22,8 @@ def box_plots(several: Sequence[Comparisons], file: Path) -> None:
     interquartile ranges; each run is a dot.
 
     Raises:
-        UsageError: The file is of another format, or cannot be written.
+        UsageError: The file cannot be written.
     """
-    if file.suffix.lower() not in FORMATS:
-        raise UsageError(f"--plot {file}: give a file that ends in {', '.join(FORMATS)}")
     quantities = [quantity for compared in several for quantity in compared.quantities]
     heights = [HEAD + BOX * len(quantity.rows) for quantity in quantities]
     with mpl.rc_context(STYLE):

@@ -23,13 +23,15 @@ from harness.spec.live import LiveOptions
 from harness.workers import LOCAL, workers_of
 from rover_metrics.sheet.console import PlainConsole
 
+PICTURES = (".png", ".pdf", ".svg")
+
 
 def run_scenarios(options: argparse.Namespace, files: Iterable[str]) -> int:
     """Drives what options name, prints and writes, also the `files` that some name; the exit code."""
     console = PlainConsole()
     targets = {name: getattr(options, name) for name in files if getattr(options, name) is not None}
     for name, target in targets.items():
-        check_target(f"--{name}", target)
+        check_target(f"--{name}", target, *(PICTURES if name == "plot" else ()))
     load_page(from_flags(LiveOptions, options))
     with StopRequest():
         verdicts = _driven(options, console)

@@ -232,6 +232,7 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
         (["--jobs", "0"], "0 jobs are not valid"),
         (["--junit", "."], "--junit . is a folder"),
         (["--page", "no/a.html"], "create it first"),
+        (["--plot", "box.docx"], "ends in .png, .pdf, .svg"),
     ],
 )
 def test_a_wrong_word_is_one_line_with_the_mend(
