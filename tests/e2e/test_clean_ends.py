@@ -37,7 +37,8 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 STARTS = 12
 DRIVING = (0, 4, 8)  # are stopped, one by each signal, when there are rows; others at a random time
 THROUGH_ROS = (*DRIVING, 10)  # of them
-SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng)\S+")  # noqa: S108 - lttng's is the user's, not a run's
+# Of a run's own: lttng's is the user's, DDS's ports are the machine's, whoever opened them first.
+SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng|\S*_port\d)\S+")  # noqa: S108 - to be looked at
 
 
 @dataclass(frozen=True)
@@ -81,9 +82,9 @@ def shared_memory(process: str | int) -> set[str]:
         return set()
 
 
-def left_behind(memory: set[str], since: float) -> tuple[str, ...]:
-    """Files made since then and still there although nobody uses them: DDS shares some on a machine."""
-    there = {path for path in memory if Path(path).exists() and Path(path).stat().st_mtime > since}
+def left_behind(memory: set[str]) -> tuple[str, ...]:
+    """Files that are still there although nobody uses them."""
+    there = {path for path in memory if Path(path).exists()}
     if there:
         for other in Path("/proc").glob("[0-9]*"):
             there -= shared_memory(other.name)
@@ -92,13 +93,13 @@ def left_behind(memory: set[str], since: float) -> tuple[str, ...]:
 
 def ended_by(number: signal.Signals, program: ForkedProgram, *, group: bool = False) -> End:
     """Sends a signal, as a terminal does to the whole group if there is one, and waits for the end."""
-    since, memory = time.time(), shared_memory(program.pid)
+    memory = shared_memory(program.pid)
     began = time.monotonic()
     (os.killpg if group else os.kill)(program.pid, number)
     code = program.wait(PATIENCE)
     after = time.monotonic() - began
     wait_until(lambda: not session_members(program.pid))
-    return End(after, code, program.said.read_text(), left_behind(memory, since))
+    return End(after, code, program.said.read_text(), left_behind(memory))
 
 
 def manifest(log_dir: Path) -> dict[str, Any]:
