@@ -4,9 +4,11 @@ import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 
 try:
-    from rover_metrics.errors import begin_program, run_program
+    from rover_metrics import errors
+    from rover_metrics.errors import run_program
 except ImportError:  # the sources are here, what they need is not
     print(
         f"harness: rover-harness is not installed in this Python ({sys.version.split()[0]}, "
@@ -16,6 +18,21 @@ except ImportError:  # the sources are here, what they need is not
     sys.exit(2)
 
 __all__ = ["begin_program", "loading", "run_program"]
+
+
+def begin_program(name: str) -> None:
+    """Prepares a program for loading its libraries, as rover_metrics' programs are; loads the first."""
+    errors.begin_program(name)
+    _load_what_all_need()
+
+
+def _load_what_all_need() -> None:
+    """Loads large libraries before a module does that a dozen others are just loading.
+
+    Down there CPython may take memory from the system and give it back in each call (`run_program`).
+    """
+    for library in ("numpy", "pydantic"):
+        import_module(library)
 
 
 @contextmanager
@@ -28,6 +45,7 @@ def loading() -> Iterator[None]:
     was_enabled, before = gc.isenabled(), len(sys.modules)
     gc.disable()
     try:
+        _load_what_all_need()
         yield
     finally:
         if was_enabled:

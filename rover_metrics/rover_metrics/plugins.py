@@ -147,7 +147,11 @@ def _line(table: Table[Any], name: str, point: EntryPoint) -> str:
 @cache
 def _installed(table: str) -> dict[str, EntryPoint]:
     """The entry points of a table, by name."""
-    return {point.name: point for point in entry_points(group=GROUP + table)}
+    return {point.name: point for point in _all_installed().select(group=GROUP + table)}
+
+
+# Every installed package is looked through for them: 8 ms.
+_all_installed = cache(entry_points)
 
 
 def _package(point: EntryPoint) -> str:
