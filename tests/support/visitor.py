@@ -1,7 +1,6 @@
 """Whoever has opened a page of viser, without a browser: what it is shown, and what it does."""
 
 import threading
-from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from typing import Any
 
@@ -94,7 +93,8 @@ class Visitor(AbstractContextManager["Visitor"]):
             arrays.append(data[at : at + length])
             at += length
         for message in content["messages"]:
-            fields: Mapping[str, Any] = message.get("props") or message.get("updates") or {}
+            fields: dict[str, Any] = message.get("props") or message.get("updates") or {}
+            fields |= {"value": message["value"]} if "value" in message else {}  # of a new control
             if "uuid" in message:
                 own = self._parts.setdefault(message["uuid"], {})
                 own |= {name: _filled(value, arrays) for name, value in fields.items()}
