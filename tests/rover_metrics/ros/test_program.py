@@ -127,4 +127,5 @@ def test_a_wait_that_was_woken_before_ros_is_down_ends(ros_domain: int, monkeypa
     monkeypatch.setattr(wait_set, "wait", wait)
     with suppress(rclpy.executors.ExternalShutdownException):
         program.spin(executor)
+    context._logging_fini()  # as its own shutdown does: else no later one sets levels of loggers
     assert len(waits) == 1
