@@ -7,8 +7,8 @@ or goes back, so that it is only for a simulator that waits and has said so.
 
 import os
 import sys
-from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 
 import rclpy
@@ -97,30 +97,42 @@ def _spin_by_one_executor(node: Node, executors: ExitStack, *, in_lock_step: boo
     """Returns when the node's lock-step has begun or ended, or ROS is shut down."""
     executor = executors.enter_context(EventsExecutor() if in_lock_step else SingleThreadedExecutor())
     executor.add_node(node)
-    _give_way(in_lock_step)
-    spin(executor, lambda: node.in_lock_step is in_lock_step)
+    with _giving_way() if in_lock_step else nullcontext():
+        spin(executor, lambda: node.in_lock_step is in_lock_step)
     if rclpy.ok():
         executors.close()  # another one follows
 
 
-def _give_way(gives_way: bool) -> None:
-    """Lets the threads of this process, DDS' included, interrupt whoever wakes them, or wait their turn.
+@contextmanager
+def _giving_way() -> Iterator[None]:
+    """Within, no thread of this process, DDS' included, interrupts whoever wakes it.
 
-    A simulator that runs ahead goes on undisturbed, and more is there to be handled in one go. Other
-    systems than Linux, and threads to which somebody has given another policy, stay as they are.
+    A simulator that runs ahead goes on undisturbed, and more is there to be handled in one go. Does
+    nothing on other systems than Linux, and to a process to which somebody has given another policy.
     """
-    policies = [getattr(os, name, 0) for name in ("SCHED_OTHER", "SCHED_BATCH")]
+    may = hasattr(os, "SCHED_BATCH") and os.sched_getscheduler(0) == os.SCHED_OTHER
+    if may:
+        _change_policy(os.SCHED_OTHER, os.SCHED_BATCH)
+    try:
+        yield
+    finally:
+        if may:
+            _change_policy(os.SCHED_BATCH, os.SCHED_OTHER)
+
+
+def _change_policy(before: int, after: int) -> None:
+    """Gives another scheduling policy to those threads of this process that have a certain one."""
     for thread in Path("/proc/self/task").glob("*"):
         with suppress(OSError):  # it has ended, or this is forbidden
-            if os.sched_getscheduler(int(thread.name)) in policies:
-                os.sched_setscheduler(int(thread.name), policies[gives_way], os.sched_param(0))
+            if os.sched_getscheduler(int(thread.name)) == before:
+                os.sched_setscheduler(int(thread.name), after, os.sched_param(0))
 
 
 def spin(executor: Executor, goes_on: Callable[[], bool] = lambda: True) -> None:
     """Spins until ROS is shut down, by a signal for instance, or something says that it does not go on.
 
     `rclpy.spin` may block for ever after a signal: rclpy wakes whoever waits first and shuts its context
-    down afterwards, so that he finds ROS up and waits again. EventsExecutor is not woken at all.
+    down afterwards: who is quick finds ROS up and waits again. EventsExecutor is not woken at all.
 
     Args:
         executor: Has the node.
