@@ -24,7 +24,7 @@ from tests.support.waiting import PATIENCE
 Pose = tuple[Rotation, NDArray[np.float64]]
 Place = tuple[float, float]
 TF = "tf2_msgs/msg/TFMessage"
-DISCOVERY = 0.5  # [s]; for so long it waits for a scan of a batch before it has heard any
+DISCOVERY = 0.5  # [s]; for so long it waits after each batch until it has heard everything once
 CACHE_NS = 10 * 10**9  # tf2_ros::Buffer
 TOLERANCE_NS = 3 * 10**8  # transform_tolerance of a costmap
 SPEED, TURN, LOOKAHEAD, TURN_FIRST = 0.6, 1.5, 0.4, 0.785  # [m/s], [rad/s], [m], [rad]
@@ -142,12 +142,21 @@ class Nav2Client:
 
     def take(self, _: Batch) -> None:
         """Hears what a batch brought, then sends a command."""
-        scans = self.scans
-        came = spin_until(self.executor, lambda: self.scans > scans, PATIENCE if scans else DISCOVERY)
-        assert came or not scans
+        scans, knew_all = self.scans, self.has_heard_all
+        came = spin_until(
+            self.executor,
+            lambda: self.scans > scans and self.has_heard_all,
+            PATIENCE if knew_all else DISCOVERY,
+        )
+        assert came or not knew_all
         # The map is made when somebody listens; what is latched comes when it is discovered.
-        if self.grid is not None and self.buffer.look_up("map", "base_footprint") is not None:
+        if came:
             self._control()
+
+    @property
+    def has_heard_all(self) -> bool:
+        """Whether the map and every transform below it have come: no discovery is left to wait for."""
+        return self.grid is not None and self.buffer.look_up("map", "base_footprint") is not None
 
     def is_free(self, place: Place, margin: float) -> bool:
         """Whether nothing on /map is occupied around a place."""
