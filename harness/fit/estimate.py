@@ -11,10 +11,11 @@ from scipy.optimize import least_squares
 from harness.recordings.recording import Series
 from harness.robots import RoverSpec
 
-CERTAIN = 1.96  # standard deviations on either side: 95 %
+CERTAIN = 2.2  # standard deviations on either side: 95 % of Student's t with BLOCKS - 1
 MOST = 6  # tries of a round
 ROUNDS = 2  # of at most MOST tries, each with new derivatives
 BLOCKS = 12  # parts of a recording that count as independent of each other
+LEAST_FREE = 1e-3  # of a block's errors: what all but hangs on it is scaled up by no more
 VAGUE = 0.3  # half an interval over the value, from which on it is not known
 FACTS = {"friction": "wheel_friction", "radius": "wheel_radius"}  # of the model, where tyres say nothing
 
@@ -101,7 +102,7 @@ def minimise(
     """Returns the parameters of least residuals, the halves of their intervals, and the cost.
 
     Residuals are over their tolerances and in the order of time; large ones count linearly. Those of
-    a block depend on each other, so the interval is that of White's sandwich over BLOCKS.
+    a block depend on each other, so the interval is that of a sandwich over BLOCKS.
 
     Args:
         residuals: Of parameters.
@@ -161,15 +162,22 @@ def _broyden(
 def deviations(jacobian: Series, left: Series) -> Series:
     """Returns the parameters' standard deviations, with blocks of residuals that depend on each other.
 
+    The estimate has made a block's residuals smaller than its errors, the more the fewer other blocks
+    tell of a parameter: their sums are scaled up by as much (CR2 of Bell and McCaffrey 2002).
+
     Args:
         jacobian: Of the residuals, shape (n, parameters).
         left: The residuals, in the order of time, shape (n,).
     """
-    inverse = np.linalg.pinv(jacobian.T @ jacobian)
-    blocks = np.array_split(np.arange(left.size), min(BLOCKS, left.size))
-    scores = np.array([jacobian[block].T @ left[block] for block in blocks])
-    spread: Series = scores.T @ scores * (len(blocks) / max(len(blocks) - jacobian.shape[1], 1))
-    result: Series = np.sqrt(np.diag(inverse @ spread @ inverse))
+    values, axes = np.linalg.eigh(jacobian.T @ jacobian)
+    known = values > 1e-15 * values.max(initial=0.0)
+    roots = axes[:, known] / np.sqrt(values[known])
+    spread = np.zeros((roots.shape[1],) * 2)
+    for block in np.array_split(np.arange(left.size), min(BLOCKS, left.size)):
+        own, turn = np.linalg.eigh((rows := jacobian[block] @ roots).T @ rows)
+        score = turn @ (turn.T @ (rows.T @ left[block]) / np.sqrt((1.0 - own).clip(LEAST_FREE)))
+        spread += np.outer(score, score)
+    result: Series = np.sqrt(np.diag(roots @ spread @ roots.T))
     silent = np.abs(jacobian).sum(axis=0) == 0.0
     result[silent] = np.inf
     return result

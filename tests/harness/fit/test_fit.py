@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.episode.episode import Episode
 from harness.fit.__main__ import main
-from harness.fit.estimate import Estimate, of, with_values
+from harness.fit.estimate import CERTAIN, Estimate, deviations, of, with_values
 from harness.fit.folder import write_folder
 from harness.fit.ground import UNITS, differences
 from harness.fit.motors import motors
@@ -577,3 +577,13 @@ def test_a_bag_that_is_cut_off_is_said_to_be(tmp_path: Path) -> None:
     cut = recording_of_bag(tmp_path / "bag", HUSKY)
     assert "has no end" in cut.problems[0]
     assert len(cut.commands) > 100
+
+
+@pytest.mark.parametrize("parameters", [1, 3, 6])
+def test_intervals_are_as_wide_as_what_is_estimated_scatters(parameters: int) -> None:
+    rng, errors, said = np.random.default_rng(parameters), [], []
+    for _ in range(500):
+        columns, noise = rng.normal(size=(120, parameters)), rng.normal(size=120)
+        errors.append(np.linalg.pinv(columns) @ noise)
+        said.append(CERTAIN * deviations(columns, noise - columns @ errors[-1]))
+    assert np.mean(np.abs(errors) < said) == pytest.approx(0.95, abs=0.025)
