@@ -65,9 +65,11 @@ def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
     Raises:
         UsageError: There is none of that name; the message lists the names.
     """
-    if name not in available:
-        raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available) or 'none'}")
-    return available[name]
+    try:
+        return available[name]
+    except KeyError:
+        names = ", ".join(available) or "none"
+        raise UsageError(f"{kind} '{name}' does not exist; available: {names}") from None
 
 
 def how_many(count: int, of: str) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.base.errors import UsageError, find_named
@@ -13,8 +14,6 @@ from rover_metrics.core import rotation
 from rover_metrics.plugins import Table
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from harness.gym.driven_rover import DrivenRover
 
 
@@ -49,7 +48,7 @@ class StepTruth:
     ending: str
 
 
-RewardFn = Callable[[StepTruth, "NDArray[np.float32]"], Mapping[str, float]]
+RewardFn = Callable[[StepTruth, NDArray[np.float32]], Mapping[str, float] | float]
 TerminateFn = Callable[[StepTruth], bool]
 OWN = "own"  # name of an ending and of an observation that have none
 
@@ -72,7 +71,9 @@ class Sight:
         return Part(self.low, self.high, f"observed by {name}")
 
 
-REWARDS = Table[RewardFn]("rewards", {}, callable, "a function (truth, action) -> terms by name")
+REWARDS = Table[RewardFn](
+    "rewards", {}, callable, "a function (truth, action) -> number, or terms by name"
+)
 OBSERVATIONS = Table[Sight](
     "observations", {}, lambda value: isinstance(value, Sight), "a harness.gym.custom.Sight"
 )
@@ -113,7 +114,7 @@ class Own:
     """What a user makes of the steps of an environment.
 
     Attributes:
-        reward: Gives the terms of the reward instead of the environment; None leaves it.
+        reward: Gives the reward instead of the environment, or its terms; None leaves it.
         terminate: Whether the episode ends; None adds no ending.
         sights: Further entries of the observation, by name.
     """
@@ -130,6 +131,16 @@ class Own:
     def seen(self, truth: StepTruth) -> dict[str, ArrayLike]:
         """Returns the further entries of the observation."""
         return {name: sight.of(truth) for name, sight in self.sights.items()}
+
+
+def terms_of(given: object) -> dict[str, float]:
+    """Returns the terms of what a reward gave, a number being one; TypeError if it is neither."""
+    try:
+        terms: Mapping[str, Any] = given if isinstance(given, Mapping) else {OWN: given}
+        return {name: float(value) for name, value in terms.items()}
+    except (TypeError, ValueError):
+        message = f"reward_fn gave {given!r}; it has to return a number, or numbers by name"
+        raise TypeError(message) from None
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:

@@ -19,7 +19,7 @@ from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.gym.beginning import OF_A_WORLD, drawn_world, reset_options, started
 from harness.gym.course import Course, draw_variation
-from harness.gym.custom import OWN, StepTruth, own_of, truth_of
+from harness.gym.custom import OWN, StepTruth, own_of, terms_of, truth_of
 from harness.gym.driven_rover import DrivenRover
 from harness.gym.observation import Limits, Observation, Part, space_of
 from harness.gym.options import CurriculumSchedule, Options, parse_options
@@ -222,7 +222,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         own, truth = self._extra, self._truth(ending)
         self._apart, self._own_seen = truth.distance, own.seen(truth)
         if own.reward is not None:
-            info["reward_terms"] = dict(own.reward(truth, np.array(self._accepted, np.float32)))
+            info["reward_terms"] = terms_of(own.reward(truth, np.array(self._accepted, np.float32)))
             reward = float(sum(info["reward_terms"].values()))
         if own.terminate is not None and not ending and own.terminate(truth):
             ending = OWN

@@ -150,8 +150,8 @@ class Options(RunOptions):
         goal_distance: From the start to the goal, as the crow flies [m].
         randomisation: What varies of the rover.
         curriculum: How the worlds' difficulty follows success.
-        reward_fn: Gives the terms of the reward instead of the environment, of truth and action
-            (harness.gym.custom); or the name of a plug-in, or FILE.py:FUNCTION.
+        reward_fn: Gives the reward, or its terms by name, instead of the environment, of truth and
+            action (harness.gym.custom); or the name of a plug-in, or FILE.py:FUNCTION.
         terminate_fn: Whether the episode ends too, of the truth.
         observe_fn: A further entry of the observation: a harness.gym.custom.Sight, or one by its name.
     """

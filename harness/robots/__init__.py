@@ -6,6 +6,7 @@ conventions of those that ship and the source of every number, docs/robots.md wh
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from harness.base.errors import UsageError
@@ -53,7 +54,7 @@ ROVERS: Mapping[str, RoverSpec] = _Rovers()
 
 def find_rover(robot: str) -> RoverSpec:
     """Returns the rover of a name, or of a folder's path; UsageError, which names those there are."""
-    if robot in ROVERS:
+    with suppress(KeyError):
         return ROVERS[robot]
     if Path(robot).name == "rover.yaml":
         raise UsageError(f"robot '{robot}' is a file of a rover; give its folder, {Path(robot).parent}")

@@ -57,6 +57,7 @@ def heightmap_world(spec: WorldSpec, seed: int, rover: RoverNeeds) -> World:
 def _ground(raster: Raster, spec: WorldSpec, seed: int, notes: list[str]) -> Heightfield:
     pixel = _pixel(raster, spec.terrain_size)
     values = _complete(raster.values, notes)
+    _doubt_zeros(values, notes)
     heights = _in_metres(values, raster, spec.terrain_height, notes)
     heights, cell = _on_cells(heights, pixel, notes)
     ground = Heightfield(np.ascontiguousarray(heights[::-1]), cell)
@@ -102,6 +103,17 @@ def _complete(values: Field, notes: list[str]) -> Field:
         )
     notes.append(f"{missing} missing heights ({share:.2%}) filled from their surroundings")
     return filled(values)
+
+
+def _doubt_zeros(values: Field, notes: list[str]) -> None:
+    """Notes zeros further from all other values than these from each other: often they mean no data."""
+    rest = values[values != 0.0]
+    count = values.size - rest.size
+    if count and rest.size and np.abs(rest).min() > np.ptp(rest):
+        notes.append(
+            f"{count} of its values ({count / values.size:.2%}) are 0, all others {rest.min():g} to "
+            f"{rest.max():g}: if 0 means that there are none, gdal_translate -a_nodata 0 tells so"
+        )
 
 
 def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[str]) -> Field:

@@ -54,6 +54,23 @@ def test_progress_is_that_to_the_goal_of_the_step_also_where_another_follows() -
     assert max(map(abs, progress)) < 0.05
 
 
+@pytest.mark.parametrize(
+    ("given", "reward"), [(2.5, 2.5), (np.float32(0.5), 0.5), ({"a": 1, "b": np.float64(0.5)}, 1.5)]
+)
+def test_a_reward_is_a_number_or_the_sum_of_its_terms(given: object, reward: float) -> None:
+    env = gymnasium.make(ID, **FLAT, reward_fn=lambda *_: given)
+    env.reset(seed=1)
+    _, told, _, _, info = env.step(np.zeros(2, np.float32))
+    assert told == reward == sum(info["reward_terms"].values())
+
+
+def test_what_is_no_reward_is_named_with_its_value() -> None:
+    env = gymnasium.make(ID, **FLAT, reward_fn=lambda *_: None)
+    env.reset(seed=1)
+    with pytest.raises(TypeError, match="reward_fn gave None"):
+        env.step(np.zeros(2, np.float32))
+
+
 def test_depth_and_heights_can_be_images_of_the_same_numbers() -> None:
     options = {**FLAT, "depth": (8, 6), "height_scan": True}
     flat, _ = gymnasium.make(ID, **options).reset(seed=1)

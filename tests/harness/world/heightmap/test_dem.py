@@ -171,6 +171,19 @@ def test_missing_is_what_the_tag_says_and_what_is_beyond_any_mountain(
     assert np.argwhere(np.isnan(read_raster(tmp_path / "a.tif").values)).tolist() == [[3, 4]] * missing
 
 
+@pytest.mark.parametrize(
+    ("above", "hole", "doubted"),
+    [(1500.0, 0.0, True), (-4500.0, 0.0, True), (0.3, 0.0, False), (1500.0, 1.0, False)],
+)
+def test_zeros_far_from_all_other_heights_are_doubted(
+    tmp_path: Path, above: float, hole: float, *, doubted: bool
+) -> None:
+    heights = above + hills()
+    heights[:10] = hole
+    notes = world_of(saved(tmp_path / "dem.npy", heights)).notes
+    assert any("nodata 0" in note and "1010 of its" in note for note in notes) is doubted
+
+
 def test_gdals_scale_and_offset_apply_to_heights_but_not_to_missing_ones(tmp_path: Path) -> None:
     values = np.full((9, 9), 1250, np.int16)
     values[3, 4] = -32768
