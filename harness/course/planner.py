@@ -47,11 +47,21 @@ class Planner:
         self._corner = x - half_x, y - half_y
         self.clearance: Lengths = RESOLUTION * distances(cells.cells != FREE)
         self._cost = np.where(self.clearance > 0.5 * rover.width, 1.0, np.inf)
+        self._latest: tuple[Point, Lengths] | None = None
 
     def lengths(self, start: Point) -> Lengths:
         """Returns the length of the shortest way from a point to each cell [m]; inf without one."""
-        cells = np.array([self.cell(start)], np.int64)
-        return np.asarray(RESOLUTION * travel(self._cost, cells, np.zeros(1), STEPS))
+        if self._latest is None or self._latest[0] != start:  # who draws a goal then asks how far it is
+            cells = np.array([self.cell(start)], np.int64)
+            self._latest = start, RESOLUTION * travel(self._cost, cells, np.zeros(1), STEPS)
+        return self._latest[1]
+
+    def distances(self, point: Point) -> Lengths:
+        """Returns the distance of each cell's middle from a point, as the crow flies [m]."""
+        (low_x, low_y), (rows, columns) = self._corner, self.clearance.shape
+        x = low_x + (np.arange(columns) + 0.5) * RESOLUTION - point[0]
+        y = low_y + (np.arange(rows) + 0.5) * RESOLUTION - point[1]
+        return np.asarray(np.hypot(x, y[:, None]))
 
     def length(self, points: Sequence[Point]) -> float:
         """Returns the length of the shortest way through points [m]; UsageError if there is none."""

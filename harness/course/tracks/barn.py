@@ -114,9 +114,11 @@ def generated(seed: int, draw: int) -> Field:
     field = (rng.random((SIDE, SIDE)) < FILLS[kind // len(ROUNDS)]).astype(np.int64)
     field[:, (0, -1)] = 1
     for _ in range(ROUNDS[kind % len(ROUNDS)]):
-        walled = np.pad(np.pad(field, ((1, 1), (0, 0))), ((0, 0), (1, 1)), constant_values=1)
-        shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-        neighbours = sum(walled[i : i + SIDE, j : j + SIDE] for i, j in shifts)
+        walled = np.zeros((SIDE + 2, SIDE + 2), np.int64)
+        walled[:, (0, -1)] = 1
+        walled[1:-1, 1:-1] = field
+        rows = walled[:-2] + walled[1:-1] + walled[2:]
+        neighbours = rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:] - field
         field = np.where(neighbours > 4, 1, np.where(neighbours < 2, 0, field))
     return np.asarray(field)
 

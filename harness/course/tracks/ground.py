@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.streams import COURSE, generator
-from harness.course.planner import Planner
+from harness.course.planner import RESOLUTION, Planner
 from harness.course.task import Case, Point, Rule, Task
 from harness.course.tracks.base import Track, to
 from harness.episode.assembly import world_of
@@ -73,11 +73,12 @@ class Ground(Track):
         Raises:
             UsageError: There is none.
         """
-        lengths = planner.lengths(way[-1])
-        rows, columns = np.nonzero(np.isfinite(lengths) & (planner.clearance > room))
+        low, high = self.distance
+        lengths, apart = planner.lengths(way[-1]), planner.distances(way[-1])
+        ring = (apart > low - RESOLUTION) & (apart < high + RESOLUTION)
+        rows, columns = np.nonzero(np.isfinite(lengths) & (planner.clearance > room) & ring)
         cells = zip(rows.tolist(), columns.tolist(), strict=True)
         places = [planner.middle(row, column) for row, column in cells]
-        low, high = self.distance
         far = [place for place in places if all(math.dist(place, other) >= low for other in way)]
         fit = [place for place in far if math.dist(place, way[-1]) <= high]
         if not fit:
