@@ -63,7 +63,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     entry, path = find_entry("straight"), tmp_path_factory.mktemp("course") / "straight.json"
 
     def made() -> Receipt:
-        cases = cases_of([find_track("barn"), find_track("rocky")], entry, 2)
+        cases = cases_of([find_track("barn"), find_track("blind")], entry, 2)
         receipt: Receipt = receipt_of(entry, drive_all(cases, entry, Backwards(), lambda *_: None))
         return receipt
 

@@ -54,9 +54,9 @@ def test_names_are_text_and_the_page_is_the_same_bytes(folder: Path) -> None:
 
 
 def test_whiskers_end_where_the_interval_is_cut(folder: Path) -> None:
-    first, second = read_folder(folder)[1].tracks["rocky"].episodes
+    first, second = read_folder(folder)[1].tracks["blind"].episodes
     spread = [replace(first, score=0.0), replace(second, score=0.6)]
-    page = page_of([receipt_of(find_entry("gap"), {"rocky": spread})])
+    page = page_of([receipt_of(find_entry("gap"), {"blind": spread})])
     figures = re.search(r'id="figures">(.*?)</script>', page)
     assert figures
     (plot,) = json.loads(figures[1]).values()

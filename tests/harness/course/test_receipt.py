@@ -75,15 +75,15 @@ def own_entry(folder: Path, said: str = "driver: mine.py:Mine\nlock: requirement
 
 def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Path, kept: Path) -> None:
     entry = own_entry(tmp_path / "own")
-    words = ["--track", "rocky", "--seeds", "2", "--jobs", "1", "--out", str(tmp_path)]
+    words = ["--track", "blind", "--seeds", "2", "--jobs", "1", "--out", str(tmp_path)]
     files = ["--json", str(tmp_path / "t.json"), "--page", str(tmp_path / "t.html")]
     assert main(["run", str(entry), *words, *files]) == 0
     (row,) = json.loads((tmp_path / "t.json").read_text())["own"]
-    assert (row["track"], row["runs"]) == ("rocky", "2")
-    assert "rocky" in (tmp_path / "t.html").read_text()
+    assert (row["track"], row["runs"]) == ("blind", "2")
+    assert "blind" in (tmp_path / "t.html").read_text()
     assert main(["run", str(entry), *words]) == 2  # hours may have gone into what is there
     receipt, baseline = read_receipt(tmp_path / "own.json"), read_receipt(kept)
-    assert receipt.tracks["rocky"] == baseline.tracks["rocky"]
+    assert receipt.tracks["blind"] == baseline.tracks["blind"]
     assert receipt.entry_hash != baseline.entry_hash
     (entry / "mine.py").write_text(DRIVER + "# changed")
     assert main(["verify", str(tmp_path / "own.json"), "--entry", str(entry)]) == 2
@@ -91,9 +91,9 @@ def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Pat
 
 def test_a_policy_drives_every_track_with_the_lidar_that_it_was_made_for(tmp_path: Path) -> None:
     entry = own_entry(tmp_path / "own", "policy: p.npz\nlock: requirements.txt\n")
-    layer = np.zeros((13 + 24, 2), np.float32), np.array([0.1, 0.0], np.float32)  # 24 beams; slowly on
+    layer = np.zeros((13 + 24, 2), np.float32), np.array([0.6, 0.0], np.float32)  # 24 beams; straight on
     write_policy(entry / "p.npz", Policy((layer,)))
-    words = ["--track", "barn", "--track", "rocky", "--seeds", "1", "--jobs", "1"]
+    words = ["--track", "barn", "--track", "blind", "--seeds", "1", "--jobs", "1"]
     assert main(["run", str(entry), *words, "--out", str(tmp_path)]) == 0
     tracks = read_receipt(tmp_path / "own.json").tracks
     assert [track.episodes[0].path > 1.0 for track in tracks.values()] == [True, True]
@@ -127,7 +127,7 @@ def test_unseen_seeds_depend_on_the_entry_and_the_nonce(tmp_path: Path) -> None:
         unseen_seed(one, nonce, track, number)
         for one in (entry, other)
         for nonce in ("a", "b")
-        for track in ("barn", "rocky")
+        for track in ("barn", "blind")
         for number in (0, 1)
     }
     assert len(seeds) == 16
