@@ -62,15 +62,15 @@ def write(path: Path, content: Any, at_s: int) -> None:  # noqa: ANN401 - text o
     os.utime(path, (at_s, at_s))  # of which clocks tell no more than some milliseconds
 
 
-def driven(folder: Path, options: dict[str, Any]) -> tuple[str, str]:
-    """Hashes of a short run and of where it could drive."""
+def driven(folder: Path, options: dict[str, Any]) -> tuple[str, dict[str, bytes]]:
+    """The hash of a short run, and where it could drive."""
     told = json.loads(
         json.dumps({"terrain": "posts", "duration": 0.5} | options).replace("{}", str(folder))
     )
     run, stream = Run.of(**told), StreamHash()
     for batch in Episode(run).batches():
         stream.take(batch)
-    return stream.hexdigest(), str({k: v.tobytes() for k, v in graded_world(run).layers.items()})
+    return stream.hexdigest(), {k: v.tobytes() for k, v in graded_world(run).layers.items()}
 
 
 @pytest.mark.parametrize("name", CASES)
