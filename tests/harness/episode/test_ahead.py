@@ -1,7 +1,5 @@
 """A second core that simulates ahead: the same drive, whatever happens between two control periods."""
 
-import io
-import pickle
 import shutil
 import threading
 from collections.abc import Callable
@@ -22,6 +20,7 @@ from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
+from tests.support.exact import as_bytes
 
 LIGHT = {"duration": 3.0, "lidar_beams": 40, "imu_rate": 100}
 AREA = ((-6.0, 6.0), (-6.0, 6.0))
@@ -52,15 +51,6 @@ RUNS = {
     "two": fleet(SHARED, parse_rovers(("leo:a,driver=wander", "husky:b,x=2,y=2"), SHARED.rover)),
     "the edge": Run.of(terrain="flat", start=(18.7, 0.0, 0.0), driver="straight", **LIGHT),
 }
-
-
-def as_bytes(value: object) -> bytes:
-    """To the last bit, and the same whatever of it is one object."""
-    written = io.BytesIO()
-    pickler = pickle.Pickler(written)
-    pickler.fast = True
-    pickler.dump(value)
-    return written.getvalue()
 
 
 def driven(run: Run, *, ahead: bool, act: Callable[[Episode], None] | None = None) -> list[bytes]:

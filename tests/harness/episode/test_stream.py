@@ -19,6 +19,7 @@ from harness.sensors.gnss import GnssFix
 from harness.spec.fleet import parse_rovers
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
+from tests.support.exact import as_bytes
 
 
 def config(**changes: object) -> Run:
@@ -151,11 +152,11 @@ def test_orders_to_a_fleet_that_is_simulated_ahead_give_the_bytes_of_one_that_is
     shared = config(driver="goal", lidar_beams=8, duration=1.5)
     two = fleet(shared, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=0"), shared.rover))
 
-    def driven(index: int, *, prompt: bool) -> tuple[int | None, list[str]]:
-        stream, told, at_ns = EpisodeStream(two, prompt=prompt), list[str](), None
+    def driven(index: int, *, prompt: bool) -> tuple[int | None, list[bytes]]:
+        stream, told, at_ns = EpisodeStream(two, prompt=prompt), list[bytes](), None
         stream.begin()
         for number, batches in enumerate(stream.batches()):
-            told += map(repr, batches)
+            told += map(as_bytes, batches)
             if number == index:
                 stream.rovers[0].head_for(Place(-2.0, 1.0, 0.0))
                 at_ns = stream.rovers[1].put(Place(4.0, 3.0, 1.0))

@@ -12,6 +12,7 @@ from harness.sensors.camera import painter
 from harness.sensors.camera.painter import CameraPainter
 from tests.harness.sensors.camera.staged import CAMERAS, coarse_scenery
 from tests.harness.sensors.camera.test_renderer import state
+from tests.support.forking import ForkServer
 
 SEED, IMAGE = 5, state("pinhole", -0.15, -0.1)
 
@@ -49,6 +50,7 @@ def test_without_an_image_there_is_one_line_with_the_first_reason(
 ) -> None:
     """With what are no names of an OpenGL the world is missing."""
     lines: list[str] = []
+    monkeypatch.setattr(painter, "multiprocessing", ForkServer())
     monkeypatch.setattr(painter, "backends", lambda _: ("one", "two"))
     with CameraPainter(no_scenery, CAMERAS, SEED, lines.append) as subject:
         assert (subject.image(IMAGE), subject.image(IMAGE)) == (None, None)
