@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.base.sim_time import TICK_NS, TICKS_PER_CONTROL
 from harness.physics.ahead import Ahead, has_second_core
 from harness.physics.aside import Errand
 from harness.physics.contacts import ContactWatch
@@ -21,8 +21,8 @@ from harness.physics.health import check_health, check_place
 from harness.physics.passed_over import obstacles_of
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
+from harness.physics.settling import settle
 from harness.physics.soil import soil_bed
-from harness.physics.start import spawn_pose
 from harness.physics.stepping import Offer, Span
 from harness.physics.stepping_record import SPAN
 from harness.physics.world_geoms import soil_ground
@@ -32,9 +32,6 @@ from harness.world.world import Start
 
 if TYPE_CHECKING:
     from harness.soil.bed import Bed
-
-SETTLE_LIMIT_NS = 5 * NANOSECONDS
-FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
 
 
 class Physics:
@@ -272,7 +269,8 @@ class Physics:
             if self.crowd is not None:
                 self.crowd.look([rover.contacts for rover in self.rovers])
             if tick == last:
-                self._check_health()
+                if any(self._span.warnings.tolist()):  # a third of the time of numpy's any
+                    check_health(self.data, self.rovers, self.time_ns)
                 check_place(self.rovers, self.time_ns)
             yield tick
 
@@ -288,35 +286,13 @@ class Physics:
     def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
         """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.
 
-        Each of them comes to rest as if it were alone: who rests waits for the slower ones as it is, and
-        so do all others.
-
         Args:
             starts: Where each of them is let down.
 
         Raises:
             Diverged: One of them cannot stand there.
         """
-        falling = [rover for rover, _ in starts]
-        waiting = [(rover, rover.state()) for rover in self.rovers if rover not in falling]
-        for rover, start in starts:
-            rover.pose[:] = spawn_pose(rover.scene, start)
-        for tick in range(SETTLE_LIMIT_NS // TICK_NS):
-            for rover, _ in starts:
-                rover.parking.hold(tick >= FREE_NS // TICK_NS)
-            for _ in range(self.steps_per_tick):
-                mujoco.mj_step(self.model, self.data)
-            self._check_health()
-            for rover, state in waiting:
-                rover.restore(state)
-            for rover in [rover for rover in falling if rover.rests(self.data)]:
-                falling.remove(rover)
-                waiting.append((rover, rover.state()))
-            if not falling:
-                break
-        for rover, _ in starts:
-            rover.parking.hold(True)
-        self.data.time = 0.0
+        settle(self.data, self.rovers, starts, self.timestep_ns, self.time_ns)
 
     def put_back(self, rover: Rover) -> None:
         """Takes note that a rover is put elsewhere, and takes out all ruts once all have been in a tick.
@@ -327,8 +303,3 @@ class Physics:
         are_back = all(each.put_back_at == self.step_count for each in self.rovers)
         if are_back and self.bed is not None and soil is not None and not soil.keeps_ruts:
             self.bed.smooth()
-
-    def _check_health(self) -> None:
-        """Checks MuJoCo's warnings; Diverged if there are some."""
-        if any(self._span.warnings.tolist()):  # a third of the time of numpy's any
-            check_health(self.data, self.rovers, self.time_ns)
