@@ -4,7 +4,8 @@ import fcntl
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import mujoco
 import numpy as np
 
 from harness.base.files import write_whole
-from tests.golden.evidence import Evidence
+from tests.golden.evidence import Evidence, Message
 from tests.golden.invariants import VOLATILE, first_difference, flat
 from tests.golden.products import of_page, of_recording, of_summary
 from tests.golden.table import TABLE
@@ -58,18 +59,23 @@ def outcome(evidence: Evidence, folder: Path) -> dict[str, Any]:
             _hash(_lasting(each, folder)) for each in (driven.manifest, *of_ros)
         ]
         logs[name] = {"csv": driven.csv.splitlines(), "social": driven.social.splitlines()}
-    by_topic: dict[str, list[str]] = {}
-    for message in evidence.messages:
-        data = "" if message.topic.endswith("image_raw") else _hash(message.data)  # OpenGL's are its own
-        by_topic.setdefault(message.topic, []).append(f"{message.time_ns} {data}")
     if evidence.recording is not None and evidence.run.is_read:
         hashes["recording"] = of_recording(evidence.recording, evidence.options.run)
-    summary["messages"] = {topic: len(told) for topic, told in by_topic.items()}
-    hashes["messages"] = {topic: _hash("\n".join(told)) for topic, told in by_topic.items()}
+    summary["messages"] = dict(Counter(message.topic for message in evidence.messages))
+    hashes["messages"] = of_messages(evidence.messages)
     # Nodes of several rovers have their turns in any order, so what they publish at a time has none.
     order = [m for m in evidence.messages if not m.topic.endswith("rover/metrics")]
     hashes["order"] = _hash("\n".join(f"{each.topic} {each.time_ns}" for each in order))
     return {"summary": summary, "hashes": hashes, "logs": logs}
+
+
+def of_messages(messages: Iterable[Message]) -> dict[str, str]:
+    """Returns a hash of each topic's messages and their times; of images of the times alone."""
+    by_topic: dict[str, list[str]] = {}
+    for message in messages:
+        data = "" if message.topic.endswith("image_raw") else _hash(message.data)  # OpenGL's are its own
+        by_topic.setdefault(message.topic, []).append(f"{message.time_ns} {data}")
+    return {topic: _hash("\n".join(told)) for topic, told in by_topic.items()}
 
 
 def _lasting(manifest: dict[str, Any], folder: Path) -> str:

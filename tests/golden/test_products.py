@@ -1,6 +1,7 @@
 """What stands on a run gives the same run: scenarios and learning environments."""
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,18 @@ import harness.gym  # noqa: F401 - registers its environments
 from harness.scenario.__main__ import main as scenario
 from tests.golden import kept
 from tests.golden.drive import make_files, run_options
+from tests.golden.evidence import read
 from tests.golden.table import NONE, RUNS, GoldenRun
 
 WORLD = ("terrain", "soil", "targets", "terrain_size", "terrain_cell", "mesh_unit", "rock")
 SETUP = ("robot", "driver", "noise", "sensors", "goal_area", "lidar_beams", "imu_rate", "actors")
 # What no file of a scenario says: several rovers, a plan, another timestep, the way of the frames.
 PLAIN = [run for run in RUNS if not run.is_fleet and not run.plan and run.numbers == NONE]
+PUBLISHED = [
+    run
+    for run in RUNS
+    if run.tf != NONE and not run.is_fleet and run.ros != "namespace" and "camera" not in run.sensors
+]
 IDS = ("RoverHarness/PointNav-v0", "RoverHarness/RoboTerrain-v0")
 
 
@@ -34,6 +41,28 @@ def test_a_scenario_drives_as_the_run_does(run: GoldenRun, tmp_path: Path) -> No
     expect = {"truth.path_length": [bounds]}
     file.write_text(json.dumps({"about": run.name, **keys, **times, "expect": expect}))
     assert scenario([str(file), "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
+
+
+@pytest.mark.parametrize("run", PUBLISHED[::4], ids=lambda run: run.name)
+def test_a_trial_publishes_what_the_run_does(run: GoldenRun, tmp_path: Path) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    from harness.testing.trial import Trial  # noqa: PLC0415 - there may be no ROS
+
+    before = kept.references()
+    if before[kept.ARITHMETIC] != kept.arithmetic():
+        pytest.skip("another arithmetic")
+    options, folder = run_options(run, make_files(tmp_path), tmp_path), tmp_path / "kept"
+    with (
+        suppress(InterruptedError),
+        Trial(options.run, folder, options.ros.frames, cmd_vel=options.ros.cmd_vel) as trial,
+    ):
+        while trial.advance():
+            pass
+        raise InterruptedError  # what has failed is kept
+    expected = before[run.name]["hashes"]["messages"]
+    for topic in ("/map", "/rover/metrics"):  # a trial has neither
+        expected.pop(topic, None)
+    assert kept.of_messages(read(folder / "trial.mcap")) == expected
 
 
 @pytest.mark.parametrize("identifier", IDS)

@@ -111,3 +111,11 @@ def test_no_source_unpickles_evaluates_or_starts_a_shell() -> None:
 def test_each_of_these_would_be_found_and_harmless_neighbours_are_not(source: str) -> None:
     assert harms(source)
     assert not harms("import json, re\njson.load(f)\nre.compile(x)\nmodel.eval()\nYAML(typ='safe')")
+
+
+def test_gravity_is_the_worlds_and_no_number_in_a_function() -> None:
+    """It is a rover's, a file's or a parameter's; names of modules may stand for what it is without."""
+    for path in (p for folder in FOLDERS[:2] for p in (ROOT / folder).rglob("*.py")):
+        functions = (n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.FunctionDef))
+        numbers = (n.value for of in functions for n in ast.walk(of) if isinstance(n, ast.Constant))
+        assert not [n for n in numbers if isinstance(n, float) and 9.7 < n < 9.9], path

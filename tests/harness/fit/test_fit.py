@@ -579,6 +579,16 @@ def test_a_bag_that_is_cut_off_is_said_to_be(tmp_path: Path) -> None:
     assert len(cut.commands) > 100
 
 
+@pytest.mark.parametrize("key", TRUE)
+def test_a_value_that_is_fitted_is_the_rovers_and_wheels_that_grow_lift_it(key: str) -> None:
+    value = 1.1 * of(HUSKY, key) or 0.1
+    grown = with_values(HUSKY, [(key, value)])
+    assert of(grown, key) == value
+    assert grown.rest_height - grown.wheel_radius == pytest.approx(
+        HUSKY.rest_height - HUSKY.wheel_radius
+    )
+
+
 @pytest.mark.parametrize("parameters", [1, 3, 6])
 def test_intervals_are_as_wide_as_what_is_estimated_scatters(parameters: int) -> None:
     rng, errors, said = np.random.default_rng(parameters), [], []

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import astuple, replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -11,6 +13,7 @@ from harness.fit.likely import likely
 from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.outcome import split
+from harness.fit.reading import read
 from harness.fit.response import difference
 from harness.fit.steady import LENGTH, kinds, steady
 from harness.recordings.recording import Recording, Series, at, lag, moved
@@ -162,3 +165,26 @@ def test_wheels_poses_and_an_imu_tell_the_same_of_a_turn() -> None:
     # What is asked of a rover's controller has no side either.
     off, other = (difference(HUSKY, each).reshape(-1, 2) for each in (made, mirrored(made)))
     assert other[:, ::-1] == pytest.approx(off, abs=1e-9)
+
+
+@pytest.mark.parametrize("late", [-0.2, 0.2])
+def test_an_imu_on_another_clock_is_put_on_that_of_the_wheels(late: float, tmp_path: Path) -> None:
+    made, names = drive(), ("t", "wx", "wy", "wz", "ax", "ay", "az")
+    commands = at(made.commands, made.wheels[:, 0])
+    wheels = dict(zip(("t", "left_speed", "right_speed"), made.wheels.T, strict=True))
+    pd.DataFrame(wheels | {"cmd_v": commands[:, 0], "cmd_w": commands[:, 1]}).to_csv(tmp_path / "a.csv")
+    pd.DataFrame(moved(made.imu, late), columns=names).to_csv(tmp_path / "b.csv")
+    apart = [lag(made, TRACK), lag(read([tmp_path / "a.csv", tmp_path / "b.csv"], HUSKY, {}), TRACK)]
+    assert apart == pytest.approx([0.0, 0.0], abs=GRAIN["lag"])
+
+
+def test_what_was_not_recorded_changes_nothing_of_the_rest() -> None:
+    whole = drive()
+    bare = Recording("made", "flooring", commands=whole.commands, wheels=whole.wheels)
+    same = replace(whole, imu=bare.imu, poses=bare.poses, currents=bare.currents)
+    for one in (bare, same):
+        found, expected = (np.array([astuple(w)[1:] for w in windows(each)]) for each in (one, whole))
+        assert found.shape == expected.shape
+        known = np.isfinite(found)
+        assert known[:, :2].all()
+        assert found[known] == pytest.approx(expected[known])

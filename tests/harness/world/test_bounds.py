@@ -6,10 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from harness.base.errors import UsageError
 from harness.drivers import find_driver
+from harness.episode.assembly import check, world_of
+from harness.scenario.case import cases_of
+from harness.scenario.reading import read_scenario
+from harness.sensors.depth import DepthOptions
+from harness.sensors.height_scan import HeightScanOptions
 from harness.spec.run import Run
+from harness.spec.target import parse_target
 from harness.world.actors.people import read_trajectories
 from harness.world.heightfield import Heightfield
 from harness.world.heightmap.raster import read_raster
@@ -17,7 +24,9 @@ from harness.world.sdf import reader
 from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
 from harness.world.solids.mesh_file import read_mesh
+from harness.world.targets.placing import target_names
 from harness.world.world import World, with_actors
+from rover_metrics.log.documents import DocumentError, read_bytes
 from tests.harness.world.solids.shapes import box, write_dae
 from tests.support.words import parse_actors
 
@@ -140,3 +149,74 @@ def test_files_of_too_many_elements_are_refused(tmp_path: Path, monkeypatch: pyt
 def test_numbers_of_options_are_written_in_plain_digits(word: str) -> None:
     for options in ({"start": f"{word},0"}, {"datum": f"{word},0"}, {"actors": (f"g={word},0",)}):
         one_line(re.escape(f"{word},0"), lambda options=options: Run.of(**options))  # type: ignore[misc]
+
+
+SDF = "<sdf version='1.9'><world name='w'>{}</world></sdf>"
+PLANE = "<plane><size>20 20</size></plane>"
+
+
+def two_solids(folder: Path) -> None:
+    shapes = (PLANE, "<box><size>1 1 1</size></box>")
+    links = [f"<collision name='c'><geometry>{shape}</geometry></collision>" for shape in shapes]
+    models = [
+        f"<model name='m{at}'><static>1</static><pose>0 {6 * at} 0 0 0 0</pose><link name='l'>{link}"
+        "</link></model>"
+        for at, link in enumerate(links)
+    ]
+    (folder / "a.sdf").write_text(SDF.format("".join(models)))
+    world_of(Run.of(terrain=str(folder / "a.sdf")))
+
+
+def twelve_triangles(folder: Path) -> None:
+    trimesh.creation.box().export(folder / "box.obj")
+    read_mesh(folder / "box.obj")
+
+
+def four_runs(folder: Path) -> None:
+    (file := folder / "a.scenario.yaml").write_text(
+        "{about: a, seeds: 2, matrix: {robot: [leo, husky]}, expect: {truth.speed: {max: 9}}}"
+    )
+    cases_of(file, read_scenario(file))
+
+
+@pytest.mark.parametrize(
+    ("bound", "amount", "take"),
+    [
+        ("harness.world.sdf.reading.MOST_SOLIDS", 2, two_solids),
+        ("harness.world.solids.mesh_file.MOST_TRIANGLES", 12, twelve_triangles),
+        ("harness.scenario.case.MOST_RUNS", 4, four_runs),
+        ("harness.sensors.ranging.MOST_RAYS", 160 * 120, lambda _: DepthOptions(name="d")),
+        ("harness.sensors.height_scan.MOST_CELLS", 400, lambda _: HeightScanOptions(name="h")),
+        (
+            *("harness.faults.lookup.MOST_COPIES", 6),
+            lambda _: check(Run.of(faults=("imu:duplicate=2", "imu:duplicate=3"))),
+        ),
+        (
+            *("harness.world.targets.placing.MOST_TARGETS", 2),
+            lambda _: target_names([parse_target("post"), parse_target("gate")]),
+        ),
+        (
+            *("harness.world.actors.people.MOST_ACTORS", 2),
+            lambda _: world_of(Run.of(terrain="flat", actors=["a=2,2/4,2", "b=2,3/4,3"])),
+        ),
+    ],
+)
+def test_as_many_as_a_bound_says_are_taken_and_not_one_more(
+    bound: str,
+    amount: int,
+    take: Callable[[Path], object],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(bound, amount)
+    take(tmp_path)
+    monkeypatch.setattr(bound, amount - 1)
+    with pytest.raises((UsageError, ValueError)):
+        take(tmp_path)
+
+
+def test_a_file_of_as_many_bytes_as_a_bound_says_is_read(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"seven77")
+    assert read_bytes(tmp_path / "a", 7) == b"seven77"
+    with pytest.raises(DocumentError):
+        read_bytes(tmp_path / "a", 6)

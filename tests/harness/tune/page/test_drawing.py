@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from harness.robots import ROVERS, RoverSpec
+from harness.robots.model import SEEN_GROUP, read_model
 from harness.tune.page.outline import ABOVE, SIDE, shares, silent_strips, silhouette
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO
@@ -57,12 +58,16 @@ def test_a_silhouette_fills_the_footprint_and_reaches_up_to_the_lidar(rover: Rov
     assert rover.lidar_height < side[:, 1].max() < rover.lidar_height + 0.03
 
 
-def test_a_silhouette_has_meshes_as_their_boxes_and_balls_as_balls(tmp_path: Path) -> None:
+@pytest.mark.parametrize("axes", [ABOVE, SIDE])
+def test_a_silhouette_is_as_large_as_each_kind_of_geom(axes: tuple[int, int], tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     trimesh.creation.box((0.2, 0.4, 0.6)).export(tmp_path / "meshes" / "block.stl")
-    seen = 'contype="0" conaffinity="0" mass="0"'
-    body = f'<geom type="mesh" mesh="b" {seen}/><geom type="sphere" size="0.5" pos="5 0 0" {seen}/>'
+    kinds = {"sphere": "0.5", "box": "0.1 0.2 0.3", "capsule": "0.1 0.2", "cylinder": "0.2 0.1"}
+    kinds |= {"ellipsoid": "0.1 0.2 0.4"}
+    geoms = [f'type="{kind}" size="{size}"' for kind, size in kinds.items()] + ['type="mesh" mesh="b"']
+    body = "".join(f'<geom {one} contype="0" conaffinity="0" mass="0"/>' for one in geoms)
     rover = made_rover(tmp_path, body, '<mesh name="b" file="block.stl"/>')
-    block, ball = silhouette(rover, SIDE)
-    assert np.ptp(block, axis=0) == pytest.approx([0.2, 0.6])
-    assert np.ptp(ball, axis=0) == pytest.approx([1.0, 1.0])
+    model = read_model(rover).compile()
+    boxes = 2 * model.geom_aabb[model.geom_group == SEEN_GROUP, 3:][:, axes]
+    sizes = [np.ptp(outline, axis=0) for outline in silhouette(rover, axes)]
+    assert np.array(sizes) == pytest.approx(boxes, rel=0.02)
