@@ -1,21 +1,25 @@
 """What each option of a soil, a sensor, a target or a person does alone is as somebody has looked at."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import astuple, fields, is_dataclass
 from types import SimpleNamespace
 from typing import Any, Literal, get_args, get_origin
 from zlib import crc32
 
+import gymnasium
 import numpy as np
 import pytest
 from pydantic import BaseModel
 
+import harness.gym  # noqa: F401 - registers its environments
 from harness.base.errors import UsageError
 from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.episode.sensing import installed
 from harness.frames.rover_frames import rover_frames
 from harness.messages.fillers import filler
+from harness.robots import REAL, ROVERS, equipped
 from harness.sensors.choice import chosen, kinds
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import Surroundings
@@ -24,6 +28,7 @@ from harness.soil.wheel_force import STATE, wheel_force
 from harness.spec.actor import ActorOptions
 from harness.spec.run import Run
 from harness.spec.target import KINDS, MESH, TargetOptions
+from harness.validate.replay import replay
 from tests.golden import kept
 from tests.support.rovers import LEO
 from tests.support.snapshots import check_snapshot
@@ -38,12 +43,15 @@ SOIL = {
 }
 SOIL |= {"shear_length": 0.01, "rebound": 0.2, "dig_grousers": 0.5, "grouser_friction": 0.3}
 SOIL |= {"grouser_shear": 0.4, "flow_pressing": 0.5, "flowing": 0.4, "side_friction": 0.2}
+# What only worlds of files have, what is no number, and what is not to repeat itself.
+OF_FILES = ("terrain", "rock", "mesh", "reward_fn", "terminate_fn", "observe_fn", "datum", "defects")
+WHOLE = "as they are"
 TEXTS = {"parent": LEO.imu_frame, "frame": "eye_frame", "topic": "up/front"}
 
 
 def changed(options: BaseModel) -> Iterator[tuple[str, dict[str, Any]]]:
     """Names of options, each with values in which it alone is another."""
-    yield "as they are", {}
+    yield WHOLE, {}
     for name, field in type(options).model_fields.items():
         value, choices = getattr(options, name), get_args(field.annotation)
         if get_origin(field.annotation) is Literal:
@@ -52,7 +60,10 @@ def changed(options: BaseModel) -> Iterator[tuple[str, dict[str, Any]]]:
             value = not value if isinstance(value, bool) else 5 if name == "rate" else value + 1
         elif isinstance(value, float) or value is None:
             value = 0.3 if value is None else 0.8 * value + 0.1
-        elif isinstance(value, tuple):
+        elif isinstance(value, BaseModel):
+            yield from ((f"{name}.{key}", {name: own}) for key, own in list(changed(value))[1:])
+            continue
+        elif isinstance(value, tuple) and value and isinstance(value[0], int | float):
             value = tuple(part + 0.1 * place for place, part in enumerate(value, 1))
         elif name in TEXTS or name == "preset":
             value = TEXTS.get(name) or list(getattr(options, "presets", {}))[-1]
@@ -62,7 +73,7 @@ def changed(options: BaseModel) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def told(value: object) -> str:
-    """A value by its numbers, to five digits; of many their mean, weighted sum and count."""
+    """A value by its numbers, to four digits; of many their mean, weighted sum and count."""
     if is_dataclass(value):
         return told({field.name: getattr(value, field.name) for field in fields(value)})
     if isinstance(value, dict):
@@ -73,7 +84,7 @@ def told(value: object) -> str:
         return f"<{told([finite.mean(), weighted, np.isfinite(value).sum()])}>"
     if isinstance(value, list | tuple | np.ndarray):
         return ",".join(map(told, value))
-    return f"{value:.5g}" if isinstance(value, float | np.floating) else str(value)
+    return f"{value:.4g}" if isinstance(value, float | np.floating) else str(value)
 
 
 def of_soil() -> Iterator[str]:
@@ -138,6 +149,33 @@ def of_people() -> Iterator[str]:
             yield f"{way} {name}: {told([person.begin, [(p.x, p.y, p.yaw) for p in places]])}"
 
 
+def of_environments() -> Iterator[str]:
+    for kind in ("PointNav", "RoboTerrain"):
+        with closing(gymnasium.make(f"RoverHarness/{kind}-v0", terrain="flat")) as env:
+            options: Any = env.unwrapped
+        for name, values in changed(options.options):
+            if not name.startswith(OF_FILES):
+                yield f"{kind} {name}: {_driven(kind, {'terrain': 'flat'} | values)}"
+
+
+def _driven(kind: str, options: dict[str, Any]) -> str:
+    """What an environment shows and pays in its first steps, or why there is none."""
+    try:
+        with closing(gymnasium.make(f"RoverHarness/{kind}-v0", **options)) as env:
+            return told([env.reset(seed=4), *(env.step(env.action_space.high) for _ in range(3))])  # type: ignore[attr-defined]  # a Box
+    except UsageError as refused:
+        return str(refused).partition("; ")[0]
+
+
+def of_motors() -> Iterator[str]:
+    rover, commands = equipped(ROVERS["husky"], REAL, "sandy_loam"), np.array([[0.0, 0.5, 0.9]])
+    for section in ("actuators", "tyres"):
+        for name, values in changed(getattr(rover, section)):
+            other = rover.but(**{section: getattr(rover, section).but(**values)})
+            series = replay(other, commands, 0.4).series
+            yield f"{section} {name}: {told([one[-1] for one in series.values()])}"
+
+
 def worded(what: str, options: dict[str, Any]) -> str:
     return f"{what}:{','.join(f'{key}={value}' for key, value in options.items())}".rstrip(":")
 
@@ -145,5 +183,11 @@ def worded(what: str, options: dict[str, Any]) -> str:
 def test_what_each_option_does_alone_is_as_somebody_has_looked_at() -> None:
     if kept.references()[kept.ARITHMETIC] != kept.arithmetic():
         pytest.skip("another arithmetic: the last digits of poses differ")
-    lines = sorted([*of_soil(), *of_sensors(), *of_targets(), *of_people()])
+    every = (of_soil, of_environments, of_motors, of_sensors, of_targets, of_people)
+    told_of = dict(line.split(": ", 1) for of in every for line in of())
+    whole = {what: told_of[f"{what.partition(' ')[0]} {WHOLE}"] for what in told_of}
+    for what, text in told_of.items():
+        if text == whole[what] and not what.endswith(WHOLE):
+            told_of[what] = "the same"
+    lines = sorted(f"{what}: {text}" for what, text in told_of.items())
     check_snapshot("effects.txt", "\n".join(lines) + "\n")

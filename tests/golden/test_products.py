@@ -43,7 +43,7 @@ def test_a_scenario_drives_as_the_run_does(run: GoldenRun, tmp_path: Path) -> No
     assert scenario([str(file), "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
 
 
-@pytest.mark.parametrize("run", PUBLISHED[::4], ids=lambda run: run.name)
+@pytest.mark.parametrize("run", PUBLISHED[::6], ids=lambda run: run.name)
 def test_a_trial_publishes_what_the_run_does(run: GoldenRun, tmp_path: Path) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     from harness.testing.trial import Trial  # noqa: PLC0415 - there may be no ROS

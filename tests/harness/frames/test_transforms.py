@@ -17,7 +17,7 @@ from harness.frames.transforms import TransformSensor, describe
 from harness.frames.tree import Edge
 from harness.robots import ROVERS
 from harness.samples import Odometry, Tick, Transforms
-from harness.spec.ros import FrameOptions
+from harness.spec.ros import ODOM_SOURCES, FrameOptions
 from harness.spec.run import Run
 from tests.harness.conftest import MakeSimulation
 from tests.harness.frames.made_rover import made_rover
@@ -139,16 +139,16 @@ def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) ->
     assert sample.rotation == pytest.approx((math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
 
 
-def test_the_description_names_what_moves_and_holds_what_does_not() -> None:
-    frames = rover_frames(LEO)
-    default = describe(frames, FrameOptions())
-    assert (default.moving[0], default.owns_odom) == (("odom", "base_footprint"), True)
-    without = describe(frames, NONE)
-    assert (without.moving, without.owns_odom) == (default.moving[1:], False)
-    mapped = describe(frames, FrameOptions(map_tf=True))
-    assert mapped.fixed == (Edge("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), *default.fixed)
-    children = {child for _, child in default.moving} | {edge.child for edge in default.fixed}
-    assert children == {link.name for link in frames.links}
+@pytest.mark.parametrize("map_tf", [False, True])
+@pytest.mark.parametrize("odom_tf", ODOM_SOURCES)
+def test_the_description_names_what_moves_and_holds_what_does_not(odom_tf: str, map_tf: bool) -> None:
+    frames, owns = rover_frames(LEO), odom_tf != "none"
+    told = describe(frames, FrameOptions.model_validate({"odom_tf": odom_tf, "map_tf": map_tf}))
+    assert (told.moving[0] == ("odom", "base_footprint"), told.owns_odom) == (owns, owns)
+    to_odom = Edge("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    assert [edge for edge in told.fixed if "odom" in (edge.parent, edge.child)] == [to_odom] * map_tf
+    children = {child for _, child in told.moving} | {edge.child for edge in told.fixed} - {"odom"}
+    assert children == {link.name for link in frames.links[1 - owns :]}
 
 
 def test_the_frame_of_the_true_odometry_is_there_on_every_rover_and_hangs_on_the_base() -> None:

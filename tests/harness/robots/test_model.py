@@ -157,6 +157,10 @@ MISTAKES = {
         "<replicate> makes 9801 copies",
     ),
     "an include": ({"<worldbody>": '<include file="../x.xml"/><worldbody>'}, "is not in the rover's"),
+    "a side of a cube": (
+        asset('<texture name="s" type="cube" fileright="../x.png"/>'),
+        "is not in the rover's",
+    ),
     "an include of itself": ({"<worldbody>": '<include file="car.xml"/><worldbody>'}, "than 100 files"),
     "a mesh elsewhere": (asset('<mesh file="/etc/x.stl"/>'), "<mesh>: /etc/x.stl is not in the rover's"),
     "a texture elsewhere": (

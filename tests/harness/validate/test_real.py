@@ -239,6 +239,7 @@ def with_apart_stamps(text: str) -> str:
     ("change", "encoding"),
     [
         (lambda text: text, "utf-16"),
+        (lambda text: text, "utf-8-sig"),
         (lambda text: text.replace("\n", ",²\n").replace(",²", ",acc [m/s²]", 1), "cp1252"),
         (lambda text: text.replace("-", "\u2212"), "utf-8"),
         (lambda text: text.replace(",", "|"), "utf-8"),

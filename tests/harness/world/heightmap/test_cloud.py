@@ -26,7 +26,8 @@ def cloud() -> NDArray[np.float64]:
 
 
 def write_npy(path: Path) -> None:
-    np.save(path, cloud())
+    lost = np.array([(np.nan, NORTH, 300.0), (EAST, np.inf, 300.0), (EAST + 1.0, NORTH + 1.0, np.nan)])
+    np.save(path, np.vstack([cloud(), lost]))
 
 
 def write_ply(path: Path) -> None:
