@@ -19,7 +19,7 @@ HOSTILE = {
     "no text in UTF-8": "a: 1".encode("utf-16"),
     "more than 100 digits": b"a: " + b"9" * 5001,
     "a number of more than 100 digits": b"a: 0x" + b"f" * 5001,
-    "more than 64 deep": b"a: " + b"[" * 5000 + b"]" * 5000,
+    "more than 64 deep": b"a: " + b"[\n " * 5000 + b"]" * 5000,
     "comes to more than 100,000 values; give fewer, or no alias": BOMB.encode(),
     "more than 100,000 values": b"a: [" + b"x, " * 100_001 + b"]",
     "must be text; put it in quotes": b"? [a, b]\n: c\n",

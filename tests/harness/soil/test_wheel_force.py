@@ -86,13 +86,13 @@ def test_soil_gives_no_energy_over_a_closed_motion(soil: Soil, seed: int) -> Non
     rng, state, dt = np.random.default_rng(seed), np.zeros(STATE), 0.0025
     swings = rng.uniform(-1.0, 1.0, (4, 3)) * np.array([[0.3], [0.3], [0.1], [0.05]])
     phases, size = rng.uniform(0.0, 2.0 * np.pi, (4, 3)), (RADIUS, WIDTH, float(rng.integers(2)))
-    work, h = [0.0, 0.0], rng.uniform(0.0, 0.02)
+    work, h, numbers = [0.0, 0.0], rng.uniform(0.0, 0.02), soil.numbers(WIDTH, 9.81)
+    turned = 2.0 * np.pi * np.arange(0.0, 1.0, dt)[:, None, None] * np.arange(1, 4) + phases
+    motions = (swings * np.sin(turned)).sum(axis=2).tolist()
     for cycle in range(2):
-        for t in np.arange(0.0, 1.0, dt):
-            u, vx, vy, vz = (swings * np.sin(2.0 * np.pi * t * np.arange(1, 4) + phases)).sum(axis=1)
+        for u, vx, vy, vz in motions:
             h -= vz * dt
             motion = (u, vx, vy, vz)
-            forces = wheel_force(soil.numbers(WIDTH, 9.81), size, (h, 0.0), (h, 0.0), motion, state, dt)
-            ahead, left, up, brake, _ = forces
+            ahead, left, up, brake, _ = wheel_force(numbers, size, (h, 0.0), (h, 0.0), motion, state, dt)
             work[cycle] += (ahead * vx + left * vy + up * vz - brake * u / RADIUS) * dt
     assert work[1] <= 1e-6
