@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import astuple, fields, is_dataclass
+from functools import cache
 from types import SimpleNamespace
 from typing import Any, Literal, get_args, get_origin
 from zlib import crc32
@@ -17,9 +18,10 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.episode.sensing import installed
-from harness.frames.rover_frames import rover_frames
+from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.messages.fillers import filler
 from harness.robots import REAL, ROVERS, equipped
+from harness.robots.sections import FrameRow
 from harness.sensors.choice import chosen, kinds
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import Surroundings
@@ -99,6 +101,11 @@ def of_soil() -> Iterator[str]:
         yield f"soil {name}: {told(forces)}"
 
 
+@cache
+def frames_of(rows: tuple[FrameRow, ...]) -> RoverFrames:
+    return rover_frames(LEO, rows)
+
+
 def of_sensors() -> Iterator[str]:
     episode = Episode(Run.of(terrain="rocky", duration=0.05, seed=2, robot="leo", noise="hardware"))
     simulation, scene = episode.simulation, episode.simulation.scene
@@ -114,9 +121,7 @@ def of_sensors() -> Iterator[str]:
                 yield f"{kind} {name}: {str(refused).partition('; ')[0].rpartition(': ')[2]}"
                 continue
             given: Any = carried.given
-            install = installed(
-                episode.run, 0, rover_frames(LEO, given.frames(LEO)), scene, surroundings, given
-            )
+            install = installed(episode.run, 0, frames_of(given.frames(LEO)), scene, surroundings, given)
             parts: Any = SimpleNamespace(simulation=simulation, install={given: install}.get)
             sensor: Any = carried.make(parts, 10)
             reading = sensor.read()
