@@ -18,3 +18,8 @@ def complaint(
     assert told.count("\n") == 1
     assert "Traceback" not in told
     return told
+
+
+def without_progress(told: str) -> list[str]:
+    """The lines of stderr but for those of progress, which come where a run takes long."""
+    return [line for line in told.splitlines() if not line.endswith(" s left")]
