@@ -6,10 +6,12 @@ flooded (docs/design.md), so the harness only ever calls spin_once, from one loo
 and lets simulation time go on when everything is handled. Humble has none; the standard one serves.
 """
 
+import gc
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from traceback import clear_frames
 
 import rclpy
 from rclpy.context import Context
@@ -48,9 +50,28 @@ def ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
     except RuntimeError as error:
         raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
     try:
-        yield context
+        with unfinished_is_freed():
+            yield context
     finally:
         context.try_shutdown()
+
+
+@contextmanager
+def unfinished_is_freed() -> Iterator[None]:
+    """Frees what was being made within when an exception came: a signal may raise anywhere in rclpy.
+
+    The exception's frames and a half made node's cycles would keep it, and DDS with it, whose files in
+    shared memory then outlive the process.
+    """
+    try:
+        yield
+    except BaseException as error:
+        raised: BaseException | None = error
+        while raised is not None:
+            clear_frames(raised.__traceback__)
+            raised = raised.__context__
+        gc.collect()
+        raise
 
 
 def make_executor(context: Context, *, time_jumps: bool = False) -> Executor:

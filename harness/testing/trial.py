@@ -18,7 +18,7 @@ from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.loop import drive as drive_loop
-from harness.ros.context import make_executor
+from harness.ros.context import make_executor, unfinished_is_freed
 from harness.ros.network import reserved_domain, stay_local
 from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Twist
@@ -115,6 +115,7 @@ class Trial(LeavesEvidence):
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
+        at_end.enter_context(unfinished_is_freed())
         self._rover = rover = RoverNodes(self.run, 0, self._command, at_end, cmd_vel=self._cmd_vel)
         self.bridge, jumps = rover.bridge, rover.faults.disturbs_time
         self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))

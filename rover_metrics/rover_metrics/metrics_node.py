@@ -69,6 +69,7 @@ class MetricsNode(GuardedNode):
     """
 
     _taken: tuple[Subscription, ...] = ()  # whose messages no executor serves
+    _is_whole = False  # else a signal came while it was made
 
     def __init__(
         self,
@@ -109,6 +110,7 @@ class MetricsNode(GuardedNode):
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
         self.create_service(SetBool, "~/lock_step", self._set_lock_step)
+        self._is_whole = True
         self.get_logger().info(f"logging to: {self.log.path.parent}/")
 
     @property
@@ -193,6 +195,12 @@ class MetricsNode(GuardedNode):
 
     def destroy_node(self) -> None:
         """Closes the log, marks its end and leaves the graph."""
+        if self._is_whole:
+            self._end_log()
+            self.timer.close()
+        super().destroy_node()
+
+    def _end_log(self) -> None:
         self.log.close()
         details = {
             "rows": self.rows,
@@ -201,8 +209,6 @@ class MetricsNode(GuardedNode):
             "thresholds": asdict(self.settings.thresholds),
         }
         self.record.end(self.log.path, self.lost_rows, details)
-        self.timer.close()
-        super().destroy_node()
 
     def _reported_lost(self) -> dict[Topic, int]:
         remarks = self.reception.remarks

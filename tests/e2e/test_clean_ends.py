@@ -4,7 +4,6 @@ import json
 import os
 import pty
 import random
-import re
 import select
 import signal
 import threading
@@ -19,6 +18,7 @@ from typing import Any
 import pytest
 
 from harness.base.files import BESIDE
+from harness.base.interrupt import Interrupted
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.episode.batch import Batch
@@ -28,6 +28,7 @@ from harness.samples import Tick, Twist
 from harness.spec.run import Run
 from harness.view.drawing import Drawing
 from tests.support.forked_program import ForkedProgram
+from tests.support.shared_memory import shared_memory
 from tests.support.waiting import PATIENCE, under_load, wait_until
 
 SOON = 1.0  # [s]: the promise; one of several ends may take longer
@@ -37,8 +38,6 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 STARTS = 12
 DRIVING = (0, 4, 8)  # are stopped, one by each signal, when there are rows; others at a random time
 THROUGH_ROS = (*DRIVING, 10)  # of them
-# Of a run's own: lttng's is the user's, DDS's ports are the machine's, whoever opened them first.
-SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng|\S*_port\d)\S+")  # noqa: S108 - to be looked at
 
 
 @dataclass(frozen=True)
@@ -72,14 +71,6 @@ def session_members(session: int) -> list[str]:
         if int(of_session) == session and state != "Z":
             members.append(path.parent.name)
     return members
-
-
-def shared_memory(process: str | int) -> set[str]:
-    """Files in /dev/shm that a process has mapped."""
-    try:
-        return set(SHARED_MEMORY.findall(Path(f"/proc/{process}/maps").read_text()))
-    except OSError:  # gone meanwhile
-        return set()
 
 
 def left_behind(memory: set[str]) -> tuple[str, ...]:
@@ -136,6 +127,22 @@ def test_starts_and_stops_in_a_row_end_soon_silently_and_leave_rows_and_manifest
         values = manifest(log.parent)
         assert values["outcome"] == {"status": "interrupted", "reason": number_of(index).name}
         assert values["rows"] == rows(log.parent) > 2
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_a_node_that_a_signal_leaves_half_made_leaves_nothing_of_dds() -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    kind = import_module("rover_metrics.ros.guarded_node").GuardedNode
+
+    class HalfMade(kind):  # type: ignore[misc, valid-type]  # rclpy has no types
+        def create_service(self, *args: object, **options: object) -> None:
+            super().create_service(*args, **options)
+            raise Interrupted(signal.SIGINT)
+
+    before = shared_memory("self")
+    with pytest.raises(Interrupted), import_module("harness.ros.context").ros_context([]) as context:
+        HalfMade("half_made", context=context)
+    assert shared_memory("self") <= before
 
 
 def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ third of the time, and in the order of its arrival. Its ROS-time timers miscount
 or goes back, so that it is only for a simulator that waits and has said so.
 """
 
+import gc
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -45,6 +46,8 @@ def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -
     except RoverMetricsError as error:
         print(f"{name}: {error}", file=sys.stderr)
         return error.exit_code
+    finally:
+        gc.collect()  # a node that a signal left half made: DDS' files in shared memory would outlive it
     return 0
 
 

@@ -12,7 +12,9 @@ import rclpy
 import rclpy.executors
 from rclpy.context import Context
 
+from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.ros import program
+from tests.support.shared_memory import shared_memory
 
 Patch = pytest.MonkeyPatch
 
@@ -129,3 +131,15 @@ def test_a_wait_that_was_woken_before_ros_is_down_ends(ros_domain: int, monkeypa
         program.spin(executor)
     context._logging_fini()  # as its own shutdown does: else no later one sets levels of loggers
     assert len(waits) == 1
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("step", ["create_service", "setup_subscribers"])  # of rclpy's and of our own
+def test_a_signal_while_a_node_is_made_leaves_nothing_of_dds(step: str, monkeypatch: Patch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(MetricsNode, step, interrupted)
+    before = shared_memory("self")
+    assert program.run_node("metrics_node", MetricsNode, []) == 0
+    assert shared_memory("self") <= before
