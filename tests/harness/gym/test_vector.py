@@ -41,10 +41,17 @@ def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # 
     return gymnasium.make_vec(ID, num_envs=count, **{**small, **options})
 
 
-@pytest.mark.parametrize("mode", AutoresetMode)
+TWO, EACH = {"threads": 2}, {"processes": 2}
+
+
 @pytest.mark.parametrize(
-    ("count", "workers"),
-    [(1, [{"threads": 0}]), (3, [{"threads": 1}, {"threads": 2}, {"threads": 8}, {"processes": 2}])],
+    ("mode", "count", "workers"),
+    [
+        (AutoresetMode.NEXT_STEP, 3, [{"threads": 1}, TWO, {"threads": 8}, EACH]),
+        (AutoresetMode.SAME_STEP, 3, [TWO, EACH]),
+        (AutoresetMode.DISABLED, 3, [TWO, EACH]),
+        (AutoresetMode.SAME_STEP, 1, [{"threads": 0}]),
+    ],
 )
 def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
     small: dict[str, Any],
@@ -57,8 +64,8 @@ def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
     monkeypatch.chdir(tmp_path)
     Path("yard.sdf").write_text(YARD)
     options = {**small, **SHORT, "randomisation": {"payload": (0.0, 4.0)}, **OTHERS.get(mode, {})}
-    named = mode.name if count == 1 else mode.value
-    ours = [vector(options, count, autoreset_mode=named, **each) for each in workers]
+    names = {"threads": mode.name, "processes": mode.value}
+    ours = [vector(options, count, autoreset_mode=names[min(one)], **one) for one in workers]
     plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * count, autoreset_mode=mode)
     for envs in ours:
         assert envs.observation_space == plain.observation_space
