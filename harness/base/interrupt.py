@@ -24,6 +24,7 @@ HANDLED = tuple(
 FROM_TERMINALS = tuple(number for number in HANDLED if number is not signal.SIGTERM)
 HANGUP = "SIGHUP"
 GRACE = 0.5  # [s] for a loop that drives to answer a request
+ALARMS = 5  # that it is counted by: what falls due while this process is stopped is one, however long
 NAP = 0.1  # [s]: how long a sleeper may miss a request
 STANDARD_OUTPUTS = (1, 2)
 
@@ -51,6 +52,7 @@ class StopRequest:
     def __init__(self) -> None:
         self.signal: signal.Signals | None = None
         self._deferring = False
+        self._alarms_left = ALARMS
         self._raised: Interrupted | None = None
         self._previous: dict[signal.Signals, Any] = {}
         self._terminals: list[int] = []
@@ -107,10 +109,11 @@ class StopRequest:
             raise self._raised
         if hasattr(signal, "SIGALRM"):
             self._previous.setdefault(signal.SIGALRM, signal.signal(signal.SIGALRM, self._expire))
-        _alarm(GRACE)
+        _alarm(GRACE / ALARMS)
 
     def _expire(self, _: int, __: FrameType | None) -> None:
-        if self._deferring and self.signal is not None:
+        self._alarms_left -= 1
+        if self._deferring and self.signal is not None and self._alarms_left <= 0:
             self._raised = Overdue(self.signal)
             raise self._raised
 
