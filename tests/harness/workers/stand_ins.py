@@ -41,9 +41,12 @@ def fail_at_3(number: int) -> int:
 
 
 def hang_after_the_first(item: tuple[int, Path]) -> int:
-    """Leaves a file with its process's id, then hangs unless it is item 0."""
+    """Leaves a file with its process's id, then hangs unless it is item 0; one more as it ends."""
     number, folder = item
-    (folder / f"{number}.pid").write_text(str(os.getpid()))
-    while number:
-        time.sleep(0.05)
+    try:
+        (folder / f"{number}.pid").write_text(str(os.getpid()))
+        while number:
+            time.sleep(0.05)
+    finally:
+        (folder / f"{number}.tidied").touch()
     return number

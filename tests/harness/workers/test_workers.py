@@ -123,13 +123,14 @@ def test_one_job_is_this_process_and_by_default_every_usable_cpu_has_one(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
-def test_a_signal_to_all_processes_of_a_terminal_ends_them_in_one_line(
+def test_a_signal_to_all_processes_of_a_terminal_ends_them_tidily_in_one_line(
     command: subprocess.Popen[str], tmp_path: Path, number: signal.Signals
 ) -> None:
-    wait_until((tmp_path / "0.done").exists)
+    wait_until(lambda: len(list(tmp_path.glob("*.pid"))) == 3)
     os.killpg(command.pid, number)
     _, errors = command.communicate(timeout=PATIENCE)
     assert (command.returncode, errors) == (128 + number, f"stopped by {number.name}\n")
+    assert {file.stem for file in tmp_path.glob("*.tidied")} == {"0", "1", "2"}
     wait_until(lambda: not living(tmp_path))
 
 
