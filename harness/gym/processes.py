@@ -6,6 +6,7 @@ The memory has no name: nothing of it is left, whichever way the processes end.
 
 import contextlib
 import multiprocessing
+import os
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from multiprocessing.connection import Connection
@@ -99,9 +100,10 @@ class ProcessVectorEnv(ManyRovers):
         given = {"autoreset_mode": self._mode, **settings}
         try:
             with held_back():
-                for part in self._parts:
+                cores = _cores(len(self._parts)) if threads == 1 else [None] * len(self._parts)
+                for part, core in zip(self._parts, cores, strict=True):
                     here, there = context.Pipe()
-                    args = there, make, (memory, sizes, num_envs, part), given
+                    args = there, make, (memory, sizes, num_envs, part), given, core
                     child = context.Process(target=serve, args=args, daemon=True)
                     child.start()
                     there.close()
@@ -174,6 +176,16 @@ def _received(connection: Connection, child: Any) -> Any:  # noqa: ANN401 - what
         child.join(EXIT_PATIENCE)
         message = f"a process of the environments died (exit code {child.exitcode})"
         raise RunFailed(message) from error
+
+
+def _cores(processes: int) -> Sequence[int | None]:
+    """A processor for each of some processes, if they are as many as may be used; else None for any.
+
+    Linux often wakes two that are asked one after the other on the processor of who asks, where the
+    second one waits for some steps before it is moved.
+    """
+    usable = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    return usable if len(usable) == cpu_count() == processes else [None] * processes
 
 
 def _sizes(space: spaces.Dict) -> dict[str, int]:

@@ -1,6 +1,7 @@
 """What a process of environments does, and the memory that it shares with who asks."""
 
 import contextlib
+import os
 import signal
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
@@ -61,6 +62,7 @@ def serve(
     make: Callable[..., RoverEnv[Any]],
     place: tuple[Any, dict[str, int], int, slice],
     given: dict[str, Any],
+    core: int | None,
 ) -> None:
     """Steps environments in a process of their own, as it is asked, until nobody listens.
 
@@ -70,7 +72,11 @@ def serve(
         place: The memory, the lengths of the parts of an observation, how many environments there are in
             all, and which of them are here.
         given: Options of RoverVectorEnv.
+        core: The processor that it stays on; None for any.
     """
+    if core is not None:
+        with contextlib.suppress(OSError):  # it may be forbidden, or switched off
+            os.sched_setaffinity(0, {core})
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for the parent
     if hasattr(signal, "pthread_sigmask"):  # a parent that ends without closing sends it, and waits
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
+import joblib
 import numpy as np
 import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
@@ -55,6 +56,22 @@ def test_a_process_that_dies_is_told_and_takes_the_others_with_it(small: dict[st
     with pytest.raises(RuntimeError, match="closed"):
         envs.step(STILL)
     envs.close()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_as_many_processes_as_processors_keep_to_one_each_if_they_have_one_thread(
+    small: dict[str, Any], threads: int
+) -> None:
+    usable = os.sched_getaffinity(0)
+    if len(usable) != joblib.cpu_count() or not 1 < len(usable) < 9:
+        pytest.skip("this machine has one processor, many, or may not use them all the time")
+    many: dict[str, Any] = {"num_envs": len(usable), "processes": len(usable), "threads": threads}
+    with contextlib.closing(gymnasium.make_vec(ID, **many, **small)) as envs:
+        envs.reset(seed=1)  # they have begun
+        children = [child.pid or 0 for child in multiprocessing.active_children()]
+        kept = [os.sched_getaffinity(child) for child in children]
+    assert sorted(map(len, kept)) == [1 if threads == 1 else len(usable)] * len(usable)
+    assert set.union(*kept) == usable == os.sched_getaffinity(0)
 
 
 STEPPING = """
