@@ -100,7 +100,7 @@ class ProcessVectorEnv(ManyRovers):
         given = {"autoreset_mode": self._mode, **settings}
         try:
             with held_back():
-                cores = _cores(len(self._parts)) if threads == 1 else [None] * len(self._parts)
+                cores = _cores(len(self._parts), threads)
                 for part, core in zip(self._parts, cores, strict=True):
                     here, there = context.Pipe()
                     args = there, make, (memory, sizes, num_envs, part), given, core
@@ -178,14 +178,15 @@ def _received(connection: Connection, child: Any) -> Any:  # noqa: ANN401 - what
         raise RunFailed(message) from error
 
 
-def _cores(processes: int) -> Sequence[int | None]:
+def _cores(processes: int, threads: int) -> Sequence[int | None]:
     """A processor for each of some processes, if they are as many as may be used; else None for any.
 
-    Linux often wakes two that are asked one after the other on the processor of who asks, where the
-    second one waits for some steps before it is moved.
+    Free ones at times wait for a processor in the midst of a step, though all together ask for no more
+    than there are. Threads of a process need several.
     """
     usable = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-    return usable if len(usable) == cpu_count() == processes else [None] * processes
+    is_one_each = threads == 1 and len(usable) == cpu_count() == processes
+    return usable if is_one_each else [None] * processes
 
 
 def _sizes(space: spaces.Dict) -> dict[str, int]:

@@ -106,10 +106,13 @@ def _complete(values: Field, notes: list[str]) -> Field:
 
 
 def _doubt_zeros(values: Field, notes: list[str]) -> None:
-    """Notes zeros further from all other values than these from each other: often they mean no data."""
+    """Notes a few zeros that are further from all other values than these from each other.
+
+    They often mean no data; of a plane with a step on it zeros are the greater part.
+    """
     rest = values[values != 0.0]
     count = values.size - rest.size
-    if count and rest.size and np.abs(rest).min() > np.ptp(rest):
+    if 0 < count < rest.size and np.abs(rest).min() > np.ptp(rest):
         notes.append(
             f"{count} of its values ({count / values.size:.2%}) are 0, all others {rest.min():g} to "
             f"{rest.max():g}: if 0 means that there are none, gdal_translate -a_nodata 0 tells so"

@@ -184,6 +184,12 @@ def test_zeros_far_from_all_other_heights_are_doubted(
     assert any("nodata 0" in note and "1010 of its" in note for note in notes) is doubted
 
 
+def test_zeros_of_a_plane_with_a_step_are_not_doubted(tmp_path: Path) -> None:
+    heights = np.zeros((101, 101))
+    heights[:40] = 0.3
+    assert not any("nodata" in note for note in world_of(saved(tmp_path / "step.npy", heights)).notes)
+
+
 def test_gdals_scale_and_offset_apply_to_heights_but_not_to_missing_ones(tmp_path: Path) -> None:
     values = np.full((9, 9), 1250, np.int16)
     values[3, 4] = -32768
