@@ -320,8 +320,14 @@ def test_one_odometry_gives_poses_and_speeds(tmp_path: Path) -> None:
 def test_messages_that_were_shuffled_are_played_in_the_order_of_their_times(
     tmp_path: Path, storage: StoragePlugin
 ) -> None:
-    messages = sorted(drive(clock=False), key=lambda message: message[1] + crc32(message[2]) % 10**9)
+    messages = sorted(drive(), key=lambda message: message[1] + crc32(message[2]) % 10**9)
     assert replay(write_folder(tmp_path / "bag", messages, storage=storage)) == cells(expected_rows())
+
+
+def test_topics_in_files_of_their_own_are_played_together(tmp_path: Path) -> None:
+    for number, topic in enumerate(reversed(TYPES)):
+        write_mcap(tmp_path / f"{number}.mcap", [message for message in drive() if message[0] == topic])
+    assert replay(tmp_path, code=1) == cells(expected_rows())  # 1: there is no metadata.yaml
 
 
 @pytest.mark.parametrize(

@@ -115,13 +115,17 @@ class Bag(ExitStack):
     def messages(self, wanted: Collection[str]) -> Iterator[Message]:
         """Yields all messages in recorded order, those of the wanted topics with their bytes.
 
-        Of a file that was written topic by topic the wanted ones alone, in the order of their times.
+        Where topics were written one after another, or in files of their own, the wanted ones alone, in
+        the order of their times.
         """
+        for message in in_time(self._written, wanted, self.problems):
+            # A bare file does not say so; CDR begins with a zero.
+            is_packed = self._message_compression or message.data.startswith(ZSTD_MAGIC)
+            yield self._decompressed(message) if is_packed else message
+
+    def _written(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
         for file in self._files:
-            for message in in_time(file.messages, wanted, self.problems):
-                # A bare file does not say so; CDR begins with a zero.
-                is_packed = self._message_compression or message.data.startswith(ZSTD_MAGIC)
-                yield self._decompressed(message) if is_packed else message
+            yield from file.messages(wanted, problems)
 
     def _paths(self) -> list[Path]:
         if not self.path.exists():

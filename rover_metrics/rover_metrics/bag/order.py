@@ -1,4 +1,4 @@
-"""In which order messages are played: as they stand in a file, but for one of another program."""
+"""In which order messages are played: as they were written, but for those of another program."""
 
 from collections.abc import Callable, Collection, Iterator
 from heapq import merge
@@ -7,22 +7,24 @@ from rover_metrics.bag.mcap_stream import Message
 from rover_metrics.timing import NANOSECONDS
 
 MOST_SET_BACK = 10  # times, by less than a second, that a recorder's clock may be
-# A file's messages, those of some topics with their bytes; what could not be read goes into the list.
+# What was recorded, some topics with their bytes; what could not be read goes into the list.
 Read = Callable[[Collection[str], list[str]], Iterator[Message]]
 
 
 def in_time(read: Read, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-    """Returns what a file holds as it stands there; by its times if it was written in another order.
+    """Returns what was recorded as it was written; by its times if that was in another order.
 
     Args:
-        read: Reads the file.
-        wanted: Topics; of a file in another order the others are left out.
+        read: Reads it.
+        wanted: Topics, of which the first comes first where times are equal; where messages were
+            written in another order the others are left out.
         problems: Takes what could not be read, a line each.
     """
     is_shuffled, is_by_topic = _order(read)
     if is_shuffled:
+        places = {topic: place for place, topic in enumerate(wanted)}
         messages = (message for message in read(wanted, problems) if message.topic in wanted)
-        return iter(sorted(messages, key=lambda message: message.time_ns))
+        return iter(sorted(messages, key=lambda message: (message.time_ns, places[message.topic])))
     if not is_by_topic:
         return read(wanted, problems)
 
@@ -34,9 +36,9 @@ def in_time(read: Read, wanted: Collection[str], problems: list[str]) -> Iterato
 
 
 def _order(read: Read) -> tuple[bool, bool]:
-    """Whether a file's messages are shuffled, and whether they stand topic by topic.
+    """Whether messages are shuffled, and whether they were written topic by topic.
 
-    Within a topic time goes back a little, again and again; or it goes back in none, but in the file. A
+    Within a topic time goes back a little, again and again; or it goes back in none, but in all. A
     clock that is set back goes back seldom, or far: what it did is told, not mended.
     """
     latest, newest = dict[str, int](), 0
