@@ -5,6 +5,7 @@ The first one's bridge publishes /clock, when all have sent the samples of a tic
 """
 
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -12,7 +13,7 @@ from functools import partial
 
 from rclpy.executors import ExternalShutdownException
 
-from harness.base.errors import RunFailed
+from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import GRACE, Overdue, StopRequest
 from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
@@ -99,6 +100,12 @@ class _Session:
             more = {"cmd_vel": options.cmd_vel, "context": context}
             clock = self.rovers[0].bridge.clock_channel if self.rovers else None
             self.rovers.append(RoverNodes(run, number, orders.command, at_end, clock=clock, **more))
+        names = Counter(channel.topic for rover in self.rovers for channel in rover.bridge.channels)
+        if shared := [name for name, count in names.items() if count > 1]:
+            raise UsageError(
+                f"{shared[0]} would be {names[shared[0]]} topics of this run in one; remap each to a "
+                "name of its own, of several rovers to one without a slash in front"
+            )
         jumps = any(rover.faults.disturbs_time for rover in self.rovers)
         self._executor = at_end.enter_context(make_executor(context))  # no timer on ROS time is its own
         for rover, orders in zip(self.rovers, source.rovers, strict=True):

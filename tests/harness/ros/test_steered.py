@@ -1,9 +1,10 @@
-"""A run through ROS that is steered: what was ordered can be driven again, also without ROS."""
+"""Runs through ROS: what was ordered can be driven again, also without ROS; topics stay apart."""
 
 from pathlib import Path
 
 import pytest
 
+from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.episode.assembly import fleet
 from harness.episode.batch import Batch
@@ -86,3 +87,15 @@ def test_a_rover_of_a_fleet_that_is_steered_drives_through_ros_as_without(
         logs.append([result.log_path.read_bytes() for result in results])
     assert logs[0] == logs[1]
     assert logs[0][0] != logs[0][1]
+
+
+def test_topics_of_several_rovers_in_one_are_refused_before_there_is_a_log(
+    ros_domain: int,  # noqa: ARG001 - sets it
+    tmp_path: Path,
+) -> None:
+    session = pytest.importorskip("harness.ros.session")
+    two = fleet(RUN, parse_rovers(("leo:a", "leo:b"), RUN.rover))
+    options = RosOptions(log_dir=tmp_path, ros_args=("--ros-args", "-r", "imu/data:=/imu"))
+    with pytest.raises(UsageError, match=r"^/imu .* remap"):
+        session.run_through_ros(two, [Outputs(log_dir=tmp_path)] * 2, options, StopRequest())
+    assert not [*tmp_path.iterdir()]
