@@ -77,6 +77,9 @@ def test_a_run_with_people_has_a_social_log_and_drives_as_without(
     (manifest,) = (tmp_path / "a").glob("*.json")
     assert json.loads(manifest.read_text())["social_log"] == str(social)
     assert main([*words, "--log-dir", str(tmp_path / "b")]) == 0
+    named = ["--log-dir", str(tmp_path / "c"), *people, "--social-log", str(tmp_path / "s.csv")]
+    assert [main([*words, *named, *more]) for more in ([], [], ["--overwrite"])] == [0, 2, 0]
+    assert (tmp_path / "s.csv").read_bytes() == social.read_bytes()
     rows = [next((tmp_path / name).glob("*.csv")).read_text().splitlines() for name in "ab"]
     clearance = rows[0][0].split(",").index("Obstacle Clearance")
     for with_people, without in zip(*rows, strict=True):
@@ -189,9 +192,16 @@ def test_missing_rclpy_names_the_extra_and_direct(
     assert "--direct" in text
 
 
-def test_each_rover_of_a_fleet_has_a_log_of_how_near_people_were(tmp_path: Path) -> None:
+def test_each_rover_of_a_fleet_has_every_file_under_its_name(tmp_path: Path) -> None:
+    (params := tmp_path / "p.yaml").write_text("/**: {ros__parameters: {gravity: 9.7}}\n")
     fleet = "--rover leo:a --rover leo:b,x=3,y=0 --actor p=2,1/2,-1 --lidar-beams 8"
-    words = f"--terrain flat --duration 1.2 --direct {fleet} --log-dir {tmp_path}".split()
-    assert main(words) == 0
+    files = f"--log-dir {tmp_path} --params {params} --json {tmp_path}/s.json --page {tmp_path}/p.html"
+    assert main(f"--terrain flat --duration 1.2 --direct {fleet} {files}".split()) == 0
     first, second = (next((tmp_path / name).rglob("social_log_*.csv")).read_text() for name in "ab")
     assert first != second
+    for name, other in ("ab", "ba"):
+        told = json.loads((tmp_path / f"s_{name}.json").read_text())
+        log = Path(told["log"])
+        assert (log.parent, told["params"]) == (tmp_path / name, str(params))
+        assert told == json.loads(log.with_suffix(".json").read_text())
+        assert f'"name":"{other}"' in (tmp_path / f"p_{name}.html").read_text()  # its way, on the map

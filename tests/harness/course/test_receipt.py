@@ -26,6 +26,17 @@ def test_verifying_gets_every_figure(kept: Path, capsys: pytest.CaptureFixture[s
     assert "every figure is the same" in " ".join(capsys.readouterr().out.split())
 
 
+def test_unseen_worlds_and_ones_own_are_driven_again(tmp_path: Path) -> None:
+    (tmp_path / "cylinders.csv").write_text("world,x,y\n7,-1.5,6.0\n7,-3.0,6.0\n")
+    words = ["--track", "barn", "--seeds", "1", "--jobs", "1", "--out", str(tmp_path)]
+    for given, again in ((["--nonce", "n"], []), (of_own := ["--worlds", str(tmp_path)], of_own)):
+        assert main(["run", "straight", *words, *given, "--overwrite"]) == 0
+        receipt = read_receipt(tmp_path / "straight.json")
+        assert (receipt.nonce, receipt.own_worlds) == ("" if again else "n", again == of_own)
+        assert main(["verify", str(tmp_path / "straight.json"), "--jobs", "1", *again]) == 0
+    assert receipt.tracks["barn"].episodes[0].goals == 1
+
+
 def changed(kept: Path, folder: Path, change: dict[str, Any]) -> Path:
     content = json.loads(kept.read_text())
     for track in content["tracks"].values():

@@ -12,7 +12,7 @@ from harness import __version__
 from harness.scenario.bound import Bound
 from harness.scenario.comparison import comparisons_of, title_of
 from harness.scenario.outputs import print_tables
-from harness.scenario.tables import csv_of, json_of, runs_of
+from harness.scenario.tables import csv_of, json_of, latex_of, runs_of
 from harness.scenario.verdict import Attempt, Measured, Verdict, verdicts_of
 from tests.harness.scenario.conftest import MakeCases
 from tests.support.snapshots import check_snapshot
@@ -22,9 +22,12 @@ LEO, ZERO = (1.0, 2.0, 3.0), (1.5, 3.0, 4.5)
 T = 4.302652729911275  # Student's t at 97.5 % for 2 degrees of freedom, from a table
 
 
-def verdict(make_cases: MakeCases, matrix: str = "robot: [leo, rover_zero4wd]") -> Verdict:
-    """Two cells of three runs: LEO and ZERO metres a second, the last one too many; 0 to 5 contacts."""
-    cases = make_cases(EXPECT, f"matrix: {{{matrix}}}\nseeds: [4, 7, 9]")
+def verdict(
+    make_cases: MakeCases, matrix: str = "robot: [leo, rover_zero4wd]", more: str = ""
+) -> Verdict:
+    """Cells of three runs: LEO and ZERO metres a second, the last one too many; 0 contacts and more."""
+    speeds = LEO + ZERO + ZERO + LEO
+    cases = make_cases(EXPECT, f"matrix: {{{matrix}}}\nseeds: [4, 7, 9]{more}")
     (made,) = verdicts_of(
         [
             Attempt(
@@ -32,7 +35,7 @@ def verdict(make_cases: MakeCases, matrix: str = "robot: [leo, rover_zero4wd]") 
                 ("truth.speed: mean 4.5 m/s > 3 m/s",) if speed > 3 else (),
                 measured=(Measured(speed, "m/s"), Measured(float(number))),
             )
-            for number, (case, speed) in enumerate(zip(cases, LEO + ZERO, strict=True))
+            for number, (case, speed) in enumerate(zip(cases, speeds, strict=False))
         ]
     )
     return made
@@ -122,4 +125,7 @@ def test_a_terminal_gets_a_table_a_quantity(
     alone = verdicts_of([Attempt(case) for case in make_cases(EXPECT, name="alone")])
     print_tables(Console(width=80), [verdict(make_cases, "noise: [white, null]")])
     print_tables(Console(width=100), [*alone, verdict(make_cases)])
+    both = "noise: [white, null], robot: [leo, rover_zero4wd]"
+    print_tables(Console(width=120), [several := verdict(make_cases, both, "\ncompare: robot")])
+    print(latex_of([comparisons_of(several)]))
     check_snapshot("scenario_tables.txt", capsys.readouterr().out)

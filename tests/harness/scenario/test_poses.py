@@ -100,9 +100,13 @@ def test_a_frame_is_chained_through_what_was_told_last() -> None:
 
 def test_a_nees_is_of_the_variances_in_the_plane() -> None:
     variances = np.diag([0.04, 0.01, 9.0, 9.0, 9.0, 0.0025])  # x, y, z, roll, pitch, yaw
-    pose = np.eye(4)
-    pose[:3, :3], pose[0, 3] = Rotation.from_euler("z", 0.1).as_matrix(), 0.4
-    rows, asked = [Row(10**9, "", "", pose, variances)], heard_quantity("pose./slam/pose.nees", POSE)
+    x, y, z, w = Rotation.from_euler("z", 0.1).as_quat()
+    turn, place = SimpleNamespace(x=x, y=y, z=z, w=w), SimpleNamespace(x=0.4, y=0.0, z=0.0)
+    pose = SimpleNamespace(position=place, orientation=turn)
+    header = SimpleNamespace(stamp=SimpleNamespace(sec=1, nanosec=0), frame_id="map")
+    spread = SimpleNamespace(pose=pose, covariance=variances.ravel())
+    rows = [*rows_of(SimpleNamespace(header=header, pose=spread))]
+    asked = heard_quantity("pose./slam/pose.nees", POSE)
     assert asked is not None
     found = pose_series(asked, {"/slam/pose": rows}, TruePath([0.5, 1.5], [(0.0, 0.0, 0.0)] * 2))
     assert found.values == pytest.approx([0.4**2 / 0.04 + 0.1**2 / 0.0025])

@@ -8,8 +8,11 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.scenario.bound import Bound
+from harness.scenario.case import cases_of
 from harness.scenario.reading import read_scenario
 from harness.scenario.spec import Goal
+from harness.spec.fault import parse_fault
+from harness.spec.plan import Plan
 
 HEAD = "about: a test\nduration: 10\n"
 EXPECT = "expect: {truth.speed: {min: 0}}\n"
@@ -146,7 +149,7 @@ goal: {at: [5, 0]}
 launch: [a --b 'c d', [e, f g, "b:={folder}/c"],
   {command: h, wait_for: /i}, {command: [j], wait_for: []}]
 events: [{at: 1, command: [0.3, 0]}, {at: 2, reset: true}, {at: 3, fault: "scan:nan", for: 2},
-  {at: 4, pause: 1}]
+  {at: 4, pause: 1}, {at: 5, abort: true}, {at: 6, resume: true}, {at: 7, link_loss: 0.5}]
 expect:
   truth.tilt_deg: {max: 20}
   truth.speed: [{min: 0.1, over: mean, window: [1, 2]}, {over: end, relative: 0.1, absolute: 0.05}]
@@ -161,7 +164,7 @@ pass_rate: {min: 0.5}
     }
     assert (scenario.about, scenario.all_seeds) == ("all of it", (3, 5))
     assert scenario.goal == Goal(at=(5.0, 0.0), yaw=0.0, radius=0.5)
-    command, reset, fault, pause = scenario.events
+    command, reset, fault, pause, *_ = scenario.events
     assert (command.at, command.command, reset.at) == (1.0, (0.3, 0.0), 2.0)
     assert (fault.spec, pause.at, pause.pause) == ("scan:nan@3.0+2.0", 4.0, 1.0)
     assert scenario.bounds == (
@@ -175,3 +178,12 @@ pass_rate: {min: 0.5}
     assert [launch.words("/w") for launch in scenario.launch] == words
     assert [launch.wait_for for launch in scenario.launch] == [None, None, ("/i",), ()]
     assert scenario.needs_ros
+    case, _ = cases_of(tmp_path / "a.scenario.yaml", scenario)
+    assert case.run.rover.faults == (parse_fault(fault.spec),)
+    assert case.run.plan == Plan(
+        commands=((1.0, 0.3, 0.0),),
+        resets=(2.0,),
+        aborts=(5.0,),
+        resumes=(6.0,),
+        link_losses=((7.0, 0.5),),
+    )

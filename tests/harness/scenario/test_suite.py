@@ -16,8 +16,10 @@ from harness import __version__
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted
 from harness.scenario.__main__ import main
+from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.junit import junit_of
+from harness.scenario.progress import Progress
 from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Attempt, Outcome, exit_code, verdicts_of
@@ -129,6 +131,38 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
     out.touch()
     with pytest.raises(Interrupted, match=r"after 1 of 3 runs$"):  # nothing can be kept there
         run(Ending(Interrupted(signal.SIGINT)))
+
+
+def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    (first,) = make_cases(SPEED)
+    names = (
+        "dem.npy",
+        "sand.yaml",
+        "walk.sdf",
+        "box.obj",
+        "face.png",
+        "net.npz",
+        "own.py",
+        "rover.yaml",
+    )
+    files = {name: tmp_path / name for name in names} | {"": path_of(first.path)}  # its baseline
+    for file in files.values():
+        file.write_text("k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
+    terrain, soil, people, mesh, texture, net, own, *_ = map(str, files.values())
+    world = {"terrain": terrain, "soil": soil, "actors": (people,)}
+    world["targets"] = (f"{mesh}:texture={texture}",)
+    drivers = (f"policy:{net}", f"{own}:Mine")
+    runs = [Run.of(**world, driver=driver, robot=str(tmp_path)) for driver in drivers]
+    cases = [replace(first, run=run) for run in runs]
+    for name, file in files.items():
+        before = Progress(cases, tmp_path / "out", compare=True)
+        before.keep(0, Attempt(cases[0]))
+        assert before.read()
+        file.write_text(file.read_text() + "\n")
+        assert not Progress(cases, tmp_path / "out", compare=True).read(), name
+        before.end()
 
 
 def wilson(good: int, count: int) -> tuple[float, float]:

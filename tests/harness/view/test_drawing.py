@@ -101,6 +101,18 @@ def test_of_a_fleet_the_states_of_each_rover_are_drawn(
     ]
 
 
+def test_what_is_to_be_drawn_and_from_where_reaches_what_draws(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.cli.run_command.keep_opengl_out", lambda: "osmesa")
+    monkeypatch.setattr("harness.view.drawing.artist", draws := MagicMock())
+    files = ["--picture", str(tmp_path / "a.png"), "--video", str(tmp_path / "b.mp4")]
+    more = ["--picture-lidar", "--camera", "top"]
+    assert main([*RUN, "--log-dir", str(tmp_path), *files, *more]) == 0
+    (words,) = draws.return_value.__enter__.return_value.begin.call_args.args
+    assert (draws.call_args.args, words[1:]) == (("osmesa",), [*files, "--lidar", *more[1:]])
+
+
 def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
