@@ -4,7 +4,8 @@ import argparse
 from collections.abc import Callable
 
 from harness.base.errors import UsageError
-from harness.workers.pool import LocalWorkers, WorkerLost, Workers, work_off
+from harness.workers.local import LocalWorkers
+from harness.workers.pool import WorkerLost, Workers, work_off
 from rover_metrics.plugins import Shipped
 
 __all__ = ["WorkerLost", "Workers", "add_options", "work_off", "workers_of"]

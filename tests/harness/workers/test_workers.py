@@ -20,7 +20,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.workers import WorkerLost, add_options, work_off, workers_of
 from harness.workers import clusters as module
 from harness.workers.clusters import Cluster, versions
-from harness.workers.pool import LocalWorkers
+from harness.workers.local import LocalWorkers
 from tests.support.waiting import PATIENCE, wait_until
 
 HERE = Path(__file__).parent
