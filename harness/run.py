@@ -27,7 +27,7 @@ def _main(arguments: Sequence[str]) -> int:
     given, ros_args = parsed(arguments)
     with loading():
         from harness.cli.run_command import run_command
-    return run_command(given, ros_args)
+    return run_command(given, ros_args, arguments)
 
 
 if __name__ == "__main__":

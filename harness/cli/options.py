@@ -37,6 +37,7 @@ class RunOptions:
         params: The file that they come from; None without.
         files: What is left behind beside the log.
         live: Where it can be watched meanwhile.
+        command: The line that asks for it, for the record beside the log.
     """
 
     run: Run
@@ -46,6 +47,7 @@ class RunOptions:
     params: Path | None
     files: Files
     live: LiveOptions = NOWHERE
+    command: str = ""
 
     def log_dir(self, rover: RoverSetup) -> Path:
         """Returns the folder of a rover's logs: with its name, if there are several."""

@@ -5,6 +5,7 @@ The drive is in harness.ros.session (through ROS) and harness.episode.direct (wi
 
 import argparse
 import importlib
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
@@ -31,21 +32,34 @@ from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.view.drawing import SUFFIXES, Drawing
 from harness.world.files import is_terrain_file
-from rover_metrics.errors import complain
+from rover_metrics.errors import complain, sibling
 from rover_metrics.sheet.console import PlainConsole
 
 OUTSIDE = ("SIGTERM", HANGUP)  # a run that ends by these waits for no picture
 
 
-def run_command(given: argparse.Namespace, ros_args: Sequence[str]) -> int:
-    """Does what the options of a command line ask for; returns the exit code."""
+def run_command(given: argparse.Namespace, ros_args: Sequence[str], words: Sequence[str]) -> int:
+    """Does what the options of a command line ask for; returns the exit code.
+
+    Args:
+        given: The options.
+        ros_args: The words for ROS.
+        words: All of the line, for who wants to repeat the run.
+    """
     console = PlainConsole()
     if given.list:
         print_choices(console)
         return 0
     options = run_options(given, ros_args)
+    options = replace(options, command=_command_line(words, options.live.live_token))
     with _folder(options.files.out):
         return _command(options, console)
+
+
+def _command_line(words: Sequence[str], token: str) -> str:
+    """What repeats the run, without the word that lets others steer it."""
+    line = f"{sibling('harness.run')} {shlex.join(words)}".rstrip()
+    return line.replace(token, "TOKEN") if token else line
 
 
 @contextmanager
@@ -116,8 +130,14 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
     named = page if page is None or options.files.page == BESIDE else with_name(page, result.rover)
     wrong = mishaps(result, options.files.fail_on)
     failure = result.failure or (wrong[0].text if wrong else None)
-    columns = output.settings.extended.column_names
-    return replace(result, report=named, params=options.params, columns=columns, failure=failure)
+    return replace(
+        result,
+        command=options.command if result.run == options.run else "",  # it was not steered
+        report=named,
+        params=options.params,
+        columns=output.settings.extended.column_names,
+        failure=failure,
+    )
 
 
 def _write_page(

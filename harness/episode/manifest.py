@@ -32,6 +32,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
     values: dict[str, Any] = json_safe(
         {
             "arguments": _arguments(result),
+            "command": result.command or None,
             "mode": result.mode,
             "versions": dict(_versions()),
             "world": None if result.info is None else _stated(asdict(result.info)),

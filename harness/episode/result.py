@@ -61,6 +61,7 @@ class RunResult:
         number: The rover's place in the run.
         wall_s: Wall time from the first batch on [s], without the time in which it was paused.
         paused_s: That time [s].
+        command: The line that repeats the run; "" where it was not begun by one, or was steered.
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
         commands: Those of /cmd_vel.
@@ -84,6 +85,7 @@ class RunResult:
     truth: Truth = field(default_factory=Truth)
     wall_s: float = 0.0
     paused_s: float = 0.0
+    command: str = ""
     first_row_s: float | None = None
     failure: str | None = None
     interrupted: str | None = None

@@ -169,7 +169,7 @@ def _compared(
 
 
 def _text(value: object) -> str:
-    if value is None:
+    if value is None or value == "":
         return DASH
     if isinstance(value, bool):
         return "yes" if value else "no"

@@ -20,7 +20,9 @@ from tests.golden.evidence import Evidence, Message
 
 DUE = ("world", "outcome/status", "truth", "thresholds", "simulated_s", "wall_s", "lost", "rows", "log")
 DUE_OF_METRICS = ("last_row", "first_row_s")  # where they are in the process of the run
-VOLATILE = {"versions", "wall_s", "paused_s", "waited_s", "real_time_factor", "first_row_s", "log"}
+VOLATILE = {
+    *("command", "versions", "wall_s", "paused_s", "waited_s", "real_time_factor", "first_row_s", "log")
+}
 OF_SENSORS = {"arguments", "topics", "recording"}
 OF_DRIVE = ("arguments", "world", "truth", "simulated_s", "outcome")
 PLACED = ("LaserScan", "PointCloud2", "Imu", "NavSatFix", "MagneticField", "FluidPressure", "GridMap")

@@ -1,5 +1,7 @@
 import csv
+import html
 import json
+import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -38,6 +40,23 @@ def test_direct_run_writes_csv_and_manifest(tmp_path: Path) -> None:
     assert manifest["outcome"] == {"status": "complete", "reason": None}
     assert manifest["rows"] == 2
     assert manifest["last_row"]["Timestamp"] == 2
+
+
+def test_the_line_that_a_run_keeps_gives_its_bytes_again(tmp_path: Path) -> None:
+    fleet = ["--rover", "leo:a,driver=wander", "--rover", "rover_zero4wd:b,x=2,y=0,fault=imu:nan=0.5"]
+    watched = ["--rate", "max", "--live", "--live-token", "s0-secret"]
+    drawn = ["--noise", "hardware", "--seed", "5", "--page", "--log-dir", str(tmp_path / "a's")]
+    assert main([*QUICK, *fleet, *drawn, *watched]) == 0
+    (kept,) = tmp_path.glob("*/b/*.json")
+    command = json.loads(kept.read_text())["command"]
+    assert f">{command}</pre>" in html.unescape(kept.with_suffix(".html").read_text())
+    assert "s0-secret" not in command
+    own = command.removeprefix("python -m harness.run").replace("TOKEN", "another-secret")
+    assert main(shlex.split(own)) == 0
+    for name in "ab":
+        one, again = (log.read_bytes() for log in tmp_path.glob(f"*/{name}/*.csv"))
+        assert one == again
+    assert len({log.read_bytes() for log in tmp_path.glob("*/*/*.csv")}) == 2
 
 
 def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
