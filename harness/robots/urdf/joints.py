@@ -14,6 +14,8 @@ NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
 ENDLESS = 4 * np.pi  # [rad] of a joint's range, from which on its limits mean none
 TRAIL = 0.2  # of a wheel's radius: so far beside the axis about which it turns freely, it is a caster's
 SMALLEST_WHEEL, LARGEST_WHEEL = 0.005, 3.0  # [m] of radius; others are in another unit
+LONGEST_PART = 100.0  # of a wheel's radius; a longer one is in another unit
+IN_METRES = "URDF is in metres: scale its lengths, and meshes by scale="
 
 
 @dataclass(frozen=True)
@@ -75,9 +77,12 @@ def find_joints(
     for name, length in radius.items():
         if not SMALLEST_WHEEL <= length <= LARGEST_WHEEL:
             raise UsageError(
-                f"{where}: the wheel of '{name}' has a radius of {length:.4g} m; URDF is in metres: "
-                "scale its lengths, and meshes by scale="
+                f"{where}: the wheel of '{name}' has a radius of {length:.4g} m; {IN_METRES}"
             )
+    for body in {*model.body_weldid[1:].tolist()}:
+        longest, name = np.ptp(body_box(model, data, body), axis=0).max(), model.body(body).name
+        if LONGEST_PART * max(radius.values()) < longest < np.inf:
+            raise UsageError(f"{where}: what collides of '{name}' is {longest:.4g} m long; {IN_METRES}")
     steers = {name: _steering_above(model, data, names[name]) for name in (*left, *right)}
     steering = (steers[left[0]], steers[right[0]])
     others = {

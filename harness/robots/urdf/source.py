@@ -19,6 +19,7 @@ import trimesh
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
+from harness.robots.model import keep_mujoco_quiet
 from harness.robots.strangers import MOST_BYTES, parsed, read_text
 
 READABLE = (".stl", ".obj", ".msh")
@@ -58,6 +59,7 @@ def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = F
         robot.remove(extension)
     compiler = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
     ET.SubElement(ET.SubElement(robot, "mujoco"), "compiler", compiler | {"balanceinertia": "true"})
+    keep_mujoco_quiet()
     try:
         spec = mujoco.MjSpec.from_string(ET.tostring(robot, encoding="unicode"))
     except ValueError as error:
@@ -88,6 +90,9 @@ def _check_content(robot: ET.Element, path: Path) -> None:
     joints = Counter(joint.get("name", "") for joint in robot.findall("joint"))
     if twice := [name for name, times in joints.items() if times > 1]:
         raise UsageError(f"{path}: {joints[twice[0]]} joints are called '{twice[0]}'; rename them")
+    for mimic in robot.iterfind("joint/mimic"):
+        if (name := mimic.get("joint")) not in joints:
+            raise UsageError(f"{path}: a joint mimics '{name}', which is not there; take <mimic> out")
 
 
 def _is_other(mesh: mujoco.MjsMesh) -> bool:

@@ -364,6 +364,11 @@ MISTAKES = {
         "is outside of the URDF's folder; name its folder by --resource-path",
     ),
     "millimetres": (HUSKY.urdf.replace('radius="0.1651"', 'radius="165.1"'), "URDF is in metres"),
+    "a body in millimetres": (HUSKY.urdf.replace('"0.9874', '"987.4'), "URDF is in metres"),
+    "a mimic of nobody": (
+        of_wheel(AXIS, f'{AXIS}<mimic joint="a"/>'),
+        "mimics 'a', which is not there; take <mimic> out",
+    ),
     "one more on a side": (
         HUSKY.urdf.replace("front_left_wheel_joint", "a").replace('"continuous"', '"fixed"', 1),
         "name as many on either side",
