@@ -4,7 +4,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -12,8 +12,10 @@ from harness.base.errors import UsageError
 from harness.course.__main__ import main
 from harness.course.board import board_of, page_of, paired_of, read_folder
 from harness.course.entry import find_entry
-from harness.course.receipt import read_receipt, receipt_of, write_receipt
+from harness.course.receipt import Receipt, read_receipt, receipt_of, sheet_of, write_receipt
+from harness.course.result import FIELDS, EpisodeResult
 from tests.support.browser import NEEDS_CHROMIUM, Visit
+from tests.support.snapshots import check_snapshot
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -37,6 +39,34 @@ def test_the_best_stands_first_and_differences_are_paired(folder: Path) -> None:
     receipts = read_folder(folder)
     assert [row[0] for row in board_of(receipts).rows] == ["<b>better</b>", "straight"]
     assert [row[3] for row in paired_of(receipts).rows] == ["0.100", "0.100"]
+
+
+def test_every_number_of_a_receipt_and_of_the_board_is_as_somebody_has_looked_at() -> None:
+    names, receipts, told = ("goal", "gap", "mppi"), list[Receipt](), list[str]()
+    for place, entry in enumerate(names):
+        episodes = list[EpisodeResult]()
+        for seed in range(3):
+            texts = ("barn", seed, "", f"w{seed}", "m", "reached" if seed else "time", seed, 2)
+            numbers = (0.01 * (7 * seed + number * (place + 3) % 13) for number in range(12))
+            values: dict[str, Any] = dict(zip(FIELDS, (*texts, *numbers), strict=True))
+            episodes.append(EpisodeResult(**values))
+        tracks = {
+            name: [
+                replace(one, track=name, score=one.score + n * (1 + place * one.seed))
+                for one in episodes
+            ]
+            for n, name in ((0.1, "barn"), (0.3, "rocky"))
+        }
+        more: dict[str, Any] = {"nonce": "n" * (place == 1), "own_worlds": place == 2}
+        receipts.append(receipt_of(find_entry(entry), tracks, **more).but(version=f"V{place}"))
+    for sheet in (*map(sheet_of, receipts), board_of(receipts), paired_of(receipts)):
+        told += [" | ".join(row) for row in (sheet.titles, *sheet.rows)]
+    figures = re.search(r'id="figures">(.*?)</script>', page_of(receipts))
+    assert figures
+    told += [json.dumps(part) for plot in json.loads(figures[1]).values() for part in plot["data"]]
+    for one in receipts:
+        told = [line.replace(one.entry_hash[:12], f"hash of {one.entry}") for line in told]
+    check_snapshot("board.txt", "\n".join(told) + "\n")
 
 
 def test_who_left_out_tracks_stands_below_whatever_its_score(folder: Path, tmp_path: Path) -> None:

@@ -97,6 +97,7 @@ def test_an_episode_is_what_its_samples_say(entry: str, track: str, seed: int) -
     assert ended[result.ending], result
     assert result.of_goals == len(left)
     assert result.hazard_s == pytest.approx(touched)
+    assert result.scrape_s == pytest.approx(batches[-1].truth.scrape_s)
     assert result.goals <= passed
 
     model = mujoco.MjModel.from_xml_path(str(rover.model_path))
