@@ -2,11 +2,12 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from harness.drivers.policy import read_policy
-from harness.gym.evaluation import Outcome, row
+from harness.drivers.policy import Policy, read_policy
+from harness.gym.evaluation import UNSEEN, Outcome, drive, row
 from harness.gym.policy import main
 
 POLICY = Path(__file__).parents[3] / "examples/point_nav.npz"
@@ -22,10 +23,20 @@ def test_endings_are_counted_with_wilsons_interval() -> None:
     assert told == ("learned", "rocky", "8 of 10", interval, "flipped 1, time 1", "9.0 s")
 
 
-def test_an_evaluation_is_a_table_and_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    page = tmp_path / "policy.html"
-    words = [str(POLICY), "--worlds", "1", "--terrain", "gravel", "--page", str(page)]
-    assert main(["evaluate", *words]) == 0
+def test_an_evaluation_of_unseen_worlds_is_a_table_and_a_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, page = list[tuple[object, ...]](), tmp_path / "policy.html"
+
+    def told(policy: Policy, options: dict[str, Any], seed: int) -> Outcome:
+        asked.append((seed, options["robot"], options["terrain"], options["lidar_beams"]))
+        return drive(policy, options, seed) if seed == UNSEEN else Outcome("reached", 1.0)
+
+    monkeypatch.setattr("harness.gym.evaluation.drive", told)
+    words = [str(POLICY), "--worlds", "2", "--terrain", "gravel", "--robot", "rover_zero4wd"]
+    assert main(["evaluate", *words, "--page", str(page)]) == 0
+    of_both = (("rover_zero4wd", "gravel", read_policy(POLICY).beams),) * 2
+    assert sorted(asked) == [(UNSEEN + n, *about) for n in range(2) for about in of_both]
     assert "straight" in capsys.readouterr().out
     assert "learned" in page.read_text()
 

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from harness.physics.parking import ParkingHold
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from tests.harness.conftest import MakeSimulation
@@ -60,6 +61,16 @@ def test_what_drives_again_is_to_the_bit_as_it_was(rover: RoverSpec, simulate: M
     assert driving != parked
     simulation.return_to_start()
     assert friction_of(simulation.model) == parked
+
+
+def test_a_model_that_is_stiffer_than_a_parked_rover_stays_so() -> None:
+    leo = ROVERS["leo"]
+    model = mujoco.MjModel.from_xml_path(str(leo.model_path))
+    model.opt.impratio = 200.0
+    hold = ParkingHold(model, leo.wheel_joints)
+    for holds in (True, False):
+        hold.hold(holds)
+        assert model.opt.impratio == 200.0
 
 
 def test_who_only_steers_is_parked(

@@ -51,7 +51,10 @@ def test_a_run_ends_when_its_battery_is_empty_if_that_is_asked_for() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("harness.episode.assembly.find_rover", lambda _: rover)
         run = Run.of(robot="husky", terrain="flat", actuators="real", driver="cmd_vel", duration=6.0)
-        episode = Episode(run)
+        episode, told = Episode(run), list[Battery]()
         with pytest.raises(RunFailed, match=r"battery is empty at t = 1\.8"):
-            list(batteries(episode))
+            told.extend(batteries(episode))
     assert episode.simulation.time_ns / NANOSECONDS == pytest.approx(1.8, abs=0.02)
+    used = [battery.energy for battery in told]
+    assert used == pytest.approx([rover.battery.standby * b.stamp_ns / NANOSECONDS / 3600 for b in told])
+    assert [b.percentage for b in told] == pytest.approx([0.5 - one / 0.01998 for one in used], abs=1e-6)
