@@ -11,9 +11,10 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from harness.physics.c_functions import addresses
 from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, Scene, body_geoms
 from harness.physics.stepping_record import FOUND, SPAN, Contacts
-from harness.physics.steps_kernel import BODY, HAZARD, ROCK, WHEEL, addresses, look
+from harness.physics.steps_kernel import BODY, HAZARD, ROCK, WHEEL, look
 from harness.samples import ContactKind
 
 COUNTED = ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from harness.base.passing import fill, filled
+from harness.physics.c_functions import addresses
 from harness.physics.contacts import ContactWatch
 from harness.physics.passed_over import PassedOver
 from harness.physics.stepping_record import (
@@ -18,7 +19,7 @@ from harness.physics.stepping_record import (
     Doubles,
     Integers,
 )
-from harness.physics.steps_kernel import addresses, advance, is_wrong
+from harness.physics.steps_kernel import advance, is_wrong
 
 
 class Offer(NamedTuple):

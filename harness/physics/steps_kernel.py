@@ -5,11 +5,7 @@ what was touched in a tick the strongest contact of each kind.
 """
 
 import ctypes
-import sys
-from functools import cache
-from pathlib import Path
 
-import mujoco
 import numba
 import numpy as np
 from numpy.typing import NDArray
@@ -34,24 +30,9 @@ from harness.physics.stepping_record import (
 )
 
 WHEEL, BODY, ROCK, HAZARD = 1, 2, 3, 4  # what a geom is to a rover; 0: ground
-LIBRARIES = {"win32": "mujoco.dll", "darwin": f"libmujoco.{mujoco.__version__}.dylib"}
 
 _step = native(ctypes.c_void_p, ctypes.c_void_p)
 _contact_force = native(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
-
-
-@cache
-def address_of(function: str) -> int:
-    """Returns the address of a function of MuJoCo in this process."""
-    name = LIBRARIES.get(sys.platform, f"libmujoco.so.{mujoco.__version__}")
-    library = ctypes.CDLL(str(Path(mujoco.__file__).with_name(name)))
-    return ctypes.cast(library[function], ctypes.c_void_p).value or 0
-
-
-def addresses() -> tuple[int, int, int, int]:
-    """Returns the addresses of mj_contactForce, mj_step, mj_step1 and mj_step2 in this process."""
-    force, step = address_of("mj_contactForce"), address_of("mj_step")
-    return force, step, address_of("mj_step1"), address_of("mj_step2")
 
 
 @inlined

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel, native
 from harness.base.passing import doubles, fill, filled, integers, layout, reader, singles, truths
-from harness.physics.steps_kernel import address_of
+from harness.physics.c_functions import address_of
 from harness.physics.world_geoms import OBSTACLE_GROUP
 from harness.sensors.rays import arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
