@@ -1,5 +1,6 @@
 """The command line of harness.run: every flag reaches the field that it is named after."""
 
+import re
 import shlex
 from dataclasses import replace
 from operator import attrgetter
@@ -15,7 +16,8 @@ from harness.cli.options import RunOptions, parse_run, with_name
 from harness.cli.run_parser import DEFAULT_LOG_DIR, run_parser
 from harness.episode.metrics_feed import extended_settings
 from harness.spec import Run
-from harness.spec.ros import FrameOptions, RosOptions
+from harness.spec.live import LiveOptions
+from harness.spec.ros import FrameOptions, RosOptions, parse_effect
 from harness.spec.run import PARTS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings
@@ -101,10 +103,41 @@ def test_every_word_about_the_run_reaches_it() -> None:
         ("--namespace rover1", "ros.ros_args", ("--ros-args", "-r", "__ns:=/rover1", "--")),
         ("--namespace /", "ros.ros_args", ()),
         ("--extended --ros-args -p fsync:=true", "ros.ros_args", ("--ros-args", "-p", "fsync:=true")),
+        ("--soil dry_sand --keep-ruts", "run", Run.of(soil="dry_sand", keep_ruts=True)),
+        ("--robot husky --actuators real --surface snow", "run.rover.surface", "snow"),
+        ("--robot husky --actuators real", "run", Run.of(robot="husky", actuators="real")),
+        ("--target post", "run", Run.of(targets=["post"])),
+        ("--driver goal --route 1,2", "run", Run.of(driver="goal", route="1,2")),
+        *(
+            (f"--terrain {terrain} {words}", "run", Run.of(terrain=terrain, **values))
+            for terrain, words, values in (
+                ("a.png", "--terrain-height 3", {"terrain_height": 3.0}),
+                ("a.npy", "--terrain-roughness D", {"terrain_roughness": "D"}),
+                ("a.sdf", "--resource-path a --resource-path b", {"resource_path": ("a", "b")}),
+                ("a.sdf", "--rock-height 0.2 --hazard h*", {"rock_height": 0.2, "hazard": ("h*",)}),
+                ("a.obj", "--mesh-unit cm --mesh-up y", {"mesh_unit": "cm", "mesh_up": "y"}),
+                ("a.obj", "--terrain-cell 0.2", {"terrain_cell": 0.2}),
+            )
+        ),
+        ("--live 8080 --live-token aaaaaaaa", "live", LiveOptions(live="8080", live_token="a" * 8)),
+        ("--foxglove 8080", "ros.foxglove", "8080"),
+        ("--truth-map --wait-for-topic /a", "ros.truth_map", True),
+        ("--wait-for-topic /a", "ros.wait_for_topic", (parse_effect("/a"),)),
+        ("--odom-tf-3d", "ros.frames.odom_tf_3d", True),
+        ("--json a.json", "files.summary", Path("a.json")),
+        ("--picture --picture-lidar --camera top", "files.camera", "top"),
+        ("--picture --picture-lidar", "files.picture_lidar", True),
     ],
 )
 def test_an_option_means(words: str, name: str, value: object) -> None:
     assert attrgetter(name)(parsed(words)) == value
+
+
+def test_what_every_option_means_is_told_here() -> None:
+    told = set(re.findall(r"--[\w-]+", Path(__file__).read_text()))
+    elsewhere = ("help", "version", "columns")  # columns are of plug-ins alone
+    actions = [action for action in run_parser()._actions if action.dest not in elsewhere]
+    assert [each.dest for each in actions if not told.intersection(each.option_strings)] == []
 
 
 def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:

@@ -22,7 +22,7 @@ from harness.world.occupancy import occupancy
 from rover_metrics.ros.subscriptions import keep_last
 from tests.support.ros import Ros
 
-RUN = Run.of(terrain="posts", driver="goal")
+RUN = Run.of(terrain="posts", driver="goal", robot="husky")
 KINDS = {"initialpose": PoseWithCovarianceStamped, "goal_pose": PoseStamped}
 
 
@@ -84,6 +84,9 @@ def test_a_pose_on_the_map_goes_to_the_episode_and_the_line_says_when(
     scene.navigation.occupancy = replace(free, middle=(100.0, -50.0))  # as that of a file may be
     scene.send(topic, 101.0, -52.0)
     ros.until(lambda: len(scene.ordered) == 3)
+    scene.navigation.occupancy = free
+    scene.send(topic, POST[0] + 0.52, POST[1])  # beside it, where it could not turn
+    ros.until(lambda: len(scene.ordered) == 4)
 
 
 POST = next(o.position for o in world_of(RUN).obstacles if o.kind is ObstacleKind.HAZARD)
