@@ -47,6 +47,7 @@ SOIL |= {"shear_length": 0.01, "rebound": 0.2, "dig_grousers": 0.5, "grouser_fri
 SOIL |= {"grouser_shear": 0.4, "flow_pressing": 0.5, "flowing": 0.4, "side_friction": 0.2}
 # What only worlds of files have, what is no number, and what is not to repeat itself.
 OF_FILES = ("terrain", "rock", "mesh", "reward_fn", "terminate_fn", "observe_fn", "datum", "defects")
+OF_SOIL = ("soil_", "sinkage", "stuck", "ruts", "energy")  # what does nothing on firm ground
 WHOLE = "as they are"
 TEXTS = {"parent": LEO.imu_frame, "frame": "eye_frame", "topic": "up/front"}
 
@@ -155,12 +156,19 @@ def of_people() -> Iterator[str]:
 
 
 def of_environments() -> Iterator[str]:
-    for kind in ("PointNav", "RoboTerrain"):
-        with closing(gymnasium.make(f"RoverHarness/{kind}-v0", terrain="flat")) as env:
+    flat: dict[str, Any] = {"terrain": "flat"}
+    on_soil = flat | {"soil": "dry_sand", "robot": "husky", "actuators": "real"}
+    for label, kind, world in (
+        ("PointNav", "PointNav", flat),
+        ("RoboTerrain", "RoboTerrain", flat),
+        ("OnSoil", "PointNav", on_soil),
+    ):
+        with closing(gymnasium.make(f"RoverHarness/{kind}-v0", **world)) as env:
             options: Any = env.unwrapped
         for name, values in changed(options.options):
-            if not name.startswith(OF_FILES):
-                yield f"{kind} {name}: {_driven(kind, {'terrain': 'flat'} | values)}"
+            is_asked = world is flat or name == WHOLE or any(word in name for word in OF_SOIL)
+            if is_asked and not name.startswith(OF_FILES):
+                yield f"{label} {name}: {_driven(kind, world | values)}"
 
 
 def _driven(kind: str, options: dict[str, Any]) -> str:
