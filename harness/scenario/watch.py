@@ -1,6 +1,7 @@
 """Watches a run of a scenario and judges it: what was not as expected."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from shutil import rmtree
 
@@ -117,7 +118,8 @@ class Watch:
         """
         if (folder / PAGE).exists():
             rmtree(folder)
-        return keep_evidence(result, self.page, folder / PAGE, reason, more)
+        repeatable = replace(result, command=self._case.command)
+        return keep_evidence(repeatable, self.page, folder / PAGE, reason, more)
 
     def _breaches(
         self, result: RunResult, series: Mapping[str, Series], recorded: Recorded | None

@@ -56,7 +56,7 @@ def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) ->
     assert properties["again"] == again.removeprefix("again: ")
     kept = Path(str(properties["kept"]))
     assert kept.parts[-2:] == ("rover", "bad[0]")
-    assert (kept / "run.html").is_file()
+    assert f">{properties['again']}</pre>" in (kept / "run.html").read_text()
     assert f"\n{told}\n{again}\nsee:   {kept / 'run.html'}\n" in shown
 
 
