@@ -1,5 +1,6 @@
 """The command: python -m harness.tune."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from harness.tune import __main__ as tune
 from tests.support.complaint import complaint
 
-SHORT = ["--robot", "leo", "--episodes", "2", "--duration", "2", "--jobs", "1"]
+SHORT = ["--robot", "leo", "--episodes", "4", "--duration", "2", "--jobs", "1", "--driver", "spin"]
 FILES = ("leo.yaml", "scores.json", "report.html")
 
 Capture = pytest.CaptureFixture[str]
@@ -30,6 +31,8 @@ def test_data_that_support_nothing_say_why(first_run: tuple[int, Path], capsys: 
     assert len(complaints) == 7
     text = (folder / "leo.yaml").read_text()
     assert "collision_threshold:" not in text
+    sweep = json.loads((folder / "sweep.json").read_text())
+    assert {each["driver"] for each in sweep["episodes"].values()} == {"ram", "spin"}
     assert "collision_threshold stays at 0.2 m: 0 contacts" in text
 
 

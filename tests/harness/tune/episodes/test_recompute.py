@@ -18,6 +18,7 @@ from harness.truth.traversal import Truth
 from harness.tune.episodes import sweep
 from harness.tune.episodes.recompute import Collected
 from harness.tune.episodes.record import Ending
+from harness.tune.episodes.store import decode, encode
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.session import MetricsSession
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -98,6 +99,10 @@ def test_rows_tell_of_any_threshold_what_a_metrics_session_with_it_counts() -> N
         assert (windows["peak_acceleration"] > acceleration).tolist() == rough.tolist()
         assert (windows["largest_step"] < step).tolist() == short.tolist()
         assert smoothness == pytest.approx(current[4:], rel=1e-5)  # 100 IMU samples are 5 s
+    *_, last = (one for tick in ticks for one in tick.samples if isinstance(one, TruthState))
+    about = ("ram", "rocky", record.ending, last.path_length)
+    for one in (record, decode(encode(record))):
+        assert (one.driver, one.terrain, one.ending, one.path_length) == about
 
 
 @pytest.mark.parametrize(
