@@ -158,6 +158,7 @@ def of_people() -> Iterator[str]:
 def of_environments() -> Iterator[str]:
     flat: dict[str, Any] = {"terrain": "flat"}
     on_soil = flat | {"soil": "dry_sand", "robot": "husky", "actuators": "real"}
+    on_soil |= {"depth": (4, 3), "noise": "hardware"}
     for label, kind, world in (
         ("PointNav", "PointNav", flat),
         ("RoboTerrain", "RoboTerrain", flat),
