@@ -63,8 +63,10 @@ def test_gymnasiums_checker_and_stable_baselines3s_have_nothing_to_say(
 
 @pytest.mark.parametrize("name", NAMES)
 def test_pickles_and_specs_from_files_make_the_same_episodes(small: dict[str, Any], name: str) -> None:
-    env = gymnasium.make(f"RoverHarness/{name}-v0", **{**small, "randomisation": {"mass": [0.9, 1.1]}})
+    more = {"randomisation": {"mass": [0.9, 1.1]}, "render_mode": "rgb_array"}
+    env = gymnasium.make(f"RoverHarness/{name}-v0", **{**small, **more})
     assert env.spec is not None
+    assert env.unwrapped.render_mode == "rgb_array"
     again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     seen = [e.reset(seed=4) for e in (env, again, pickle.loads(pickle.dumps(env.unwrapped)))]  # noqa: S301
     assert as_json(seen[0]) == as_json(seen[1]) == as_json(seen[2])

@@ -1,9 +1,12 @@
 """The report of a tuning: what stands on it, without a browser."""
 
+import json
+import re
 from dataclasses import replace
 from html import unescape
 from itertools import pairwise
 from typing import TYPE_CHECKING
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -27,6 +30,11 @@ def test_tables_and_figures_of_a_tuning_are_as_somebody_has_checked(small_page: 
     assert "<b>" not in text  # of the command
     assert len(small_page.encode()) < 3_000_000
     check_snapshot("tuning.html.txt", text)
+    figures = re.search(r'id="figures">(.*?)</script>', small_page, re.DOTALL)
+    assert figures
+    short = re.sub(r"\d+\.\d+(e-?\d+)?", lambda number: f"{float(number[0]):.4g}", figures[1])
+    lines = (f"{name} {crc32(json.dumps(one).encode())}\n" for name, one in json.loads(short).items())
+    check_snapshot("tuning_figures.txt", "".join(lines))
 
 
 def test_same_arguments_give_the_same_page(small_page: str, small_sweep: "Sweep") -> None:
