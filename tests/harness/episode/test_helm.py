@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -124,6 +125,11 @@ def test_a_new_pace_holds_from_now_on_and_makes_up_for_nothing(monkeypatch: pyte
     for seconds in (100, 200):
         helm.wait_until(seconds * 10**9)
     assert 9.0 < sum(slept) <= 10.0
+    looks = iter((0.0, 60.0))  # a minute passes while it is paused
+    monkeypatch.setattr("harness.episode.helm.time", SimpleNamespace(monotonic=looks.__next__))
+    helm.paused, helm.idle = True, lambda: setattr(helm, "paused", False)
+    helm.go_on(210 * 10**9)
+    assert (helm.held_s, 60.0 < sum(slept[-1:]) <= 71.0) == (60.0, True)
 
 
 def test_a_step_that_is_asked_for_while_a_run_goes_on_is_none_when_it_is_paused() -> None:
