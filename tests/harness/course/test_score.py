@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ from scipy.sparse import lil_array
 from scipy.sparse.csgraph import dijkstra
 
 from harness.course.planner import Planner
-from harness.course.referee import Drive
+from harness.course.referee import Drive, Referee
 from harness.course.score import penalty, score
 from harness.course.summary import difference, mean_of, summarise
 from harness.course.task import Rule, Task
+from harness.episode.assembly import world_of
+from harness.episode.batch import Batch
 from harness.robots import find_rover
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
@@ -41,6 +44,25 @@ def test_penalties_halve_the_score_and_multiply() -> None:
     assert products == pytest.approx([0.5, 0.25, 0.125])
     free = replace(TASK, rule=Rule(penalties=False))
     assert penalty(free, wasteful, weight=50.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("truth", "failure", "ending"),
+    [
+        ({"hazard_contact_s": 0.1, "tipped_over": True, "position": (1.0, 0.0, 0.0)}, "", "contact"),
+        ({"tipped_over": True, "position": (1.0, 0.0, 0.0)}, "", "tipped"),
+        ({"time_ns": 10**12, "position": (1.0, 0.0, 0.0)}, "off the map", "reached"),
+        ({"time_ns": 10**12, "position": (5.0, 0.0, 0.0)}, "off the map", "time"),
+        ({"position": (5.0, 0.0, 0.0)}, "off the map", "off the map"),
+        ({"position": (5.0, 0.0, 0.0)}, "", "time"),
+    ],
+)
+def test_of_two_endings_the_graver_is_told(truth: dict[str, Any], failure: str, ending: str) -> None:
+    run = Run.of(terrain="flat", driver="goal", route="1,0")
+    referee = Referee(replace(TASK, run=run, rule=Rule(touch_ends=True)), world_of(run))
+    referee.take(Batch((), Truth(**{"time_ns": 10**9} | truth), (), ()))
+    told = referee.drive(failure)
+    assert (told.ending, told.goals) == (ending, int(truth["position"][0] == 1.0))
 
 
 def test_intervals_are_scipys() -> None:
