@@ -5,7 +5,6 @@
 Parses, calls; the work is in rover_metrics.analysis. Needs no ROS.
 """
 
-import os
 import sys
 from collections.abc import Sequence
 
@@ -26,11 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
         print(f"analyze needs {needed} ({error})", file=sys.stderr)
         return 2
-    try:
-        return run_program("analyze", lambda: analyze(options))
-    except BrokenPipeError:  # piped into head
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    return run_program("analyze", lambda: analyze(options))
 
 
 if __name__ == "__main__":

@@ -114,7 +114,9 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
 
 
 def _folder(path: Path) -> str:
-    return path.resolve().parent.name
+    """Its group: its folder's name; of a log in `social/`, where runs put it, that of the one above."""
+    folder = path.resolve().parent
+    return (folder.parent if folder.name == "social" else folder).name
 
 
 def _parser() -> argparse.ArgumentParser:

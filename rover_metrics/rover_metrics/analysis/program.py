@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import math
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
@@ -61,7 +62,10 @@ def hand_over(
         last: Line below them; "" for none.
     """
     if target == PRINTED:
-        print(as_json())
+        try:
+            print(as_json(), flush=True)
+        except BrokenPipeError:  # piped into head
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
     if target is not None:
         write_whole(target, as_json() + "\n")
