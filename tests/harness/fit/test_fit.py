@@ -357,6 +357,12 @@ def test_a_driver_who_lets_go_of_a_joystick_has_stopped(tmp_path: Path) -> None:
     assert found["actuators.delay"] == pytest.approx(TRUE["actuators.delay"], abs=0.03)
     assert found["actuators.lag"] == pytest.approx(TRUE["actuators.lag"], abs=0.03)
     assert found["controller_separation"] == pytest.approx(TRUE["controller_separation"], rel=0.03)
+    assert HUSKY.actuators is not None
+    for timeout, waits in ((None, 0.5), (0.25, 0.25), (3.0, 1.0)):
+        rover = HUSKY.but(actuators=HUSKY.actuators.but(command_timeout=timeout))
+        commands = read([csv], rover, {}).commands
+        stopped = commands[~commands[:, 1:].any(axis=1), 0]
+        assert stopped == pytest.approx([4 * n + 1.95 + waits for n in range(len(stops))])
 
 
 @pytest.mark.parametrize("speed", [0.015, 0.4])
