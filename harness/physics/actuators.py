@@ -123,11 +123,16 @@ def resist_rolling(
             f"at {rover.top_speed:g} m/s; give less than {1.0 / rover.top_speed:.2g}"
         )
     if rover.tyres.rolling:
-        load = float(model.body_subtreemass[root]) * rover.gravity / len(rover.wheel_joints)
+        load = _weight(model, root) / len(rover.wheel_joints)
         dofs = np.array([int(model.joint(prefix + name).dofadr[0]) for name in rover.wheel_joints])
         torque = rover.tyres.rolling * load * rover.wheel_radius
         model.dof_frictionloss[dofs] += torque
         model.dof_damping[dofs] -= torque * rover.tyres.falling * rover.wheel_radius
+
+
+def _weight(model: mujoco.MjModel, root: int) -> float:
+    """What a rover weighs in its world [N]."""
+    return float(model.body_subtreemass[root]) * -float(model.opt.gravity[2])
 
 
 class Drag:
@@ -147,7 +152,7 @@ class Drag:
     def __init__(self, model: mujoco.MjModel, rover: RoverSpec, root: int) -> None:
         first = int(model.body_dofadr[root])
         self.acts = rover.tyres.drag > 0.0
-        self._force = rover.tyres.drag * float(model.body_subtreemass[root]) * rover.gravity
+        self._force = rover.tyres.drag * _weight(model, root)
         self._friction = model.dof_frictionloss[first : first + 2]
 
     def turn(self, velocity: NDArray[np.float64]) -> None:
