@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.episode.batch import Batch
 from harness.samples import Pose, SoilState, Tick, TruthState
+from harness.scenario.mission import MissionState
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 from harness.truth.traversal import Truth
@@ -45,6 +46,20 @@ def test_a_goal_is_reached_when_it_is_first_near_enough_and_stays_so() -> None:
     assert series["truth.goal_distance"].values == pytest.approx([5.0, 5.0 / 6.0, 0.0, 5.0])
     assert series["truth.goal_s"].values == pytest.approx([math.nan, 0.1, 0.1, 0.1], nan_ok=True)
     assert series["truth.goal_s"].times == pytest.approx([0.05, 0.1, 0.15, 0.2])
+
+
+def test_a_mission_is_told_when_and_where_the_rover_is_and_of_its_resets() -> None:
+    told = list[tuple[object, ...]]()
+
+    class Mission:
+        def take(self, *about: object) -> MissionState:
+            told.append(about)
+            return MissionState(points=7)
+
+    watch = TruthSeries(["truth.route_points"], mission=Mission())  # type: ignore[arg-type]
+    watch.take(batch(2, position=(3.0, 4.0, 5.0), resets=2, scrapes=6, hazard_contacts=8))
+    assert told == [(0.1, (3.0, 4.0), 2)]
+    assert watch.series()["truth.route_points"].values.tolist() == [7.0]
 
 
 def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
