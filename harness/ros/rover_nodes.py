@@ -50,6 +50,14 @@ def metrics_node(context: Context, outputs: Outputs, namespace: str = "") -> Met
         raise UsageError(str(error)) from error
 
 
+def _end(node: MetricsNode, error: type[BaseException] | None, *_: object) -> None:
+    """Ends a node; of a run that is refused, which has no row, no log is left."""
+    node.destroy_node()
+    if error is not None and issubclass(error, UsageError) and not node.rows:
+        for file in (node.log.path, node.log.path.with_suffix(".json")):
+            file.unlink(missing_ok=True)
+
+
 class RoverNodes:
     """The nodes of one rover.
 
@@ -117,7 +125,7 @@ class RoverNodes:
             UsageError: DDS does not connect it, or its log cannot be created.
         """
         node = metrics_node(self._context, outputs, self.setup.name)
-        self._at_end.callback(node.destroy_node)
+        self._at_end.push(partial(_end, node))
         self.hosted = HostedMetrics(self.bridge, node)
         executor.add_node(node)
         self.hosted.await_match()

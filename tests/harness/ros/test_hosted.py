@@ -22,6 +22,7 @@ from harness.ros import hosted
 from harness.ros.hosted import HostedMetrics, heard_by
 from harness.ros.network import reserved_domain
 from harness.ros.rover_nodes import metrics_node
+from harness.run import main
 from harness.samples import Imu, Pose, Tick, TruthState
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import ExtendedSettings, Settings
@@ -199,3 +200,10 @@ def test_what_any_rovers_node_lost_of_a_shared_topic_is_lost() -> None:
     heard = heard_by(hosts, {topic: TopicCount(10) for topic in ("/clock", "/a/scan", "/a/tf")})
     counts = {topic: (count.received, count.lost) for topic, count in heard.items()}
     assert counts == {"/clock": (10, 3), "/a/scan": (4, 0), "/a/tf": (None, 0)}
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_a_run_that_is_refused_leaves_no_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("harness.ros.remote.DISCOVERY_PATIENCE", 0.1)
+    assert main(["--terrain", "flat", "--wait-for", "/nobody", "--log-dir", str(tmp_path)]) == 2
+    assert list(tmp_path.iterdir()) == []
