@@ -113,6 +113,7 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
         along=TruthAlong((event,), 7, path, 2.0, 0.002),
         truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
         info=EpisodeInfo("model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), *files),
+        command="rover run --seed 3",
         paused_s=9.0,
         waited_s={"/nav": 0.125},
         first_row_s=0.25,

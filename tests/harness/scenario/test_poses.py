@@ -80,6 +80,8 @@ def test_alignment_undoes_any_move_and_truth_is_interpolated_at_stamps(seed: int
     between = trajectory.at_times(times, truth, times[:-1] + 0.025)
     assert between == pytest.approx(0.5 * (truth[1:] + truth[:-1]))
     assert np.isnan(trajectory.at_times(times, truth, np.array([-1.0]))).all()
+    (west,) = trajectory.at_times(times[:2], np.array([(0, 0, 3.1), (0, 0, -3.1)]), times[:1] + 0.01)
+    assert np.cos(west[2]) < -0.99
 
 
 def test_a_frame_is_chained_through_what_was_told_last() -> None:

@@ -10,7 +10,7 @@ from PIL import Image
 from harness.base.errors import UsageError
 from harness.soil.soils import SOILS
 from harness.world.heightfield import Heightfield
-from harness.world.soil_map import soil_files, soils_on
+from harness.world.soil_map import Soils, soil_files, soils_on
 
 OWN = "k_phi: 1.5e6\nn: 1.1\nfriction_angle_deg: 28\nshear_length: 0.01\n"
 GROUND = Heightfield(np.zeros((30, 40)), 0.5)
@@ -60,3 +60,10 @@ def test_what_is_no_map_is_one_line(folder: Path) -> None:
         (folder / "soils.yaml").write_text("".join(lines))
         with pytest.raises(UsageError, match=told):
             soils_on(str(folder / "soils.yaml"), GROUND, "flat")
+
+
+def test_stiffer_soil_is_stiffer_under_and_beside_a_wheel() -> None:
+    sand = SOILS["dry_sand"]
+    assert sand.side_modulus is not None
+    (stiff,) = Soils((sand,), np.zeros((1, 1), np.uint8)).but(2.0, 1.0).kinds
+    assert (stiff.side_modulus, stiff.k_phi) == (2 * sand.side_modulus, 2 * sand.k_phi)
