@@ -19,6 +19,7 @@ from harness.episode.assembly import (
     world_of,
 )
 from harness.episode.episode import episodes_of
+from harness.episode.metrics_feed import metric_settings
 from harness.episode.together import together
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Place, TruthState
@@ -219,3 +220,14 @@ def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
 def test_a_free_place_of_a_target_lies_near_the_start_that_is_given() -> None:
     (target,) = world_of(FLAT.alone(start=(9.0, -9.0, 0.0), targets=["post:within=4"])).targets
     assert math.dist(target.position[:2], (9.0, -9.0)) <= 4.0
+
+
+def test_people_walk_about_where_the_rover_starts() -> None:
+    run = Run.of(terrain="flat", start=(9.0, -9.0, 0.0), actors=["random"])
+    assert world_of(run).people[0].centre == (9.0, -9.0)
+
+
+def test_each_rover_of_a_fleet_counts_the_energy_of_its_own_battery() -> None:
+    run = fleet(Run(), parse_rovers(("husky:a,actuators=real,sensors=battery", "husky:b"), Run().rover))
+    settings = [metric_settings(run, {}, number, extended=True) for number in range(2)]
+    assert [each.extended.energy for each in settings] == [True, False]

@@ -53,7 +53,7 @@ CASES: dict[str, tuple[Any, Any, dict[str, Any]]] = {
 }
 
 
-def write(path: Path, content: Any, at_s: int) -> None:  # noqa: ANN401 - text or numbers
+def write(path: Path, content: Any, at_s: float) -> None:  # noqa: ANN401 - text or numbers
     path.parent.mkdir(exist_ok=True)
     if isinstance(content, str):
         path.write_text(content)
@@ -81,6 +81,6 @@ def test_a_file_that_has_changed_gives_what_it_gives_under_a_new_name(name: str,
         for file, content in (IN_FOLDER | {n: first for n, (first, *_) in CASES.items()}).items():
             write(tmp_path / place / file, content, 1_000_000_000)
     old = driven(tmp_path / "a", options)
-    write(tmp_path / "a" / name, after, 1_000_000_010)
-    write(tmp_path / "b" / name, after, 1_000_000_010)
+    write(tmp_path / "a" / name, after, 1_000_000_000.25)
+    write(tmp_path / "b" / name, after, 1_000_000_000.25)
     assert old != driven(tmp_path / "a", options) == driven(tmp_path / "b", options)
