@@ -7,8 +7,9 @@ from pathlib import Path
 from harness.base.errors import HarnessError, UsageError
 from rover_metrics.log.files import whole_file
 
-__all__ = ["BESIDE", "check_target", "whole_file", "write_whole"]
+__all__ = ["BESIDE", "PAGES", "check_target", "whole_file", "write_whole"]
 
+PAGES = (".html", ".htm", "")  # how the name of a page may end: none is made in another format
 BESIDE = Path()  # in place of a file: beside the log of a run, under its name
 
 
@@ -39,7 +40,8 @@ def check_target(flag: str, target: Path, *suffixes: str) -> None:
         suffixes: How its name may end; any name will do without one.
     """
     if suffixes and target.suffix.lower() not in suffixes:
-        raise UsageError(f"{flag} '{target}': name a file that ends in {', '.join(suffixes)}")
+        ends = ", ".join(filter(None, suffixes))
+        raise UsageError(f"{flag} '{target}': name a file that ends in {ends}")
     try:
         if target.is_dir():
             raise UsageError(f"{flag} {target} is a folder; name a file")

@@ -15,7 +15,7 @@ from rich.console import Console
 
 from harness.base.edge import loading
 from harness.base.errors import UsageError, needing_ros
-from harness.base.files import BESIDE, check_target, write_whole
+from harness.base.files import BESIDE, PAGES, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.base.opengl import keep_opengl_out
 from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
@@ -52,7 +52,7 @@ def run_command(given: argparse.Namespace, ros_args: Sequence[str], words: Seque
         return 0
     options = run_options(given, ros_args)
     options = replace(options, command=_command_line(words, options.live.live_token))
-    with _folder(options.files.out):
+    with _folder(options.ros.log_dir):
         return _command(options, console)
 
 
@@ -63,19 +63,18 @@ def _command_line(words: Sequence[str], token: str) -> str:
 
 
 @contextmanager
-def _folder(out: Path | None) -> Iterator[None]:
-    """Makes the folder of --out, in which files may be named; takes it back if the run is refused."""
-    made = [] if out is None else [each for each in (out, *out.parents) if not each.exists()]
+def _folder(logs: Path) -> Iterator[None]:
+    """Makes the folder of the logs, in which files may be named; takes it back where it stays empty."""
+    made = [each for each in (logs, *logs.parents) if not each.exists()]
     for each in reversed(made):
         with suppress(OSError):  # which is told by who writes there
             each.mkdir()
     try:
         yield
-    except UsageError:
+    finally:
         for each in made:
             with suppress(OSError):  # where something is in it, or it could not be made
                 each.rmdir()
-        raise
 
 
 def _command(options: RunOptions, console: Console) -> int:
@@ -187,9 +186,12 @@ def _loaded(options: RunOptions) -> Drive:
 def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequence[Observer]:
     """Checks what can be checked before the run; returns what keeps each rover's states, if any does."""
     run = options.run
-    for flag, path in (("--json", options.files.summary), ("--page", options.files.page)):
+    for flag, path, ends in (
+        ("--json", options.files.summary, ()),
+        ("--page", options.files.page, PAGES),
+    ):
         if path is not None and path != BESIDE:
-            check_target(flag, path)
+            check_target(flag, path, *ends)
     may_note = is_terrain_file(run.world.terrain) or run.world.actors
     for note in world_of(run).notes if may_note else ():
         console.print(f"{run.world.terrain}: {note}", soft_wrap=True)

@@ -4,7 +4,6 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.base.errors import UsageError
 from harness.base.version import __version__
 from harness.cli.files import Files
 from harness.cli.flags import add_flags
@@ -23,7 +22,7 @@ from harness.spec.run import Run
 from harness.spec.world import WorldSpec
 from rover_metrics.extended.settings import Settings
 from rover_metrics.parser import OneLineParser
-from rover_metrics.ros.arguments import complaint, split_ros_args
+from rover_metrics.ros.arguments import parsed_beside_ros
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 ON_WHEELS = ("actuators", "surface")
@@ -43,16 +42,11 @@ def _choices() -> dict[str, str]:
 
 
 def parsed(arguments: Sequence[str]) -> tuple[argparse.Namespace, list[str]]:
-    """Returns the options of the command line, and the words for ROS; UsageError if one is not valid."""
-    words, ros_args = split_ros_args(arguments)
-    parser = run_parser()
-    wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
-    if wrong is not None:
-        raise UsageError(wrong)
-    return parser.parse_args(words), ros_args
+    """Returns the options of the command line, and the words for ROS; leaves if one is not valid."""
+    return parsed_beside_ros(run_parser(), arguments)
 
 
-def run_parser() -> argparse.ArgumentParser:
+def run_parser() -> OneLineParser:
     """Parses everything but what comes after --ros-args."""
     parser = OneLineParser(
         prog="python -m harness.run",

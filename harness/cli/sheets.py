@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from harness.base.errors import UsageError
-from harness.base.files import check_target, write_whole
+from harness.base.files import PAGES, check_target, write_whole
 from harness.base.version import __version__
 from rover_metrics.sheet.render import csv_of
 from rover_metrics.sheet.sheet import Sheet
@@ -29,7 +29,7 @@ def files_of(options: argparse.Namespace) -> dict[str, Path]:
     """Returns the files that are asked for, by option; UsageError if one cannot be written."""
     files = {name: getattr(options, name) for name in FILES if getattr(options, name) is not None}
     for name, path in files.items():
-        check_target(f"--{name}", path)
+        check_target(f"--{name}", path, *(PAGES if name == "page" else ()))
     return files
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from harness.base.errors import UsageError
-from harness.base.files import check_target, write_whole
+from harness.base.files import PAGES, check_target, write_whole
 from harness.cli.console import counted
 from harness.cli.sheets import files_of, write_sheets
 from harness.course.board import board_of, page_of, read_folder
@@ -78,7 +78,7 @@ def board(options: argparse.Namespace, console: Console) -> int:
     """Makes a page of a folder of receipts."""
     receipts, files = read_folder(options.folder), files_of(options)
     page = files.pop("page", options.folder / PAGE)
-    check_target("--page", page)
+    check_target("--page", page, *PAGES)
     write_whole(page, page_of(receipts), "the page", UsageError)
     write_sheets(files, "", [board_of(receipts)])
     console.print(*terminal((board_of(receipts),), console.width), sep="\n")

@@ -21,10 +21,9 @@ from rover_metrics.parser import OneLineParser
 if __name__ == "__main__":
     begin_program("harness.gym.policy_node")
 
-from harness.base.errors import UsageError, needing_ros
+from harness.base.errors import needing_ros
 
 with needing_ros():
-    import rclpy
     from geometry_msgs.msg import PoseArray, PoseStamped, Twist
     from nav_msgs.msg import Odometry as OdometryMessage
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -39,9 +38,9 @@ from harness import samples
 from harness.drivers import point_nav
 from harness.drivers.policy import Policy, read_policy
 from harness.robots import RoverSpec, find_rover
-from rover_metrics.ros.arguments import complaint, refusal, split_ros_args
+from rover_metrics.ros.arguments import parsed_beside_ros
 from rover_metrics.ros.guarded_node import GuardedNode
-from rover_metrics.ros.program import spin
+from rover_metrics.ros.program import spin, started
 from rover_metrics.topics import quaternion, stamp_ns, vector
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -118,28 +117,17 @@ class PolicyNode(GuardedNode):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the node until it is stopped; returns its exit code."""
-    words, ros_args = split_ros_args(sys.argv[1:] if arguments is None else arguments)
-    parser = _parser()
-    options = parser.parse_args(words)
-    wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
-    if wrong is not None:
-        parser.error(wrong)
+    words = sys.argv[1:] if arguments is None else arguments
+    options, ros_args = parsed_beside_ros(_parser(), words)
     return run_program("harness.gym.policy_node", lambda: _run(options, ros_args))
 
 
 def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     policy, rover = read_policy(options.file), find_rover(options.robot)
-    try:
-        rclpy.init(args=ros_args)
-    except RuntimeError as error:
-        raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
-    try:
-        with suppress(KeyboardInterrupt, ExternalShutdownException):
-            executor = SingleThreadedExecutor()
-            executor.add_node(PolicyNode(policy, rover, options.goal))
-            spin(executor)
-    finally:
-        rclpy.try_shutdown()
+    with suppress(KeyboardInterrupt, ExternalShutdownException), started(ros_args):
+        executor = SingleThreadedExecutor()
+        executor.add_node(PolicyNode(policy, rover, options.goal))
+        spin(executor)
     return 0
 
 
@@ -153,7 +141,7 @@ def _goal(text: str) -> tuple[float, float]:
     return x, y
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser() -> OneLineParser:
     parser = OneLineParser(
         prog="python -m harness.gym.policy_node",
         description="Drives as a policy does, over ROS 2.",

@@ -3,14 +3,14 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import TwistStamped
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 
+from harness.ros.commands import KINDS
 from harness.ros.context import command_node
 from rover_metrics.ros.subscriptions import keep_last
 
-KINDS = {"twist": Twist, "stamped": TwistStamped}
 FRAME = "base_link"
 PATIENCE = 1.0  # [s] for the last command to arrive
 

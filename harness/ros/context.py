@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from traceback import clear_frames
+from typing import Any
 
 import rclpy
 from rclpy.context import Context
@@ -91,6 +92,22 @@ def command_node(name: str) -> Iterator[tuple[Node, Executor]]:
         node = GuardedNode(f"{name}_{os.getpid()}", context=context, enable_rosout=False)
         executor.add_node(node)
         yield node, executor
+
+
+def owner_of(endpoint: Any) -> str:  # noqa: ANN401 - rclpy has no types
+    """Returns the full name of the node that has a publisher or a subscription of the graph."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+
+
+def nodes_beside(node: Node) -> list[str]:
+    """Returns the full names of all other nodes of the graph."""
+    return sorted({*node.get_fully_qualified_node_names()} - {node.get_fully_qualified_name()})
+
+
+def not_found(node: Node, wanted: str) -> UsageError:
+    """Returns what to raise where a node does not see the one that is wanted: it names those it sees."""
+    others = ", ".join(nodes_beside(node)) or "none (same ROS_DOMAIN_ID and discovery range?)"
+    return UsageError(f"node {wanted} was not found; running: {others}")
 
 
 def serve_waiting(executor: Executor) -> None:

@@ -12,7 +12,7 @@ from harness.base.errors import RunFailed, UsageError, unknown
 from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import QUIET, spin_until, spin_until_quiet
+from harness.ros.context import QUIET, owner_of, spin_until, spin_until_quiet
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.ros.topic_monitor import message_class, offered_quality
@@ -94,8 +94,7 @@ class AwaitedEffect:
         return name if name.startswith("/") else self._bridge.resolve_topic_name(name)
 
     def _publishers(self) -> list[str]:
-        infos = self._bridge.get_publishers_info_by_topic(self._output)
-        return sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos)
+        return sorted(map(owner_of, self._bridge.get_publishers_info_by_topic(self._output)))
 
     def _input_is_heard(self) -> bool:
         """Whether a node of others has matched the input: it may be seen after its output is."""

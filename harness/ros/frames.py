@@ -18,6 +18,7 @@ from harness.messages.transforms import (
     urdf_bytes,
 )
 from harness.ros.channel import open_channel
+from harness.ros.context import owner_of
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
 from harness.sensors.message_types import read_message
@@ -108,6 +109,5 @@ class FrameTopics:
 
     def _others(self) -> str:
         """The other nodes that publish it: no message says which of them it was."""
-        infos = self._node.get_publishers_info_by_topic(self.moving[0].topic)
-        names = {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos}
+        names = {*map(owner_of, self._node.get_publishers_info_by_topic(self.moving[0].topic))}
         return " or ".join(sorted(names - {self._node.get_fully_qualified_name()})) or "another node"

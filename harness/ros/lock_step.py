@@ -19,6 +19,7 @@ from rclpy.task import Future
 from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
+from harness.ros.context import owner_of
 from harness.ros.remote import RemoteNode, wait_for_answers
 
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)
@@ -128,7 +129,7 @@ class RemoteNodes:
         if count == matched:
             return nodes
         readers = self._bridge.get_subscriptions_info_by_topic(channel.topic)
-        names = {f"{reader.node_namespace.rstrip('/')}/{reader.node_name}" for reader in readers}
+        names = {*map(owner_of, readers)}
         if len(readers) < matched or any(UNKNOWN in name for name in names):
             return self._nodes
         nodes = [node for node in self._nodes if node.name in names]

@@ -9,7 +9,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 
 from harness.base.errors import RunFailed, UsageError, unknown
-from harness.ros.context import spin_until
+from harness.ros.context import not_found, spin_until
 from rover_metrics.number import number
 
 ATTEMPTS = 2  # an answer is lost where the server has not found who asked yet
@@ -48,11 +48,7 @@ def set_parameter(
     """
     client = AsyncParameterClient(node, remote)
     if not spin_until(executor, client.services_are_ready, patience):
-        running = sorted(
-            f"{space.rstrip('/')}/{one}" for one, space in node.get_node_names_and_namespaces()
-        )
-        others = ", ".join(other for other in running if other != node.get_fully_qualified_name())
-        raise UsageError(f"node {remote} was not found; running: {others or 'none'}")
+        raise not_found(node, remote)
 
     def answered(ask: Callable[[], Any]) -> Any:  # noqa: ANN401 - rclpy's have no types
         for _ in range(ATTEMPTS):

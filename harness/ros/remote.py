@@ -22,7 +22,7 @@ from harness.base.documents import parse_json
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros.bridge import Bridge
-from harness.ros.context import spin_until
+from harness.ros.context import not_found, spin_until
 from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
@@ -61,7 +61,7 @@ class RemoteNode:
         self._counts = bridge.create_client(Trigger, f"{self.name}/received")
         self._lock_step = bridge.create_client(SetBool, f"{self.name}/lock_step")
         if not spin_until(self._executor, self._parameters.service_is_ready, DISCOVERY_PATIENCE):
-            raise UsageError(self._not_found())
+            raise not_found(bridge, self.name)
         if not self._runs_on_sim_time():
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
@@ -137,15 +137,6 @@ class RemoteNode:
             return None
         future = client.call_async(request)
         return future.result() if spin_until(self._executor, future.done, patience) else None
-
-    def _not_found(self) -> str:
-        others = sorted(
-            f"{namespace.rstrip('/')}/{name}"
-            for name, namespace in self._bridge.get_node_names_and_namespaces()
-            if name != self._bridge.get_name()
-        )
-        running = ", ".join(others) or "none (same ROS_DOMAIN_ID and discovery range?)"
-        return f"node {self.name} was not found; running: {running}"
 
 
 def wait_for_answers(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from rich.console import Console
 
 from harness.base.errors import UsageError
-from harness.base.files import check_target
+from harness.base.files import PAGES, check_target
 from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.cli.flags import from_flags
@@ -23,7 +23,7 @@ from harness.spec.live import LiveOptions
 from harness.workers import LOCAL, workers_of
 from rover_metrics.sheet.console import PlainConsole
 
-PICTURES = (".png", ".pdf", ".svg")
+ENDS = {"plot": (".png", ".pdf", ".svg"), "page": PAGES}  # how the names of files may end
 
 
 def run_scenarios(options: argparse.Namespace, files: Iterable[str]) -> int:
@@ -31,7 +31,7 @@ def run_scenarios(options: argparse.Namespace, files: Iterable[str]) -> int:
     console = PlainConsole()
     targets = {name: getattr(options, name) for name in files if getattr(options, name) is not None}
     for name, target in targets.items():
-        check_target(f"--{name}", target, *(PICTURES if name == "plot" else ()))
+        check_target(f"--{name}", target, *ENDS.get(name, ()))
     load_page(from_flags(LiveOptions, options))
     with StopRequest():
         verdicts = _driven(options, console)

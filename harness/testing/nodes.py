@@ -6,7 +6,7 @@ from rclpy.executors import Executor
 
 from harness.base.errors import HarnessError, UsageError
 from harness.ros.bridge import Bridge
-from harness.ros.context import spin_until
+from harness.ros.context import nodes_beside, spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.testing.process import Programs
 from harness.testing.subject import Subject
@@ -34,9 +34,7 @@ class Nodes:
 
     def names(self) -> set[str]:
         """Returns the full names of all nodes in the domain, but for the bridge's own."""
-        running = self._bridge.get_node_names_and_namespaces()
-        names = {f"{space.rstrip('/')}/{name}" for name, space in running}
-        return names - {self._bridge.get_fully_qualified_name()}
+        return {*nodes_beside(self._bridge)}
 
     def wait_until(self, is_there: Callable[[], bool]) -> None:
         """Waits for nodes, at most START_PATIENCE; RunFailed if a program has ended and may not."""

@@ -164,6 +164,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         ),
         (["--out", "a"], "--out is the folder of the log too; leave out --log-dir"),
         (["--fail-on", "rain"], "--fail-on"),
+        (["--page", "a.pdf"], "name a file that ends in .html, .htm"),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
     ],
 )
@@ -206,7 +207,8 @@ def test_missing_rclpy_names_the_extra_and_direct(
     for module in [name for name in sys.modules if name.startswith("harness.ros.")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "rclpy", None)
-    text = complaint(main, ["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
+    text = complaint(main, ["--terrain", "flat", "--log-dir", str(tmp_path / "new")], capsys)
+    assert list(tmp_path.iterdir()) == []
     assert "pip install 'rover-harness[ros]'" in text
     assert "--direct" in text
 
@@ -214,6 +216,7 @@ def test_missing_rclpy_names_the_extra_and_direct(
 def test_each_rover_of_a_fleet_has_every_file_under_its_name(tmp_path: Path) -> None:
     (params := tmp_path / "p.yaml").write_text("/**: {ros__parameters: {gravity: 9.7}}\n")
     fleet = "--rover leo:a --rover leo:b,x=3,y=0 --actor p=2,1/2,-1 --lidar-beams 8"
+    tmp_path /= "new"
     files = f"--log-dir {tmp_path} --params {params} --json {tmp_path}/s.json --page {tmp_path}/p.html"
     assert main(f"--terrain flat --duration 1.2 --direct {fleet} {files}".split()) == 0
     first, second = (next((tmp_path / name).rglob("social_log_*.csv")).read_text() for name in "ab")

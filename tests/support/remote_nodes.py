@@ -39,12 +39,8 @@ class Rig:
             channels=[self.scan],
             count_subscribers={"/scan": 2}.get,
             published=lambda: {"/scan": 9, "/imu/data": 9},
-            get_name=lambda: "harness",
-            get_node_names_and_namespaces=lambda: [
-                ("harness", "/rover1"),
-                ("rviz", "/"),
-                ("nav", "/rover1"),
-            ],
+            get_fully_qualified_name=lambda: "/rover1/harness",
+            get_fully_qualified_node_names=lambda: ["/rover1/harness", "/rviz", "/rover1/nav"],
             get_subscriptions_info_by_topic=lambda _: [
                 SimpleNamespace(node_namespace=space, node_name=name) for space, name in self.readers
             ],

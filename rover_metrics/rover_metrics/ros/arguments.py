@@ -1,10 +1,12 @@
 """The options behind `--ros-args` on a command line, separated and checked without rclpy."""
 
+import argparse
 import difflib
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from rover_metrics.errors import shown
 from rover_metrics.log.documents import DocumentError, read_yaml
 from rover_metrics.parser import OneLineParser
 
@@ -19,6 +21,7 @@ _SWITCHES = tuple(
     for verb in ("enable", "disable")
 )
 _SOURCE = re.compile(r", at /[^ ,]+:\d+")  # where rcl's authors would look
+_REMAPPING = re.compile(r"\S+?:=(?!(\S*/)?\d)\S+")  # no part of a name begins with a digit
 OPTIONS = (*_WITH_VALUE, *_SWITCHES)
 
 
@@ -30,6 +33,19 @@ def split_ros_args(words: Iterable[str]) -> tuple[list[str], list[str]]:
         (ros if behind else own).append(word)
         behind = behind and word != END
     return own, ros
+
+
+def parsed_beside_ros(
+    parser: OneLineParser, words: Iterable[str]
+) -> tuple[argparse.Namespace, list[str]]:
+    """Returns the options of a program that a parser knows, and the checked words for ROS.
+
+    It leaves the program where one of either is not valid.
+    """
+    own, ros = split_ros_args(words)
+    if (wrong := complaint(ros, parser._option_string_actions)) is not None:  # noqa: SLF001 - all options
+        parser.error(wrong)
+    return parser.parse_args(own), ros
 
 
 def check_words(name: str, words: Iterable[str]) -> None:
@@ -50,7 +66,7 @@ def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     """
     behind, option = False, ""  # the one that awaits its value
     for word in words:
-        if option == "--params-file" and (wrong := _unreadable(Path(word))):
+        if option and (wrong := _invalid(option, word)):
             return wrong
         if option:
             option = ""
@@ -70,11 +86,16 @@ def refusal(error: Exception) -> str:
     return _SOURCE.sub("", reason) + mend
 
 
-def _unreadable(path: Path) -> str | None:
+def _invalid(option: str, value: str) -> str | None:
+    """What is wrong with the value of an option, as far as it is known before rcl reads it."""
     try:
-        read_yaml(path)
+        if option == "--params-file":
+            read_yaml(Path(value))
     except DocumentError as error:
-        return f"cannot read parameters from {path}: {error}"
+        return f"cannot read parameters from {value}: {error}"
+    # Else rcl would print a line of its own beside the error.
+    if option in ("-r", "--remap") and not _REMAPPING.fullmatch(value):
+        return f"{option} '{shown(value)}' is not valid; give FROM:=TO, e.g. scan:=front/scan"
     return None
 
 

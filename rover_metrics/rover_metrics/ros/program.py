@@ -8,7 +8,7 @@ or goes back, so that it is only for a simulator that waits and has said so.
 import gc
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 
@@ -58,11 +58,7 @@ def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> No
         wrong = complaint(words)
         if wrong is not None:
             raise StartError(wrong)
-        try:
-            rclpy.init(args=args)
-        except RuntimeError as error:
-            raise StartError(refusal(error)) from error
-        at_end.callback(rclpy.try_shutdown)
+        at_end.enter_context(started(args))
         # Executors outlive the node: a signal's own thread may still be at work on what wakes them.
         executors = at_end.enter_context(ExitStack())
         try:
@@ -73,6 +69,19 @@ def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> No
             # A signal at start-up pulls the context from under whatever rclpy call is running.
             if rclpy.ok():
                 raise
+
+
+@contextmanager
+def started(args: Sequence[str] | None) -> Iterator[None]:
+    """Within, ROS is up; a StartError says why it refuses these arguments, or the environment."""
+    try:
+        rclpy.init(args=args)
+    except RuntimeError as error:
+        raise StartError(f"ROS 2 refuses to start: {refusal(error)}") from error
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()
 
 
 def _made(make_node: Callable[[], Node]) -> Node:

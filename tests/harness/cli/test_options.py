@@ -169,7 +169,6 @@ OF_ROS = [  # all that is not for a run without it, too
         ("--overwrite", "--overwrite is for the file of --record or --social-log; name one"),
         ("--extended --no-metrics", "start yours with -p extended_columns:=true"),
         ("--odom-tf wheels --odom-tf-3d", "leave out --odom-tf wheels, or --odom-tf-3d"),
-        ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
         ("--ros-args -p log_dir:=3", "give --log-dir FOLDER before it"),
         ("--ros-args -p /metrics_node:log_dir:=other", "give --log-dir FOLDER before it"),
         *(
@@ -196,7 +195,9 @@ def test_a_mistake_is_one_line_with_the_mend(words: str, mend: str) -> None:
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("words", ["--start --seed 1", "--sed 1", "--cmd-vel q"])
+@pytest.mark.parametrize(
+    "words", ["--start --seed 1", "--sed 1", "--cmd-vel q", "--ros-args -p x:=1 --seed 3"]
+)
 def test_what_the_parser_refuses_is_one_line_and_exit_code_2(
     words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -122,7 +122,8 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         (["small.npz", "--goal", "3,nan"], "'3,nan' is not valid; give X,Y in metres"),
         (["--ros-args", "-p", "a:=1", "--", "nowhere.npz"], "policy nowhere.npz cannot be read"),
         (["small.npz", "--ros-args", "--goal", "3,1"], "--goal stands behind --ros-args"),
-        (["small.npz", "--ros-args", "-r", "no rule"], "ROS 2 refuses to start: "),
+        (["small.npz", "--ros-args", "-r", "no rule"], "give FROM:=TO"),
+        (["small.npz", "--ros-args", "--log-level", "no level"], "ROS 2 refuses to start: "),
     ],
 )
 def test_what_is_not_valid_is_told_in_a_line(

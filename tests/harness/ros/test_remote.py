@@ -48,7 +48,7 @@ def test_a_node_that_is_not_there_or_on_wall_time_is_refused_with_the_mend(rig: 
     rig.found = False
     with pytest.raises(UsageError, match=r"was not found; running: /rover1/nav, /rviz$"):
         rig.node()
-    rig.bridge.get_node_names_and_namespaces = lambda: [("harness", "/rover1")]
+    rig.bridge.get_fully_qualified_node_names = lambda: ["/rover1/harness"]
     with pytest.raises(UsageError, match=r"running: none \(same ROS_DOMAIN_ID"):
         rig.node()
 
