@@ -31,9 +31,19 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
     return _named(str(path), lambda: documents.read_yaml(path, with_places=with_places))
 
 
-def read_mapping(path: Path) -> dict[str, Any]:
-    """Returns the keys and values of a YAML file; UsageError if it has none or is beyond a bound."""
+def read_mapping(path: Path, *, or_empty: bool = False) -> dict[str, Any]:
+    """Returns the keys and values of a YAML file.
+
+    Args:
+        path: The file.
+        or_empty: Whether one that holds nothing is valid: no keys.
+
+    Raises:
+        UsageError: It holds something else, or is beyond a bound.
+    """
     content = read_yaml(path)
+    if content is None and or_empty:
+        return {}
     if not isinstance(content, dict):
         raise UsageError(f"{path} must hold keys with values")
     return content

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from harness.base.documents import read_mapping, read_yaml
+from harness.base.documents import read_mapping
 from harness.base.errors import UsageError
 from harness.robots.mjcf import stated_by_mjcf
 from harness.robots.spec import RoverFile, RoverSpec
@@ -55,7 +55,7 @@ def model_hash(rover: RoverSpec) -> str:
 def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
     """The rover of a folder whose files were changed at those times."""
     path = folder / "rover.yaml"
-    values = {} if read_yaml(path) is None else read_mapping(path)  # each key may be left out
+    values = read_mapping(path, or_empty=True)  # each key may be left out
     stated = made(RoverFile, values, str(path))
     if folder.parent == MODELS_DIR:
         facts = _shipped(folder) | {"name": folder.name, "folder": folder}

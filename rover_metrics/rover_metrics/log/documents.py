@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -60,8 +60,10 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
     text = _text_of(path, LARGEST_YAML)
     _check_digits(text)
     try:
-        _check_events(YAML(typ="safe", pure=True).parse(text))
-        content = (YAML(typ="rt") if with_places else YAML(typ="safe")).load(text)
+        yaml, bounds = YAML(typ="rt" if with_places else "safe", pure=True), _Bounds()
+        parsed = yaml.parser.get_event
+        yaml.parser.get_event = lambda: bounds.counted(parsed())
+        content = yaml.load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark
         place = (mark.line + 1, mark.column + 1) if mark else None
@@ -103,31 +105,36 @@ def _check_digits(text: str) -> None:
         raise DocumentError(f"a number of more than {MOST_DIGITS} digits; give fewer")
 
 
-def _check_events(events: Iterable[Any]) -> None:
+class _Bounds:
     """Counts values as if every alias were written out, before anything is built of them."""
-    behind: dict[str | None, int] = {}  # values of an anchor
-    unfinished: list[tuple[str | None, int]] = []  # anchor, and values before it
-    values = 0
-    for event in events:
+
+    def __init__(self) -> None:
+        self._behind: dict[str | None, int] = {}  # values of an anchor
+        self._unfinished: list[tuple[str | None, int]] = []  # anchor, and values before it
+        self._values = 0
+
+    def counted(self, event: Any) -> Any:  # noqa: ANN401 - as ruamel's
+        """Returns the next event of a document; DocumentError if that is beyond a bound."""
         kind = type(event).__name__
         if kind == "AliasEvent":
-            if event.anchor not in behind:
+            if event.anchor not in self._behind:
                 raise DocumentError(f"*{event.anchor} stands for nothing before it; write it out")
-            values += behind[event.anchor]
+            self._values += self._behind[event.anchor]
         elif kind == "ScalarEvent":
-            values, behind[event.anchor] = values + 1, 1
+            self._values, self._behind[event.anchor] = self._values + 1, 1
             if event.implicit[0] and _UNDERSCORED.fullmatch(event.value):
                 raise DocumentError(f"{event.value[:40]} is no number; leave _ out, or put it in quotes")
         elif kind in ("SequenceStartEvent", "MappingStartEvent"):
-            unfinished.append((event.anchor, values))
-            values += 1
+            self._unfinished.append((event.anchor, self._values))
+            self._values += 1
         elif kind in ("SequenceEndEvent", "MappingEndEvent"):
-            anchor, before = unfinished.pop()
-            behind[anchor] = values - before
-        if values > MOST_VALUES:
+            anchor, before = self._unfinished.pop()
+            self._behind[anchor] = self._values - before
+        if self._values > MOST_VALUES:
             raise DocumentError(f"comes to more than {MOST_VALUES:,} values; give fewer, or no alias")
-        if len(unfinished) > DEEPEST:
+        if len(self._unfinished) > DEEPEST:
             raise DocumentError(_TOO_DEEP)
+        return event
 
 
 def _check(content: object) -> None:
