@@ -9,6 +9,7 @@ alone is a fleet of one.
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import partial
+from weakref import WeakMethod
 
 from harness.episode.assembly import check, check_world, scenery, sensor_rows
 from harness.episode.batch import Batch, EpisodeInfo
@@ -102,7 +103,7 @@ class Episode:
         )
         self._ticks: list[Tick] = []  # since the last batch
         self._goals, self._goal_poses = list[Place](), list[GoalPose]()  # that come with this batch
-        self.pilot = Pilot(run, number, self.simulation, lidar_spec, self.reset)
+        self.pilot = Pilot(run, number, self.simulation, lidar_spec, WeakMethod(self.reset))
 
     def command(self, twist: Twist, *, held: bool = False) -> None:
         """Hands a command to the cmd_vel driver, as `Pilot.command`."""

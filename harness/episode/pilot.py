@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from operator import itemgetter
+from weakref import WeakMethod
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.base.streams import GOALS, generator
@@ -29,7 +30,8 @@ from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World
 
 Latest = Mapping[type[Sample], Sample]
-Due = tuple[float, int, Callable[[], None]]  # when [s], its kind, what is done
+Act = Callable[["Pilot"], None]
+Due = tuple[float, int, Act]  # when [s], its kind, what is done
 RESET, LINK, ABORT, RESUME, DRIVER, COMMAND, GOAL = range(7)  # of one time in this order
 IN_TIME = itemgetter(0, 1)
 
@@ -42,7 +44,8 @@ class Pilot:
         number: The rover's place in the run.
         simulation: The rover in its world.
         lidar: Whose scans the driver looks at.
-        reset: Puts the rover back to its start, or to a place, where that is planned or ordered.
+        reset: Puts the rover back to its start, or to a place, where that is planned or ordered; weak,
+            or the episode, which has the pilot, would outlive its run until garbage is collected.
 
     Attributes:
         senses: The samples that the driver looks at.
@@ -54,7 +57,7 @@ class Pilot:
         number: int,
         simulation: Simulation,
         lidar: LidarSpec,
-        reset: Callable[[Place | None], None],
+        reset: WeakMethod[Callable[[Place | None], None]],
     ) -> None:
         self._run, self._number, self._simulation = run, number, simulation
         self._setup, rover = run.rovers[number], simulation.scene.rover
@@ -71,34 +74,35 @@ class Pilot:
 
     def _plan(self) -> deque[Due]:
         """What is planned, and when [s]; at the same time in this order."""
-        plan, reset, link = self._run.plan, self._reset, self._link
-        planned: list[Due] = [(t, RESET, partial(reset, None)) for t in plan.resets]
+        plan = self._run.plan
+        planned: list[Due] = [(t, RESET, partial(Pilot._put, place=None)) for t in plan.resets]
         for start, length in plan.link_losses:
             planned += [
-                (start, LINK, partial(link, up=False)),
-                (start + length, LINK, partial(link, up=True)),
+                (start, LINK, partial(Pilot._link, up=False)),
+                (start + length, LINK, partial(Pilot._link, up=True)),
             ]
-        planned += [(t, ABORT, self._abort) for t in plan.aborts]
-        planned += [(t, RESUME, self._resume) for t in plan.resumes]
-        planned += [(t, DRIVER, partial(self.hand_over, driver)) for t, driver in plan.drivers]
+        planned += [(t, ABORT, Pilot._abort) for t in plan.aborts]
+        planned += [(t, RESUME, Pilot._resume) for t in plan.resumes]
+        planned += [(t, DRIVER, partial(Pilot.hand_over, driver=driver)) for t, driver in plan.drivers]
         planned += [
-            (t, COMMAND, partial(self.command, Twist(*twist), held=True)) for t, *twist in plan.commands
+            (t, COMMAND, partial(Pilot.command, twist=Twist(*twist), held=True))
+            for t, *twist in plan.commands
         ]
-        planned += [(t, GOAL, partial(self.head_for, Place(*place))) for t, *place in plan.goals]
+        planned += [(t, GOAL, partial(Pilot.head_for, place=Place(*place))) for t, *place in plan.goals]
         return deque(sorted(planned, key=IN_TIME))
 
     def follow(self, order: Order) -> None:
         """Takes an order for the control period that begins now, as if planned last of its kind."""
         now = self._simulation.time_ns / NANOSECONDS
-        acts: list[tuple[int, Callable[[], None]]] = []
+        acts: list[tuple[int, Act]] = []
         if order.reset:
-            acts.append((RESET, partial(self._reset, order.place)))
+            acts.append((RESET, partial(Pilot._put, place=order.place)))
         if order.driver is not None:
-            acts.append((DRIVER, partial(self.hand_over, order.driver)))
+            acts.append((DRIVER, partial(Pilot.hand_over, driver=order.driver)))
         if order.command is not None:
-            acts.append((COMMAND, partial(self.command, order.command, held=order.held)))
+            acts.append((COMMAND, partial(Pilot.command, twist=order.command, held=order.held)))
         if order.goal is not None:
-            acts.append((GOAL, partial(self.head_for, order.goal)))
+            acts.append((GOAL, partial(Pilot.head_for, place=order.goal)))
         for kind, act in acts:
             insort(self._planned, (now, kind, act), key=IN_TIME)
 
@@ -160,7 +164,7 @@ class Pilot:
         """
         while self.has_plans(tick):
             *_, act = self._planned.popleft()
-            act()
+            act(self)
         if self._course is not None:
             simulation, (x, y, _) = self._simulation, self._simulation.position
             time_s = simulation.time_ns / NANOSECONDS
@@ -205,6 +209,11 @@ class Pilot:
         ground, half = self._simulation.scene.world.ground, 0.5 * goal.yaw
         turned = (0.0, 0.0, math.sin(half), math.cos(half))
         self._goal_poses = [GoalPose(0, (goal.x, goal.y, ground.height_at(goal.x, goal.y)), turned)]
+
+    def _put(self, place: Place | None) -> None:
+        reset = self._reset()
+        if reset is not None:
+            reset(place)
 
     def _link(self, *, up: bool) -> None:
         self._is_linked = up

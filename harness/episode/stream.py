@@ -1,7 +1,7 @@
 """A run as the stream of its batches, and what is ordered of its rovers while the stream is consumed."""
 
-import gc
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -19,11 +19,29 @@ if TYPE_CHECKING:
     from harness.episode.episode import Episode
 
 
+@dataclass
+class Progress:
+    """How far the orders of a run have been taken.
+
+    Attributes:
+        total: Control periods of the run.
+        taken: Those whose orders have been taken.
+    """
+
+    total: int
+    taken: int = 0
+
+    @property
+    def next_ns(self) -> int | None:
+        """When what is ordered now comes into effect [ns]; None for never."""
+        return None if self.taken == self.total else self.taken * CONTROL_PERIOD_NS
+
+
 class RoverOrders:
     """What the consumer orders of one rover.
 
     Args:
-        at_ns: Returns when what is ordered now comes into effect [ns]; None for never.
+        progress: Of the run.
         rover: The rover's setup.
 
     Attributes:
@@ -31,8 +49,8 @@ class RoverOrders:
         is_shared: Whether anything was ordered otherwise than by `give`.
     """
 
-    def __init__(self, at_ns: Callable[[], int | None], rover: RoverSetup) -> None:
-        self._at_ns = at_ns
+    def __init__(self, progress: Progress, rover: RoverSetup) -> None:
+        self._progress = progress
         self.obeys, self.is_shared = rover.driver == CMD_VEL, False
         self._next = Order()
 
@@ -55,7 +73,7 @@ class RoverOrders:
 
     def give(self, order: Order) -> int | None:
         """Orders something whatever drives; returns from when on [ns], None for never."""
-        at_ns = self._at_ns()
+        at_ns = self._progress.next_ns
         if at_ns is not None:
             self._next = self._next.then(order)
         return at_ns
@@ -94,8 +112,8 @@ class EpisodeStream:
     ) -> None:
         self._run, self._frame_options = run, frame_options
         self._ahead, self._awake = not prompt, awake
-        self._ordered = 0  # control periods whose orders have been taken
-        self.rovers = tuple(RoverOrders(lambda: self.next_ns, rover) for rover in run.rovers)
+        self._progress = Progress(run.total_periods)
+        self.rovers = tuple(RoverOrders(self._progress, rover) for rover in run.rovers)
         self._episodes: tuple[Episode, ...] = ()
 
     def begin(self) -> "tuple[Episode, ...]":
@@ -107,14 +125,13 @@ class EpisodeStream:
         with loading():
             # Only here: it loads MuJoCo and compiled kernels, and while it does, nodes are discovered.
             from harness.episode.episode import episodes_of  # noqa: PLC0415
-        gc.collect()  # a run before this one may have left its world, of few objects and much memory
         self._episodes = episodes_of(self._run, self._frame_options)
         return self._episodes
 
     @property
     def next_ns(self) -> int | None:
         """The simulation time [ns] from which on the next order holds; None if there is no more."""
-        return None if self._ordered == self._run.total_periods else self._ordered * CONTROL_PERIOD_NS
+        return self._progress.next_ns
 
     def batches(self) -> Iterator[tuple[Batch, ...]]:
         """Returns the batches of each control period, one by one; errors are those of `together`."""
@@ -122,7 +139,7 @@ class EpisodeStream:
 
     def _taken_orders(self) -> Callable[[], None] | None:
         """What has been ordered for the next control period; None for nothing but to go on."""
-        self._ordered += 1
+        self._progress.taken += 1
         orders = [
             (episode, rover.take()) for episode, rover in zip(self._episodes, self.rovers, strict=True)
         ]

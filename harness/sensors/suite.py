@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from weakref import WeakValueDictionary
 
 from harness.base.sim_time import HIGHEST_RATE, TICKS_PER_CONTROL
 from harness.physics.aside import Errand
@@ -39,7 +40,7 @@ class SensorSuite:
         noise: SensorNoise | None = None,
         rows: Iterable[SensorRow] | None = None,
     ) -> None:
-        made: dict[Source, Sensor] = {}
+        made: WeakValueDictionary[Source, Sensor] = WeakValueDictionary()  # sensors know one another
         self._kinds: dict[Sensor, type[Sample]] = {}
         scale = (1.0, 1.0) if noise is None else noise.wheel_scale
         parts = replace(parts, sensors=made, wheel_scale=scale)
@@ -49,7 +50,7 @@ class SensorSuite:
                 if sensor is not None:
                     made[row.source] = sensor
                     self._kinds[sensor] = row.sample
-        self._sensors = tuple(made.values())
+        self._sensors = tuple(self._kinds)
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
         self._observe = [sensor.observe for sensor in self._sensors if observes(sensor)]

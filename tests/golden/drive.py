@@ -3,7 +3,9 @@
 The only place here that knows how a run is described and started.
 """
 
+import gc
 import json
+import weakref
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -19,11 +21,14 @@ from harness.cli.options import RunOptions, parse_run
 from harness.episode.assembly import actor_names
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
+from harness.episode.episode import Episode
 from harness.episode.fingerprint import StreamHash
 from harness.episode.helm import Helm
 from harness.episode.manifest import manifest
 from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
+from harness.episode.stream import EpisodeStream
+from harness.physics.simulation import Simulation
 from harness.report.recorder import RunRecorder
 from harness.robots import ROVERS
 from harness.robots.urdf.folder import write_folder
@@ -186,8 +191,32 @@ def drive_direct(
     ):
         patch.setattr(CameraPainter, "image", lambda *_: None)
         stop, ros = StopRequest(), options.ros.but(record=recording)
-        results = run_direct(options.run, outputs, ros, stop, helm=_stepped(stop) if sensor else None)
+        with _no_world_is_kept():
+            results = run_direct(
+                options.run, outputs, ros, stop, helm=_stepped(stop) if sensor else None
+            )
     return [_driven(*each) for each in zip(results, observers, strict=True)]
+
+
+@contextmanager
+def _no_world_is_kept() -> Iterator[None]:
+    """Checks that what is simulated is freed as the run ends, without a collection of garbage."""
+    worlds, begin = list[weakref.ref[Simulation]](), EpisodeStream.begin
+
+    def begun(stream: EpisodeStream) -> tuple[Episode, ...]:
+        episodes = begin(stream)
+        worlds.extend(weakref.ref(episode.simulation) for episode in episodes)
+        return episodes
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(EpisodeStream, "begin", begun)
+        gc.disable()
+        try:
+            yield
+            assert worlds
+            assert not any(world() for world in worlds)
+        finally:
+            gc.enable()
 
 
 def _stepped(stop: StopRequest) -> Helm:
@@ -212,7 +241,8 @@ def drive_through_ros(
         if not run.is_thorough and run.soil == NONE:
             patch.setattr(CameraPainter, "image", lambda *_: BLACK)
         if run.ros != "elsewhere":
-            results = run_through_ros(options.run, outputs, ros, StopRequest())
+            with _no_world_is_kept():
+                results = run_through_ros(options.run, outputs, ros, StopRequest())
             return [_driven(*each) for each in zip(results, observers, strict=True)]
         ros = ros.but(host_metrics=False, wait_for=("metrics_node",))
         settings = {**options.settings[0].parameters, "log_dir": str(folder)}

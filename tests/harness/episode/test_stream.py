@@ -1,3 +1,4 @@
+import gc
 import weakref
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +12,7 @@ from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.assembly import fleet, injector
 from harness.episode.batch import Batch
 from harness.episode.episode import episodes_of
-from harness.episode.stream import EpisodeStream, RoverOrders
+from harness.episode.stream import EpisodeStream, Progress, RoverOrders
 from harness.episode.together import together
 from harness.samples import Imu, JointStates, LaserScan, Place, Pose, Twist
 from harness.sensors.battery import Battery
@@ -54,9 +55,9 @@ def test_a_rover_is_put_and_given_goals_at_the_times_that_are_told(prompt: bool)
 
 def test_a_reset_forgets_a_command_of_the_same_period() -> None:
     rover = RoverSetup(driver="cmd_vel")
-    orders = RoverOrders(lambda: 5, rover)
+    orders = RoverOrders(Progress(total=8, taken=2), rover)
     orders.command(Twist(0.5, 0.1))
-    assert orders.reset() == 5
+    assert orders.reset() == 2 * CONTROL_PERIOD_NS
     told = orders.take()
     assert told is not None
     assert (told.reset, told.command) == (True, None)
@@ -167,10 +168,15 @@ def test_orders_to_a_fleet_that_is_simulated_ahead_give_the_bytes_of_one_that_is
     assert driven(at_ns // CONTROL_PERIOD_NS - 1, prompt=True) == (at_ns, ahead)
 
 
-def test_a_process_of_many_runs_keeps_the_world_of_none() -> None:
-    worlds = []
-    for _ in range(3):
-        (episode,) = EpisodeStream(config(lidar_beams=2)).begin()
-        worlds.append(weakref.ref(episode.simulation))
-        del episode
-    assert [world() for world in worlds[:2]] == [None, None]
+def test_a_process_of_many_runs_keeps_the_world_of_none_until_garbage_is_collected() -> None:
+    gc.disable()
+    try:
+        stream = EpisodeStream(config(lidar_beams=2, resets=[1.5], link_losses=[(1.6, 1.0)]))
+        (episode,) = stream.begin()
+        stream.rovers[0].put(Place(1.0, 0.0, 0.0))
+        next(stream.batches())
+        world = weakref.ref(episode.simulation)
+        del episode, stream
+        assert world() is None
+    finally:
+        gc.enable()
