@@ -123,12 +123,14 @@ def _add_heights(
     lowest = float(ground.heights.min())
     # The compiler normalises to 0..1 and wants a positive range, even for a flat map.
     relief = max(float(np.ptp(ground.heights)), 1e-3)
+    # As a file in memory: number by number it takes ten times as long.
+    shape, cells = np.array(ground.heights.shape, np.int32), (ground.heights - lowest) / relief
+    spec.assets = spec.assets | {name: shape.tobytes() + cells.astype(np.float32).tobytes()}
     spec.add_hfield(
         name=name,
         size=[*ground.half_size, relief, BASE_THICKNESS],
-        nrow=ground.heights.shape[0],
-        ncol=ground.heights.shape[1],
-        userdata=((ground.heights - lowest) / relief).ravel().tolist(),
+        file=name,
+        content_type="image/vnd.mujoco.hfield",
     )
     spec.worldbody.add_geom(
         name=name,
