@@ -9,6 +9,8 @@ from harness.base.errors import UsageError
 
 NANOSECONDS = 1_000_000_000
 TICK_NS = 10_000_000  # /clock at 100 Hz
+TICK = TICK_NS / NANOSECONDS  # [s]
+LOOK_PERIOD_NS = NANOSECONDS // 10  # from one look for nodes and topics that have turned up to the next
 HIGHEST_RATE = NANOSECONDS // TICK_NS  # [Hz]
 CONTROL_PERIOD_NS = 50_000_000  # 20 Hz, the lidar's rate: every command can use a fresh scan
 CONTROL_PERIOD = CONTROL_PERIOD_NS / NANOSECONDS
@@ -19,14 +21,13 @@ DEFAULT_TIMESTEP_NS = 2_500_000
 
 def check_duration(seconds: float) -> None:
     """Checks that an episode can last that long; UsageError, which names what is valid, if it cannot."""
-    shortest = TICK_NS / NANOSECONDS
     if not (math.isfinite(seconds) and round(seconds * NANOSECONDS) >= TICK_NS):
-        raise UsageError(f"duration {seconds:g} s is not valid; give {shortest:g} s or more")
+        raise UsageError(f"duration {seconds:g} s is not valid; give {TICK:g} s or more")
     below, rest_ns = divmod(round(seconds * NANOSECONDS), TICK_NS)
     if rest_ns:
         raise UsageError(
             f"duration {seconds:.9g} s is refused: it must be whole clock ticks of 10 ms; "
-            f"nearest valid: {below * shortest:.9g} or {(below + 1) * shortest:.9g}"
+            f"nearest valid: {below * TICK:.9g} or {(below + 1) * TICK:.9g}"
         )
 
 

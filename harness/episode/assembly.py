@@ -97,11 +97,6 @@ def world_of(run: Run) -> World:
     return _peopled(world, run.rover.start, people(run.world))
 
 
-def has_soil(run: Run) -> bool:
-    """Returns whether the ground of a run gives way."""
-    return bool(run.world.soil)
-
-
 def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
     """Returns who walks, before there is a world: the actors of an SDF world, then those asked for."""
     return pedestrians(

@@ -18,7 +18,6 @@ from harness.spec.run import Run
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import Thresholds
 
-BY_HAND = "cmd_vel"  # the driver that obeys commands
 Period = TypeVar("Period")
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.assembly import gravity, has_soil, tells_energy
+from harness.episode.assembly import gravity, tells_energy
 from harness.robots import RoverSpec, find_rover
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
 from harness.sensors import table
@@ -59,7 +59,7 @@ def metric_settings(run: Run, values: Mapping[str, Any], number: int = 0, *, ext
     if extended:
         rover = run.rovers[number]
         of_run = extended_settings(
-            find_rover(rover.robot), gravity(run), soil=has_soil(run), energy=tells_energy(rover)
+            find_rover(rover.robot), gravity(run), soil=bool(run.world.soil), energy=tells_energy(rover)
         )
         settings = Settings(extended_columns=True, extended=of_run)
     return settings.updated(values)

@@ -25,12 +25,8 @@ CONTACTS: dict[Kind, str] = {
     "rock": "struck {other} with its {part}",
     "scrape": "scraped the ground with its {part}",
 }
-SERIOUS: tuple[Kind, ...] = (
-    "tipped_over",
-    "hazard",
-    "rock",
-    "left_map",
-)  # the ground is touched in any rough drive
+# The ground is touched in any rough drive.
+SERIOUS: tuple[Kind, ...] = ("tipped_over", "hazard", "rock", "left_map")
 
 
 @dataclass(frozen=True)

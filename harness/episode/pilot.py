@@ -8,7 +8,7 @@ from functools import partial
 from operator import itemgetter
 from weakref import WeakMethod
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import NANOSECONDS, TICK, TICK_NS
 from harness.base.streams import GOALS, generator
 from harness.drivers import Driver, DriverContext, Observation, TakesGoals, find_driver, takes_goals
 from harness.drivers.base import drivable
@@ -110,7 +110,7 @@ class Pilot:
         """Has a driver that has done nothing yet, at a rover that stands."""
         scene, (rng, *_) = self._simulation.scene, generators(self._run.own_seed(self._number), 3)
         self._began_ns = self._simulation.time_ns
-        self._base = base_controller(scene.rover, TICK_NS / NANOSECONDS)
+        self._base = base_controller(scene.rover, TICK)
         self._faults = actuator_faults(self._run, self._number)
         middle, half_size = scene.world.roaming
         seconds = self._setup.cmd_vel_timeout

@@ -22,12 +22,7 @@ Given = TypeVar("Given", bound=SensorOptions)
 
 
 def installed(
-    run: Run,
-    number: int,
-    frames: RoverFrames,
-    scene: Scene,
-    surroundings: Surroundings,
-    options: Given,
+    run: Run, number: int, frames: RoverFrames, scene: Scene, surroundings: Surroundings, options: Given
 ) -> Installation[Given]:
     """Returns what an optional sensor is made with; its randomness depends on seed and name alone.
 

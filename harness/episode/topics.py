@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from functools import partial
 from itertools import chain
 
-from harness.base.sim_time import NANOSECONDS
+from harness.base.sim_time import LOOK_PERIOD_NS
 from harness.episode.assembly import actor_names, scenery, sensor_rows, world_of
 from harness.episode.diagnostics import METRICS
 from harness.frames.tree import Description
@@ -29,7 +29,6 @@ from harness.spec.run import Run
 from harness.world.occupancy import occupancy
 from rover_metrics.errors import complain
 
-MAP_AT_NS = NANOSECONDS // 10  # when a bridge has looked for listeners of its maps
 _tell = partial(complain, "harness.run")
 
 
@@ -69,7 +68,7 @@ class _RoverTopics:
         self._channels = {
             key: [self.channel(*outlet) for outlet in some] for key, some in outlets.items()
         }
-        self._map = self.channel(MAP, partial(occupancy_bytes, time_ns=MAP_AT_NS))
+        self._map = self.channel(MAP, partial(occupancy_bytes, time_ns=LOOK_PERIOD_NS))
         self._metrics = self.channel(METRICS, bytes, is_late=True)
         self._limits = rover.slope_limit, rover.step_limit
         urdf.send(0, description.urdf)
@@ -91,7 +90,7 @@ class _RoverTopics:
         """Sends what comes after the clock: a row's metrics, and once the map."""
         if metrics is not None:
             self._metrics.send(time_ns, metrics)
-        if time_ns == MAP_AT_NS:
+        if time_ns == LOOK_PERIOD_NS:  # when a bridge has looked for listeners of its maps
             self._map.send(time_ns, occupancy(world_of(run), *self._limits))
 
 

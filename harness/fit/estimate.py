@@ -94,10 +94,7 @@ def fitted(rover: RoverSpec, estimates: Iterable[Estimate]) -> RoverSpec:
 
 
 def minimise(
-    residuals: Callable[[Series], Series],
-    start: Series,
-    bounds: tuple[Series, Series],
-    steps: Series,
+    residuals: Callable[[Series], Series], start: Series, bounds: tuple[Series, Series], steps: Series
 ) -> tuple[Series, Series, float]:
     """Returns the parameters of least residuals, the halves of their intervals, and the cost.
 

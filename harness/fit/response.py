@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from harness.base.sim_time import TICK
 from harness.fit.estimate import Estimate, minimise, of, with_values
 from harness.physics.base_controller import base_controller
 from harness.recordings.recording import Recording, Series, at, changes
@@ -11,7 +12,6 @@ from harness.robots import RoverSpec
 from harness.samples import Twist
 from harness.validate.real.commanded import as_driven
 from harness.validate.replay import replay
-from harness.validate.rig import TICK
 
 TOLERANCE = 0.03  # [m/s]
 STEP = 0.02  # [s], [m]: for derivatives, above a tick

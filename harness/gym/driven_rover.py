@@ -7,7 +7,7 @@ give the same samples, to the bit.
 from collections import deque
 from dataclasses import replace
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.base.sim_time import TICK, TICKS_PER_CONTROL
 from harness.episode.sensing import sensor_noise
 from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
@@ -23,7 +23,6 @@ from harness.world.world import Start
 
 SENSED = (LaserScan, Imu, Pose, Odometry)
 HOUR = 3600.0  # [s]
-TICK = TICK_NS / NANOSECONDS  # [s]
 
 Readings = dict[type[Sample], Sample]
 

@@ -21,11 +21,11 @@ import harness.gym  # noqa: F401 - registers
 from harness.base.errors import find_named
 from harness.base.files import check_target
 from harness.drivers.policy import Policy, write_policy
+from harness.gym.evaluation import ID
 from harness.robots import find_rover
 from harness.spec.value import Value, listed, made
 from harness.world.terrains import TERRAINS
 
-ID = "RoverHarness/PointNav-v0"
 BEAMS, FAR = 64, 3.0  # of the lidar that the policy looks at, and how far [m]
 GAMMA = 0.98  # a reward of 7 s later counts half
 SHOWN = 50  # episodes of a terrain that a point of the curve is the mean of

@@ -5,11 +5,11 @@ from threading import RLock
 
 from harness.drivers import takes_goals
 from harness.drivers.base import drivable
-from harness.episode.helm import BY_HAND, Helm, Order
+from harness.episode.helm import Helm, Order
 from harness.live.keys import STANDING, Keys
 from harness.robots import find_rover
 from harness.samples import Place, Twist, Vector3
-from harness.spec.rover import RoverSetup
+from harness.spec.rover import CMD_VEL, RoverSetup
 
 GOAL = "goal"  # the driver that goes to goals
 
@@ -88,7 +88,7 @@ class Wheel:
 
     @property
     def _by_hand(self) -> str:
-        return "" if self._own == BY_HAND else BY_HAND
+        return "" if self._own == CMD_VEL else CMD_VEL
 
     def _handed(self, driver: str) -> str | None:
         """The driver to hand over to; None if it drives already."""

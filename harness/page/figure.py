@@ -57,11 +57,6 @@ def titled(text: str, **values: object) -> Layout:
     return AXIS | {"title": {"text": text}, **values}
 
 
-def spelled(unit: str) -> str:
-    """Returns a unit, or a formula, with true exponents."""
-    return unit.replace("^2", "²").replace("^3", "³")
-
-
 def numbers(values: ArrayLike, decimals: int = 3) -> list[float | None]:
     """Returns rounded values for a smaller page; None, which Plotly leaves out, for inf and NaN."""
     plain = np.asarray(values, dtype=np.float64).tolist()

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import NANOSECONDS, TICK
 from harness.physics.contacts import RoverContacts, Touch
 from harness.physics.scene import Scene
 from harness.samples import Place, Vector3
@@ -60,7 +60,7 @@ class Crowd:
             (place.x, place.y, actor.spec.options.radius)
             for place, actor in zip(self.places, self.actors, strict=True)
         ]
-        seconds, first = TICK_NS / NANOSECONDS if since_s > 0.0 else 0.0, len(self._rovers)
+        seconds, first = TICK if since_s > 0.0 else 0.0, len(self._rovers)
         self.places = [
             way.walk(since_s, seconds, discs[:number] + discs[number + 1 :])
             if isinstance(way, SocialForceWalker)

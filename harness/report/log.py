@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
-from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
 from rover_metrics.analysis.metric import METRICS
@@ -18,6 +17,7 @@ from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.extended.metrics import ALL_COLUMNS
 from rover_metrics.extended.truth_columns import find_truth_column
+from rover_metrics.sheet.sheet import spelled
 from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]

@@ -11,6 +11,7 @@ from harness.report.log import THRESHOLDS, WITH_GRAVITY, Event, Log, describe
 from harness.report.recorder import Stretch
 from rover_metrics.analysis.metric import FLAGS
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
+from rover_metrics.sheet.sheet import spelled
 
 MOST_ROWS = 4000  # of a plot
 ABOVE_AXIS = {"x": 0.0, "xref": "container", "yref": "paper", "y": 1.0, "yanchor": "bottom"} | {
@@ -58,7 +59,7 @@ def series_figure(
         contacts: With hazards, drawn as bands.
         gravity: What the IMU reads at rest [m/s^2].
     """
-    unit = fig.spelled(describe(name).unit)
+    unit = spelled(describe(name).unit)
     data = [*_samples(name, track), _logged(name, unit, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)
     shapes = [*map(_contact, contacts), *_levels(name, thresholds, gravity)]
@@ -139,7 +140,7 @@ def _range(name: str, values: Sequence[float]) -> fig.Layout:
 
 def _levels(name: str, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
     values = {each: getattr(thresholds, each) for each in THRESHOLDS.get(name, ())}
-    units = {each: fig.spelled(THRESHOLD_INFO[each].unit) for each in values}
+    units = {each: spelled(THRESHOLD_INFO[each].unit) for each in values}
     drawn = zip(values.items(), ("dash", "dashdot"), strict=False)
     dashed = [(f"{each} = {value:g} {units[each]}", value, dash) for (each, value), dash in drawn]
     if name in WITH_GRAVITY:

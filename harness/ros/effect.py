@@ -6,7 +6,7 @@ Outputs are counted, not matched by their stamps: a node may stamp them with the
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from harness.base.errors import RunFailed, UsageError, unknown
 from harness.base.sim_time import NANOSECONDS
@@ -113,8 +113,3 @@ class AwaitedEffect:
         quality = offered_quality(publishers)
         self._bridge.create_subscription(kind, self._output, self._take, quality, raw=True)
         forget_missing_definition()
-
-
-def awaited_effects(effects: Iterable[Effect], bridges: Sequence[Bridge]) -> tuple[AwaitedEffect, ...]:
-    """Returns the listeners of `--wait-for-topic`; errors are those of AwaitedEffect."""
-    return tuple(AwaitedEffect(effect, bridges) for effect in effects)

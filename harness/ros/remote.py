@@ -121,12 +121,7 @@ class RemoteNode:
         try:
             counts = parse_json(answer.message, self.name)
             return {topic: int(count) for topic, count in counts.items() if topic in published}
-        except (
-            UsageError,
-            ValueError,
-            TypeError,
-            AttributeError,
-        ):  # another node of that name
+        except (UsageError, ValueError, TypeError, AttributeError):  # another node of that name
             return {}
 
     def _call(

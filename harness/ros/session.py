@@ -15,7 +15,7 @@ from rclpy.executors import ExternalShutdownException
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import GRACE, Overdue, StopRequest
-from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
+from harness.base.sim_time import CONTROL_PERIOD_NS, LOOK_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.episode.helm import Helm
 from harness.episode.loop import Pacer, Route, drive
@@ -23,15 +23,9 @@ from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeStream
 from harness.messages.sinks import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
-from harness.ros.context import (
-    SPIN_TIMEOUT,
-    make_executor,
-    ros_context,
-    serve_waiting,
-    spin_until,
-)
+from harness.ros.context import SPIN_TIMEOUT, make_executor, ros_context, serve_waiting, spin_until
 from harness.ros.controls import Controls
-from harness.ros.effect import awaited_effects
+from harness.ros.effect import AwaitedEffect
 from harness.ros.hosted import heard_by
 from harness.ros.lock_step import RemoteNodes
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
@@ -41,8 +35,6 @@ from harness.samples import Tick
 from harness.spec.ros import RosOptions
 from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run
-
-LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 
 
 def run_through_ros(
@@ -122,7 +114,8 @@ class _Session:
         if [rover.bridge.commands.heard for rover in self.rovers] != heard:
             # The nodes know of it when new clients are answered.
             self._remotes = self._remote_nodes(time_jumps=jumps)
-        self._effects = awaited_effects(options.wait_for_topic, [rover.bridge for rover in self.rovers])
+        bridges = [rover.bridge for rover in self.rovers]
+        self._effects = [AwaitedEffect(effect, bridges) for effect in options.wait_for_topic]
         self._sent: Tick | None = None
 
     def _remote_nodes(self, *, time_jumps: bool) -> list[RemoteNode]:

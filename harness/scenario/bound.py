@@ -6,10 +6,9 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, StringConstraints, model_validator
 
 from harness.scenario.names import FULL_NAME
-from harness.spec.value import Finite, Seconds, Value, as_tuple
+from harness.spec.value import Finite, NotNegative, Seconds, Value, as_tuple
 
 Over = Literal["always", "end", "mean", "p95", "share"]
-Tolerance = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]  # of runs or values that must be as expected
 Text = Annotated[str, StringConstraints(min_length=1, strip_whitespace=True)]
 Point = tuple[Finite, Finite]
@@ -46,8 +45,8 @@ class Bound(Value):
     over: Over = "always"
     share: Share | None = None
     window: Annotated[tuple[Seconds, Seconds], BeforeValidator(as_tuple)] | None = None
-    relative: Tolerance | None = None
-    absolute: Tolerance | None = None
+    relative: NotNegative | None = None
+    absolute: NotNegative | None = None
     of: FullName | None = None
 
     def label(self, name: str) -> str:

@@ -137,7 +137,7 @@ def runs_of(several: Sequence[Comparisons]) -> str:
         for compared in several
         for attempt in compared.verdict.attempts
     ]
-    return csv_text(records, list(dict.fromkeys(name for record in records for name in record)))
+    return csv_text(records)
 
 
 def csv_of(several: Sequence[Comparisons]) -> str:

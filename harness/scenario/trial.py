@@ -20,7 +20,7 @@ import rclpy
 from rclpy.logging import LoggingSeverity
 
 from harness.base.errors import RunFailed, UsageError
-from harness.base.sim_time import NANOSECONDS
+from harness.base.sim_time import LOOK_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
@@ -44,7 +44,6 @@ from rover_metrics.errors import LogError
 KEPT = 10.0  # [s] of the recording
 RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
-LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
 
 
 class ScenarioTrial(LeavesEvidence, TrialListener):
@@ -205,7 +204,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
 
     def after_tick(self) -> None:
         """Hears topics that have turned up."""
-        if self._trial.now_ns % LOOK_NS == 0:
+        if self._trial.now_ns % LOOK_PERIOD_NS == 0:
             self._trial.bridge.commands.look_around()
             if self._topics.look_around():
                 self._trial.nodes.renew()

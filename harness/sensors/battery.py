@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import RunFailed, UsageError
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import NANOSECONDS, TICK
 from harness.robots import RoverSpec
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 from harness.spec.value import Length, Share
@@ -21,7 +21,6 @@ if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
 
 HOUR = 3600.0  # [s]
-TICK = TICK_NS / NANOSECONDS  # [s]
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,12 +14,12 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from harness.base.errors import UsageError
+from harness.spec.target import NAME
 from harness.spec.value import AsText, Value, made, parsed, words_of
 from rover_metrics import number
 
 FORM = "give [NAME=]FILE.sdf, NAME=X,Y/X,Y/..., NAME=random or NAME=social, and :KEY=VALUE,... behind it"
 POINTS = re.compile(rf"{number.FORM},{number.FORM}(?:/{number.FORM},{number.FORM})*")
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 BEHIND = re.compile(r"(?P<way>.*?)(?::(?P<options>\w+=[^:/\\]*))?", re.DOTALL)
 WALKERS = ("random", "social")
 SUFFIXES = (".sdf", ".world", ".xml")  # of files with trajectories

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from harness.base.errors import UsageError
 from harness.spec.target import NAME
-from harness.spec.value import Finite, Length, Value, as_tuple, words_of
+from harness.spec.value import Finite, Latitude, Length, Longitude, Value, as_tuple, words_of
 from rover_metrics import number
 
 FORM = "X,Y/TARGET/@LAT,LON[:KEY=VALUE,...]"
@@ -34,8 +34,8 @@ class WayPoint(Value):
     """
 
     at: Annotated[tuple[Finite, Finite], BeforeValidator(as_tuple)] | None = None
-    lat: Annotated[float, Field(ge=-89.9, le=89.9)] | None = None
-    lon: Annotated[float, Field(ge=-180.0, le=180.0)] | None = None
+    lat: Latitude | None = None
+    lon: Longitude | None = None
     target: str = ""
     radius: Length = RADIUS
     within: Length | None = None

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from harness.base.errors import UsageError, unknown
-from harness.spec.value import AsText, Finite, Length, Value, made, parsed, words_of
+from harness.spec.value import AsText, Finite, Latitude, Length, Longitude, Value, made, parsed, words_of
 
 FORM = "[NAME=]KIND[:KEY=VALUE,...]"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -58,8 +58,8 @@ class TargetOptions(Value):
 
     x: Finite | None = None
     y: Finite | None = None
-    lat: Annotated[float, Field(ge=-89.9, le=89.9)] | None = None
-    lon: Annotated[float, Field(ge=-180.0, le=180.0)] | None = None
+    lat: Latitude | None = None
+    lon: Longitude | None = None
     yaw: Finite | None = None
     within: Annotated[float, Field(ge=3.0, le=500.0)] = 8.0
     reach: Length = 2.0

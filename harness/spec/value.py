@@ -16,6 +16,8 @@ NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Seconds = NotNegative
 Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Latitude = Annotated[float, Field(ge=-89.9, le=89.9)]
+Longitude = Annotated[float, Field(ge=-180.0, le=180.0)]
 Seed = Annotated[int, Field(ge=0)]
 
 

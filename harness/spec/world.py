@@ -7,13 +7,11 @@ from pydantic import BeforeValidator, Field
 
 from harness.spec.actor import ActorOptions, ActorText
 from harness.spec.target import FORM, KINDS, MESH, TargetText
-from harness.spec.value import Option, Share, Value, as_tuple, listed, numbers
+from harness.spec.value import Latitude, Longitude, Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
 DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
-Latitude = Annotated[float, Field(ge=-89.9, le=89.9)]
-Longitude = Annotated[float, Field(ge=-180.0, le=180.0)]
 Altitude = Annotated[float, Field(ge=-500.0, le=9000.0)]  # [m]: of what rovers drive on
 
 SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from functools import cached_property
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import TICK
 from harness.physics.simulation import Simulation
 from harness.samples import ContactKind, TruthState
 from harness.truth.contact_events import ContactEvents
@@ -101,7 +101,7 @@ class TruthRecorder:
         """Returns the totals up to now."""
         tilt = math.acos(max(-1.0, min(1.0, self._lowest_upright)))
         begun = self.events.begun
-        seconds = {kind: ticks * (TICK_NS / NANOSECONDS) for kind, ticks in self._contact_ticks.items()}
+        seconds = {kind: ticks * TICK for kind, ticks in self._contact_ticks.items()}
         slips = zip(self._slip_sums, self._slip_counts, strict=True)
         return Truth(
             time_ns=self._simulation.time_ns,

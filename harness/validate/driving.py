@@ -6,12 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.sim_time import HIGHEST_RATE
+from harness.base.sim_time import HIGHEST_RATE, TICK
 from harness.robots import RoverSpec
 from harness.robots.sections import Span
 from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
-from harness.validate.rig import TICK, Rig
+from harness.validate.rig import Rig
 
 CRUISE, TOP = 0.5, 1.0  # [m/s] commanded
 ACCELERATING, MEASURING, TURNING = 0.8, 1.0, 4.0  # [s]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.base.sim_time import HIGHEST_RATE
+from harness.base.sim_time import HIGHEST_RATE, TICK
 from harness.episode.sensing import vibration_of
 from harness.physics.base_controller import mean_of
 from harness.physics.motor_power import MotorPower
@@ -10,7 +10,7 @@ from harness.recordings.recording import Recording, Series
 from harness.robots import RoverSpec
 from harness.sensors.state import ImuSensor
 from harness.validate.grounds import Course, flat
-from harness.validate.rig import TICK, Rig
+from harness.validate.rig import Rig
 
 # How often a real rover's log has something new [ticks of 10 ms].
 WHEELS, POSES, IMU = 15, 10, 100 // HIGHEST_RATE

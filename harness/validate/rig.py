@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, period_ticks
+from harness.base.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK, period_ticks
 from harness.physics.base_controller import base_controller
 from harness.physics.scene import ROCK_CONTACT, build_scene
 from harness.physics.simulation import Simulation
@@ -19,7 +19,6 @@ from harness.sensors.state import ImuSensor
 from harness.validate.grounds import Course
 from harness.world.obstacles import orientation
 
-TICK = TICK_NS / NANOSECONDS  # [s]
 SETTLING = 0.5  # [s] after the rover has been turned to its heading
 
 

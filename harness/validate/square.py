@@ -8,13 +8,13 @@ import cmath
 import math
 from collections.abc import Callable, Iterator
 
-from harness.base.sim_time import period_ticks
+from harness.base.sim_time import TICK, period_ticks
 from harness.robots import RoverSpec
 from harness.robots.sections import Span
 from harness.sensors.odometry import WheelOdometry
 from harness.validate.check import Check, around
 from harness.validate.grounds import floor
-from harness.validate.rig import TICK, Rig
+from harness.validate.rig import Rig
 
 SIDE, SPEED, YAW_RATE = 2.0, 0.4, 1.0  # [m], [m/s], [rad/s]
 CORNER = math.pi / 2

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from harness.base.sim_time import TICK
 from harness.robots import RoverSpec
 from harness.robots.sections import Span
 from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
-from harness.validate.rig import TICK, Rig
+from harness.validate.rig import Rig
 
 RAIL_FRICTION = 5.0
 FAST, SLOW = math.radians(30.0), math.radians(2.5)  # [rad/s]: far from and near the angle looked for

@@ -9,6 +9,7 @@ from harness.base.errors import UsageError, unknown
 from harness.spec.route import Route
 from harness.world.geodesy import Datum
 from harness.world.targets.placing import Target, Where
+from rover_metrics.extended.polygon import side_of
 
 STANDING_S, STANDING = 1.0, 0.05  # a stop: so long [s], so little path meanwhile [m]
 
@@ -41,12 +42,8 @@ def crossed(before: Where, now: Where, left: Where, right: Where) -> bool:
         left: x, y of a post [m].
         right: x, y of the other [m].
     """
-
-    def side(a: Where, b: Where, c: Where) -> float:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    between = side(before, now, left) * side(before, now, right) < 0.0
-    return between and side(left, right, before) * side(left, right, now) <= 0.0 and before != now
+    between = side_of(before, now, left) * side_of(before, now, right) < 0.0
+    return between and side_of(left, right, before) * side_of(left, right, now) <= 0.0 and before != now
 
 
 def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, ...]:

@@ -8,6 +8,7 @@ Parses, calls, prints; the work is in rover_metrics.analysis.social. Needs no RO
 import argparse
 import json
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict
@@ -88,7 +89,11 @@ def _files(named: Sequence[Path]) -> list[Path]:
 
 def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list[SocialLog]]:
     """Logs by group, in the order of the groups."""
-    folders = list(dict.fromkeys(_folder(log.path) for log in logs))
+    folders = Counter(home.name for home in {_folder(log.path): None for log in logs})
+    for name, count in folders.items() if not wanted else ():
+        if count > 1:
+            mend = "tell them apart by --groups NAME=PATTERN"
+            program.tell("social", f"{count} folders called {name} are one group; {mend}")
     groups: dict[str, list[SocialLog]] = {}
     for text in wanted or folders:
         name, _, pattern = text.partition("=")
@@ -97,7 +102,7 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
         groups[name] = [
             log
             for log in logs
-            if (fnmatchcase(str(log.path), pattern) if pattern else _folder(log.path) == name)
+            if (fnmatchcase(str(log.path), pattern) if pattern else _folder(log.path).name == name)
         ]
         if not groups[name]:
             raise GroupError(
@@ -113,10 +118,10 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
     return groups
 
 
-def _folder(path: Path) -> str:
-    """Its group: its folder's name; of a log in `social/`, where runs put it, that of the one above."""
+def _folder(path: Path) -> Path:
+    """The folder by whose name a log is grouped: its own, or that above `social/`, where runs put it."""
     folder = path.resolve().parent
-    return (folder.parent if folder.name == "social" else folder).name
+    return folder.parent if folder.name == "social" else folder
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -106,3 +107,6 @@ def test_a_folder_is_read_with_those_below_it(logs: Path, capsys: pytest.Capture
     (logs / "social").rename(logs / "fast" / "social")  # where runs put them
     assert social.main([str(logs), "--json"]) == 0
     assert set(json.loads(capsys.readouterr().out)["groups"]) == {"fast", "slow"}
+    shutil.copytree(logs / "fast", logs / "later" / "fast")
+    assert social.main([str(logs), "--json"]) == 0
+    assert "2 folders called fast are one group" in capsys.readouterr().err

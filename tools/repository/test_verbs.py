@@ -1,6 +1,7 @@
 """The two commands of the README."""
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -35,3 +36,10 @@ def test_set_up_names_the_python_that_it_was_given(tmp_path: Path) -> None:
     assert run.returncode == 2
     first = run.stderr.splitlines()[0]
     assert first == f"setup: needs Python 3.11, 3.12 or 3.13, found Python 3.10.13 ({old})."
+
+
+def test_setup_compiles_kernels_that_there_are() -> None:
+    listed = re.findall(r'kernels="(?:\$kernels )?([\w. ]+)"', (ROOT / "tools/setup.sh").read_text())
+    for name in " ".join(listed).split():
+        text = (ROOT / "harness" / f"{name.replace('.', '/')}.py").read_text()
+        assert "from harness.base.compiled import" in text, name

@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.metrics import average_precision_score, precision_recall_curve, roc_auc_score, roc_curve
 
-from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, spelled, titled
+from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, titled
 from harness.tune.episodes.plan import Part
 from harness.tune.page.contact_figures import STYLES, Values, operating_points
 from harness.tune.page.subject import SHARE, Subject, chance, chosen, curve, levels, mark, upright
 from harness.tune.scoring.alarms import DETECTORS
 from harness.tune.scoring.choose import Candidate
 from harness.tune.scoring.ground import SIGNALS, GroundStudy, ImuEvents
+from rover_metrics.sheet.sheet import spelled
 
 MOST_POINTS = 150  # of a curve on the page
 FAR = 1e3  # [m]: stands for a scan without any return; nearer than everything is its negative

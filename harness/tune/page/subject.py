@@ -8,6 +8,7 @@ from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.scoring.choose import Records, Verdict
 from harness.tune.scoring.study import RobotStudy
+from rover_metrics.sheet.sheet import spelled
 
 SHARE = {"range": [-0.02, 1.02]}  # of an axis from 0 to 1
 
@@ -97,7 +98,7 @@ def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> 
 
 def levels(verdict: Verdict) -> list[fig.Layout]:
     """Returns lines where the default and the tuned value of a threshold lie."""
-    default, unit = verdict.default.value, fig.spelled(verdict.unit)
+    default, unit = verdict.default.value, spelled(verdict.unit)
     lines = [upright(f"default {default:g} {unit}", default, "dot")]
     if verdict.tuned is not None:
         value = verdict.tuned.value

@@ -2,7 +2,7 @@
 
 import math
 
-from harness.page.figure import DASH, MINUS, spelled
+from harness.page.figure import DASH, MINUS
 from harness.tune.episodes.plan import Part
 from harness.tune.page.subject import chosen
 from harness.tune.scoring.choose import Candidate, Verdict
@@ -10,7 +10,7 @@ from harness.tune.scoring.collision import CollisionStudy
 from harness.tune.scoring.estimate import FEWEST_DIGITS, Estimate, digits_for
 from harness.tune.scoring.ground import GroundStudy
 from harness.tune.scoring.study import RobotStudy
-from rover_metrics.sheet.sheet import Sheet, unbroken
+from rover_metrics.sheet.sheet import Sheet, spelled, unbroken
 
 
 def thresholds(study: RobotStudy) -> Sheet:

@@ -11,7 +11,8 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.made_of_files import Files, made_of_files
-from harness.spec.actor import NAME, SUFFIXES, ActorOptions, ActorSpec
+from harness.spec.actor import SUFFIXES, ActorOptions, ActorSpec
+from harness.spec.target import NAME
 from harness.world.actors.route import LONGEST_ROUTE, Point
 from harness.world.sdf.document import Document, Person
 from harness.world.sdf.poses import read_pose

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.errors import RoverMetricsError, printable
 from rover_metrics.extended.metrics import ALL_COLUMNS, EXTENDED_HEADER
+from rover_metrics.sheet.sheet import spelled
 
 ALL = "all"  # the word for every metric
 
@@ -99,10 +100,9 @@ def other_metric(column: str) -> Metric:
     name = printable(column)
     title, bracket, rest = name.rpartition(" [")
     title, unit = (title, rest[:-1]) if bracket and rest.endswith("]") else (name, "")
-    unit = unit.replace("^2", "²").replace("^3", "³")
     if column in _CUMULATIVE:
-        return Metric(name, column, title, f"{unit or '1'}/min", COUNTER)
-    return Metric(name, column, title, unit)
+        return Metric(name, column, title, f"{spelled(unit) or '1'}/min", COUNTER)
+    return Metric(name, column, title, spelled(unit))
 
 
 class UnknownMetric(RoverMetricsError):

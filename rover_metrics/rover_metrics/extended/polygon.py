@@ -67,7 +67,7 @@ def _meet(first: Edge, second: Edge, joint: Point | None) -> bool:
     """Whether two edges have a point in common besides the corner that joins them."""
     (a, b), (c, d) = first, second
     triples = ((a, b, c), (a, b, d), (c, d, a), (c, d, b))
-    sides = [_side(*triple) for triple in triples]
+    sides = [side_of(*triple) for triple in triples]
     if sides[0] * sides[1] < 0.0 and sides[2] * sides[3] < 0.0:
         return True
     return any(
@@ -76,8 +76,8 @@ def _meet(first: Edge, second: Edge, joint: Point | None) -> bool:
     )
 
 
-def _side(a: Point, b: Point, c: Point) -> float:
-    """Positive if c is left of the line from a to b, 0 if it is on it."""
+def side_of(a: Point, b: Point, c: Point) -> float:
+    """Returns a number that is positive if c is left of the line from a to b, and 0 if it is on it."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 

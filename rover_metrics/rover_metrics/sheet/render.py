@@ -82,10 +82,10 @@ def markdown(sheet: Sheet) -> str:
 def csv_text(records: Sequence[Mapping[str, Any]], names: Sequence[str] = ()) -> str:
     """Returns a header and a line for each record, whose cells are by name; None is an empty cell.
 
-    Without names the last record has them all.
+    Without names there is a column for each that a record has, in the order in which they turn up.
     """
     text = io.StringIO()
-    writer = csv.DictWriter(text, names or list(records[-1]))
+    writer = csv.DictWriter(text, names or dict.fromkeys(name for record in records for name in record))
     writer.writeheader()
     writer.writerows({name: harmless(cell) for name, cell in record.items()} for record in records)
     return text.getvalue()
@@ -98,7 +98,7 @@ def csv_of(sheets: Iterable[Sheet]) -> str:
         for sheet in sheets
         for row in sheet.rows
     ]
-    return csv_text(records, list(dict.fromkeys(name for record in records for name in record)))
+    return csv_text(records)
 
 
 def latex(sheet: Sheet) -> str:

@@ -90,6 +90,11 @@ def interval_text(interval: tuple[float, float] | None) -> str:
     return NONE if interval is None else f"{number(interval[0])} to {number(interval[1])}"
 
 
+def spelled(unit: str) -> str:
+    """Returns a unit, or a formula, with true exponents."""
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
 def unbroken(text: str) -> str:
     """Returns a text that stays on one line of a page."""
     return text.replace(" ", "\N{NO-BREAK SPACE}")

@@ -16,7 +16,7 @@ from std_msgs.msg import Float64
 from harness.base.errors import RunFailed
 from harness.base.sim_time import TICK_NS
 from harness.ros.bridge import Listener
-from harness.ros.effect import awaited_effects
+from harness.ros.effect import AwaitedEffect
 from harness.samples import LaserScan, Tick
 from harness.spec.ros import Effect
 from tests.support.ros import Ros
@@ -47,7 +47,7 @@ def test_time_waits_for_an_answer_to_each_scan_of_a_rover_that_was_sent(ros: Ros
 
     def effect(timeout: float) -> Sequence[Listener]:
         effects = [Effect(topic="/answer", newer_than=f"/{name}/scan", timeout=timeout)]
-        return awaited_effects(effects, rovers)
+        return [AwaitedEffect(effect, rovers) for effect in effects]
 
     def advance(number: int, scans: int, listeners: Sequence[Listener]) -> None:
         stamp = number * TICK_NS
@@ -73,7 +73,7 @@ def test_commands_that_were_too_many_are_no_answer_to_the_next_scan(ros: Ros) ->
     publisher = node.create_publisher(Twist, "/cmd_vel", 10)
     node.create_subscription(LaserScanMessage, "/scan", lambda _: None, 10)
     effect = Effect(topic="/cmd_vel", newer_than="/scan", timeout=0.1)
-    listeners = awaited_effects([effect], [bridge])
+    listeners = [AwaitedEffect(effect, [bridge])]
     ros.until(publisher.get_subscription_count)
     for _ in range(3):
         publisher.publish(Twist())

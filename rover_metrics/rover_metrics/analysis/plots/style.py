@@ -14,6 +14,7 @@ from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.study import Study
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.log.files import whole_file
+from rover_metrics.sheet.sheet import spelled
 
 _PANEL_HEIGHT = 1.75  # inches
 _MOST_PANELS = 16  # of one figure; more are not seen together
@@ -64,7 +65,7 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
     look["bbox"] = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5}
     look |= {"xycoords": ("axes fraction", "data"), "xytext": (0, 1.5), "textcoords": "offset points"}
     for (name, values), dash, right in zip(bounds.items(), ("--", ":"), (1.0, 0.0), strict=False):
-        unit, side = THRESHOLD_INFO[name].unit.replace("^2", "²"), "right" if right else "left"
+        unit, side = spelled(THRESHOLD_INFO[name].unit), "right" if right else "left"
         for value in values:
             axes.axhline(value, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
             text = f" {name.replace('_', ' ')} {value:g} {unit} "
