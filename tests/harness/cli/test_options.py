@@ -120,6 +120,7 @@ def test_every_word_about_the_run_reaches_it() -> None:
             )
         ),
         ("--live 8080 --live-token aaaaaaaa", "live", LiveOptions(live="8080", live_token="a" * 8)),
+        ("--live", "live", LiveOptions().served()),
         ("--foxglove 8080", "ros.foxglove", "8080"),
         ("--truth-map --wait-for-topic /a", "ros.truth_map", True),
         ("--wait-for-topic /a", "ros.wait_for_topic", (parse_effect("/a"),)),

@@ -162,6 +162,10 @@ def test_the_edges_of_what_is_valid_are_valid(edge: dict[str, Any]) -> None:
         ({"goal_area": "1,2,3"}, "give XMIN,XMAX,YMIN,YMAX in metres"),
         ({"name": "1a"}, "a letter first"),
         ({"commands": [(60.0, 0.3, 0.0)]}, "not in the run of 60 s"),
+        *(
+            ({"duration": 1.0, name: FULL[name]}, "s is not in the run of 1 s")
+            for name in ("drivers", "goals", "resets", "aborts", "resumes", "link_losses")
+        ),
         ({"goals": [(0.0, 1.0, math.inf, 0.0)]}, "give a finite number"),
         ({"resets": [-0.1]}, "give 0 or more"),
         ({"faults": ["imu"]}, "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"),

@@ -12,7 +12,7 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import check, scenery, world_of
 from harness.physics.scene import build_scenes
 from harness.spec.run import Run
-from harness.spec.target import DICTIONARIES
+from harness.spec.target import DICTIONARIES, parse_target
 from harness.world.actors.free_space import FreeSpace
 from harness.world.obstacles import bottom, top
 from harness.world.targets.forms import cells, face_image
@@ -90,6 +90,13 @@ def test_markers_change_a_worlds_hash_and_no_other_world() -> None:
         for number in (1, 2)
     }
     assert len({plain, *hashes}) == 3
+
+
+def test_a_mesh_that_lies_elsewhere_is_that_of_its_text() -> None:
+    text = "b={}.obj:x=1,y=2,texture={}.png"
+    moved = parse_target(text.format("a", "c")).in_file("in/a.obj", "in/c.png")
+    assert moved == parse_target(text.format("in/a", "in/c"))
+    assert moved.files == ("in/a.obj", "in/c.png")
 
 
 def test_a_mesh_is_met_as_its_bodies_and_seen_with_its_picture(tmp_path: Path) -> None:
