@@ -21,7 +21,7 @@ from harness.episode.assembly import (
 from harness.episode.episode import episodes_of
 from harness.episode.metrics_feed import metric_settings
 from harness.episode.together import together
-from harness.robots import find_rover
+from harness.robots import ROVERS, find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
@@ -32,6 +32,7 @@ from tests.support.rovers import LEO
 
 FLAT = Run.of(terrain="flat")
 BOX = "<collision name='c'><geometry><box><size>20 20 1</size></box></geometry></collision>"
+ROCK = BOX.replace("20 20", "1 1")
 
 
 def several(*texts: str, **shared: Any) -> Run:  # noqa: ANN401 - fields of a run
@@ -111,6 +112,7 @@ def test_gravity_and_people_are_those_of_the_world(tmp_path: Path) -> None:
     moon.write_text(
         "<sdf version='1.9'><world name='moon'><gravity>0 0 -1.62</gravity>"
         f"<model name='m'><static>1</static><link name='l'>{BOX}</link></model>"
+        f"<model name='r'><static>1</static><pose>6 6 1 0 0 0</pose><link name='l'>{ROCK}</link></model>"
         f"<actor name='ann'><script><trajectory id='0' type='walk'>{way}</trajectory></script></actor>"
         "</world></sdf>"
     )
@@ -118,6 +120,11 @@ def test_gravity_and_people_are_those_of_the_world(tmp_path: Path) -> None:
     assert actor_names(run.world) == ("ann_actor", "bob_actor"), "first those of the world"
     assert (gravity(run), gravity(Run.of(terrain="flat"))) == (1.62, 9.8)
     check_world(run)
+    assert metric_settings(run, {}, extended=True).extended.gravity == 1.62
+    check_world(run.alone(driver="goal", goals=((0.0, 9.7, -9.7, 0.0),)))  # almost at the edge
+    for robot in ROVERS:
+        (told,) = [note for note in world_of(run.alone(robot=robot)).notes if "no higher than" in note]
+        assert f"no higher than {ROVERS[robot].clearance:g} m above" in told
     moon.write_text(moon.read_text().replace("<pose>2 0", "<pose>99 0"))
     os.utime(moon, (1, 1))
     with pytest.raises(UsageError, match="ann"):
@@ -133,6 +140,8 @@ def test_goals_and_the_timeout_of_commands_are_for_those_who_heed_them() -> None
     for field, by in (("commands", "cmd_vel"), ("goals", "goal")):
         run = several("leo:a", f"leo:b,x=2,y=0,driver={by}")
         check(run.but(plan=run.plan.but(**{field: heeded[field]})))  # one of them is enough
+    run = several("leo:a", "leo:b,x=2,y=0,driver=goal", route="19.7,-19.7", duration=0.05)
+    assert [len(batch.goals) for batch in next(together(episodes_of(run)))] == [0, 1]
 
 
 def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> None:

@@ -29,11 +29,14 @@ def test_an_ordinary_drive_came_to_nothing_though_its_wheels_met_rocks() -> None
 
 
 def test_what_went_wrong_is_told_in_the_order_of_time_each_kind_once() -> None:
-    told = [mishap.text for mishap in mishaps(result(POST, BUMP, POST, tipped_over_s=41.0))]
+    failure = "the rover reached the edge of the map at t = 42.00 s"
+    came_to = mishaps(result(POST, BUMP, POST, tipped_over_s=41.0, failure=failure))
+    told = [mishap.text for mishap in came_to]
     assert told == [
         "hit hazard_1 at 2.0 s, 2 times in all",
         "struck rock_7 with its chassis at 6.2 s",
         "tipped over at 41.0 s",
+        "left the map at 42.0 s",
     ]
 
 

@@ -18,11 +18,13 @@ from harness.physics.base_controller import base_controller
 from harness.physics.motor_power import MotorPower
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
+from harness.physics.soil import soil_bed
 from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
 from harness.spec.fault import parse_fault
 from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
+from harness.world.soil_map import soils_on
 from harness.world.world import World
 from tests.harness.conftest import MakeSimulation
 from tests.support.rovers import LEO
@@ -193,17 +195,23 @@ def test_rolling_resistance_is_a_share_of_the_load(simulate: MakeSimulation) -> 
     assert torques[1] - torques[0] == pytest.approx(0.1 * mass * 9.8 * 0.1651, rel=0.02)
 
 
-def test_what_ground_resists_is_a_share_of_the_weight_in_that_world() -> None:
-    rover, found = HUSKY.but(tyres=HUSKY.tyres.but(rolling=0.1, drag=0.2)), list[float]()
+def test_what_ground_resists_and_bears_is_a_share_of_the_weight_in_that_world() -> None:
+    rover, found, loads = HUSKY.but(tyres=HUSKY.tyres.but(rolling=0.1, drag=0.2)), list[float](), []
+    ground = Heightfield(np.zeros((81, 81)), 0.05)
     for gravity in (9.8, 1.6):
-        world = World("moon", Heightfield(np.zeros((81, 81)), 0.05), (), 0, 0.0, gravity=gravity)
+        soil = soils_on("firm", ground, "flat")
+        world = World("moon", ground, (), 0, 0.0, gravity=gravity, soil=soil)
         scene = build_scene(world, rover, 0.0025)
         Drag(scene.model, rover, scene.root).turn(np.array([1.0, 0.0]))
         dofs = [0, int(scene.model.joint(rover.wheel_joints[0]).dofadr[0])]
         found += scene.model.dof_frictionloss[dofs].tolist()
+        bed = soil_bed((scene,), mujoco.MjData(scene.model))
+        assert bed is not None
+        loads.append(sum(wheel.load for wheel in bed.wheels))
     mass = float(scene.model.body_subtreemass[scene.root])
     assert found[0::2] == pytest.approx([0.2 * mass * 9.8, 0.2 * mass * 1.6])
     assert found[1] - found[3] == pytest.approx(0.1 * mass * (9.8 - 1.6) / 4 * rover.wheel_radius)
+    assert loads == pytest.approx([mass * 9.8, mass * 1.6])
 
 
 @pytest.mark.parametrize(
