@@ -63,14 +63,18 @@ def told(sample: Sample, away: tuple[float, float]) -> list[Any]:
 
 def test_a_world_that_lies_elsewhere_is_the_same(tmp_path: Path) -> None:
     common: dict[str, Any] = {"duration": 1.0, "seed": 3, "sensors": "height_scan", "soil": "firm"}
-    common |= {"actors": ["a=social:within=3"], "targets": ["post:within=4"]}
+    common |= {"actors": ["a=social:within=3", "b=social:within=3"], "targets": ["post:within=4"]}
     found = []
     for x, y in ((0.0, 0.0), AWAY):
         file, start = written(tmp_path / f"{x}.sdf", x, y), (x + 0.313, y - 0.207, 0.3)
         run = Run.of(terrain=str(file), start=start, **common)
         run = fleet(run, parse_rovers(["leo:a,driver=ram", "rover_zero4wd:b,driver=roam"], run.rover))
         check_world(run)
-        ticks = [tick for period in together(episodes_of(run)) for one in period for tick in one.ticks]
+        episodes, world = episodes_of(run), world_of(run)
+        for each in episodes:
+            assert (each.info.notes, each.info.files) == (world.notes, world.files)
+            assert each.info.targets == {"post": world.targets[0].position}
+        ticks = [tick for period in together(episodes) for one in period for tick in one.ticks]
         found.append([number for t in ticks for each in t.samples for number in told(each, (x, y))])
         found[-1] += np.nan_to_num(graded_world(run).layers["danger"]).ravel().tolist()
     assert found[1] == pytest.approx(found[0], abs=1e-3)

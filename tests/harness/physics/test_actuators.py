@@ -16,13 +16,14 @@ from harness.faults.lookup import find_faults
 from harness.physics.actuators import MOTOR_SPEED, MOTOR_TORQUE, PLAY, Drag
 from harness.physics.base_controller import base_controller
 from harness.physics.motor_power import MotorPower
-from harness.physics.scene import build_scene
+from harness.physics.scene import Scene, build_scene, build_scenes
 from harness.physics.simulation import Simulation
 from harness.physics.soil import soil_bed
 from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
 from harness.spec.fault import parse_fault
 from harness.spec.run import Run
+from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.soil_map import soils_on
 from harness.world.world import World
@@ -42,6 +43,12 @@ def in_the_air(simulation: Simulation) -> Simulation:
     simulation.model.opt.gravity[:] = 0.0
     simulation.pose[2] += 1.0
     return simulation
+
+
+def wheel_losses(scene: Scene) -> list[float]:
+    """Friction of a rover's wheels [N m]."""
+    joints = scene.all_own(scene.rover.wheel_joints)
+    return [float(scene.model.dof_frictionloss[scene.model.joint(name).dofadr[0]]) for name in joints]
 
 
 @pytest.mark.parametrize("motors", [IDEAL, REAL])
@@ -212,6 +219,11 @@ def test_what_ground_resists_and_bears_is_a_share_of_the_weight_in_that_world() 
     assert found[0::2] == pytest.approx([0.2 * mass * 9.8, 0.2 * mass * 1.6])
     assert found[1] - found[3] == pytest.approx(0.1 * mass * (9.8 - 1.6) / 4 * rover.wheel_radius)
     assert loads == pytest.approx([mass * 9.8, mass * 1.6])
+    light = LEO.but(tyres=LEO.tyres.but(rolling=0.1))
+    both = build_scenes(world, [Member("a", rover, (0, 0, 0)), Member("b", light, (1.3, 1, 0))], 0.0025)
+    assert [wheel_losses(one) for one in both] == [
+        pytest.approx(wheel_losses(build_scene(world, one, 0.0025))) for one in (rover, light)
+    ]
 
 
 @pytest.mark.parametrize(

@@ -65,17 +65,22 @@ def test_a_command_that_is_not_finite_is_refused_and_the_previous_one_stays(
 @pytest.mark.parametrize(("linear", "angular"), [(1.0, 0.9), (0.5, -0.4), (-0.6, 0.5), (2.0, 0.0)])
 def test_every_wheel_rolls_about_one_centre(linear: float, angular: float, foreign: Foreign) -> None:
     """The centre is beside the rear axle, at v / w; a wheel's speed is w times its distance to it."""
-    controller = base_controller(foreign("buggy"), PERIOD)
-    assert controller.command(Twist(linear, angular))
-    rear_left, rear_right, left, right = after(controller, 1000)
+    buggy, twist = foreign("buggy"), Twist(linear, angular)
+    four = buggy.but(drive=buggy.drive.but(driven=(*buggy.drive.driven, *buggy.steered_wheels)))
+    controllers = base_controller(buggy, PERIOD), base_controller(four, PERIOD)
+    assert all(controller.command(twist) for controller in controllers)
+    (rear_left, rear_right, left, right), all_driven = (after(each, 1000) for each in controllers)
+    assert all_driven[[0, 1, 4, 5]].tolist() == [rear_left, rear_right, left, right]
     if angular == 0.0:
         assert (rear_left, rear_right, left, right) == pytest.approx((linear / RADIUS,) * 2 + (0.0, 0.0))
         return
     centre = linear / angular
     assert rear_left * RADIUS == pytest.approx(angular * (centre - HALF))
     assert rear_right * RADIUS == pytest.approx(angular * (centre + HALF))
-    for angle, aside in ((left, HALF), (right, -HALF)):  # the axle points to the centre
+    fronts = zip(all_driven[2:4], (left, right), (HALF, -HALF), strict=True)
+    for speed, angle, aside in fronts:  # the axle points to the centre
         to_centre = np.array([-LENGTH, centre - aside])
+        assert abs(speed) * RADIUS == pytest.approx(abs(angular) * np.hypot(*to_centre))
         assert abs(to_centre @ (math.cos(angle), math.sin(angle))) < 1e-9
     assert curvature_of([left, right], LENGTH, 2 * HALF) == pytest.approx(angular / linear)
 
