@@ -31,7 +31,6 @@ LOOK = 1.0  # [s] in which no other service was found: then all were
 TYPES = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty", "std_srvs/srv/SetBool")
 SET_BOOL = TYPES[-1]
 SET = "set"
-BOOLS = {"true": True, "false": False}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -120,9 +119,9 @@ def _request(kind: str, name: str, value: str | None) -> tuple[Any, Any]:
         if value is not None:
             raise UsageError(f"{name} asks nothing; leave out '{value}'")
         return service, service.Request()
-    if value not in BOOLS:
+    if value not in ("true", "false"):
         raise UsageError(f"{name} asks true or false: {sibling('harness.call')} {name} true")
-    return service, service.Request(data=BOOLS[value])
+    return service, service.Request(data=value == "true")
 
 
 def _parser() -> argparse.ArgumentParser:

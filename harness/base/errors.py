@@ -1,6 +1,6 @@
 """What can go wrong, as types: the commands turn each into one line and an exit code."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
@@ -16,6 +16,8 @@ __all__ = [
     "find_named",
     "how_many",
     "needing_ros",
+    "repeated",
+    "told",
     "unknown",
 ]
 
@@ -75,3 +77,13 @@ def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
 def how_many(count: int, of: str) -> str:
     """Returns e.g. "1 contact", "2 contacts" or "1,000 contacts"."""
     return f"{count:,} {of}{'' if count == 1 else 's'}"
+
+
+def told(error: Exception) -> str:
+    """Returns what a library says of an error in one line of 120 characters at most, or its type."""
+    return " ".join(str(error).split())[:120] or type(error).__name__
+
+
+def repeated(names: Sequence[str]) -> str:
+    """Returns the first name that is there more than once; "" if none is."""
+    return next((name for name in names if names.count(name) > 1), "")

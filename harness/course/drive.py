@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 
 from harness.base.errors import UsageError
-from harness.base.version import __version__
+from harness.base.version import __version__, packages
 from harness.course.attempt import attempt
 from harness.course.entry import Entry
-from harness.course.receipt import PACKAGES, Machine, Receipt
+from harness.course.receipt import Receipt
 from harness.course.result import FIELDS, EpisodeResult
 from harness.course.task import Case
 from harness.course.tracks import Track, find_track
@@ -90,12 +90,8 @@ def check_origin(receipt: Receipt, entry: Entry) -> None:
             f"the receipt is of rover-harness {receipt.version}, this is {__version__}; "
             f"pip install rover-harness=={receipt.version}"
         )
-    here = Machine().packages
-    differ = [
-        f"{n} {receipt.machine.packages.get(n)}"
-        for n in PACKAGES
-        if receipt.machine.packages.get(n) != here[n]
-    ]
+    theirs = receipt.machine.packages
+    differ = [f"{n} {theirs.get(n)}" for n, own in packages().items() if theirs.get(n) != own]
     if differ:
         raise UsageError(f"the receipt was made with {', '.join(differ)}; install the same here")
     if receipt.entry_hash != entry.digest:

@@ -3,7 +3,6 @@
 import math
 import platform
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -12,14 +11,13 @@ from pydantic import Field
 from harness.base.documents import read_json
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
-from harness.base.version import __version__
+from harness.base.version import __version__, packages
 from harness.course.entry import Entry
 from harness.course.result import EpisodeResult
 from harness.course.summary import DECIMALS, Mean, TrackSummary, summarise
 from harness.spec.value import Value, made
 from rover_metrics.sheet.sheet import NONE, Sheet, formatted
 
-PACKAGES = ("mujoco", "numba", "numpy", "scipy")
 LARGEST = 64 * 2**20  # bytes
 
 
@@ -29,7 +27,7 @@ class Machine(Value):
     system: str = Field(default_factory=platform.system)
     processor: str = Field(default_factory=platform.machine)
     python: str = Field(default_factory=platform.python_version)
-    packages: dict[str, str] = Field(default_factory=lambda: {name: version(name) for name in PACKAGES})
+    packages: dict[str, str] = Field(default_factory=packages)
 
 
 class Receipt(Value):

@@ -103,10 +103,8 @@ class Dwa(Beeline):
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The cost of each twist, inf for those that touch, and that of a place ahead of its end [m]."""
         plans = np.repeat(twists[:, None], STEPS, axis=1)
-        outcomes, of = (
-            self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD),
-            self._rollout,
-        )
+        of = self._rollout
+        outcomes = self._rolled(observation, plans, STEP, self._inscribed, LOOKED_AHEAD)
         beyond = np.maximum(outcomes[:, of.ROOM] - self._inscribed, 0.0)
         # Approximates exp, with the same bits everywhere.
         fading = 1.0 + FADING * beyond * (1.0 + 0.5 * FADING * beyond)

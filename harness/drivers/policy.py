@@ -30,11 +30,10 @@ BESIDE_LIDAR = sum(len(low) for name, (low, _) in LIMITS.items() if name != "lid
 Floats = NDArray[np.float32]
 
 
-def _relu(values: Floats) -> Floats:
-    return np.maximum(values, np.float32(0.0))
-
-
-ACTIVATIONS: dict[str, Callable[[Floats], Floats]] = {"tanh": np.tanh, "relu": _relu}
+ACTIVATIONS: dict[str, Callable[[Floats], Floats]] = {
+    "tanh": np.tanh,
+    "relu": lambda values: np.maximum(values, np.float32(0.0)),
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -123,6 +123,13 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             run = self.options.episode(*(drawn[name] for name in OF_A_WORLD))
             self.course = Course(run, self._camera)
             self._episodes_left = self.options.episodes_per_world
+            within = np.clip(self.course.places.middles, -self._box, self._box)
+            far, least = math.hypot(*np.ptp(within, axis=0)), self.options.goal_distance[0]
+            if least > far:
+                gymnasium.logger.warn(
+                    f"goal_distance: on {run.world.terrain} nothing is {least:g} m away: the farthest "
+                    f"goals are taken; give less than {far:.0f} m"
+                )
         self._episodes_left -= 1
         variation = draw_variation(self.options.randomisation, rng)
         if (goal := wanted.get("goal")) is not None:

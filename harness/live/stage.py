@@ -18,7 +18,7 @@ from harness.physics.scene import build_scenes
 from harness.physics.sky import HAZE
 from harness.physics.stage import FIELD_OF_VIEW, SUN_ELEVATION, Quality, dress
 from harness.samples import Place
-from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec, directions
 from harness.spec.run import Run
 from harness.view.camera import SOLID_GROUPS, chase_view, scale_of
 from harness.view.ground import drawn
@@ -159,8 +159,7 @@ class Stage:
         count = min(len(ranges), len(angles))  # a fault in a recording may have cut or stretched it
         ranges, angles = ranges[:count], angles[:count]
         near = np.isfinite(ranges)
-        level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])[near]
-        points = site.xpos + ranges[near, None] * (level @ site.xmat.reshape(3, 3).T)
+        points = site.xpos + ranges[near, None] * (directions(angles[near]) @ site.xmat.reshape(3, 3).T)
         self.hits[number].points = points.astype(np.float32)
 
     def _add_path(self, number: int) -> viser.LineSegmentsHandle:

@@ -75,7 +75,8 @@ class AwaitedEffect:
             RunFailed: No answer came within the time-out.
         """
         began = time.monotonic()
-        has_come = spin_until(self._bridge.executor, self._is_answered, self._effect.timeout)
+        executor, limit = self._bridge.executor, self._effect.timeout
+        has_come = spin_until(executor, lambda: self._count >= self._due, limit)
         self.waited_s += time.monotonic() - began
         if not has_come:
             names = ", ".join(self._publishers()) or "nobody any more"
@@ -83,9 +84,6 @@ class AwaitedEffect:
                 f"no {self._output} came within {self._effect.timeout:g} s of wall time for the "
                 f"{self._input.topic} of {stamp_ns / NANOSECONDS:.2f} s; it is published by {names}"
             )
-
-    def _is_answered(self) -> bool:
-        return self._count >= self._due
 
     def _take(self, _: object) -> None:
         self._count += 1

@@ -63,7 +63,7 @@ class MissionAccount:
         self._before = place
         distances = {target.name: math.dist(place, target.position[:2]) for target in self._targets}
         if self._standstill.observe(time_s, place):
-            self._stops = {name: _least(self._stops[name], d) for name, d in distances.items()}
+            self._stops = {name: min(d, self._stops[name]) for name, d in distances.items()}  # d for NaN
         stopped_at = {t.name for t in self._targets if self._stops[t.name] <= t.spec.options.reach}
         gates = {target.name for target in self._targets if target.spec.kind == "gate"}
         return MissionState(
@@ -74,7 +74,3 @@ class MissionAccount:
             distances,
             self._stops,
         )
-
-
-def _least(known: float, new: float) -> float:
-    return new if math.isnan(known) else min(known, new)

@@ -1,11 +1,10 @@
 """Which sensors a run has: those of every rover, and the optional ones that are asked for."""
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from harness.base.errors import UsageError, find_named
+from harness.base.errors import UsageError, find_named, repeated
 from harness.robots import RoverSpec
 from harness.sensors import table
 from harness.sensors.table import SensorRow
@@ -39,18 +38,12 @@ def chosen(rover: RoverSpec, asked: Sequence[SensorChoice] | None) -> tuple[Sens
         wanted = [(name, entry, f"{where}, '{name}'") for name, entry in listed.items()]
     else:
         wanted = [_asked(choice, listed, where) for choice in asked]
-        if twice := _twice(name for name, _, _ in wanted):
+        if twice := repeated([name for name, _, _ in wanted]):
             raise UsageError(f"--sensors has '{twice}' twice; leave one out")
     always = (row for row in table.SENSORS if row.options is None)
     rows = (*always, *(_carried(*sensor) for sensor in wanted))
     _check_apart(rows)
     return rows
-
-
-def _twice(names: Iterable[str]) -> str:
-    """The first name that is there more than once; "" if none is."""
-    counts = Counter(names)
-    return next((name for name, count in counts.items() if count > 1), "")
 
 
 def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> dict[str, Mapping[str, Any]]:

@@ -15,7 +15,7 @@ from harness.physics.aside import Errand
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
 from harness.sensors.base import EpisodeParts, Sensor
-from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec, directions
 from harness.sensors.rays.bundle import RayBundle, Surroundings, cast_rays_of
 
 
@@ -39,8 +39,7 @@ class Lidar:
         self._passed: tuple[mujoco.MjData | None, int] = None, 0
 
     def _bundle(self) -> RayBundle:
-        angles = self.spec.angles
-        beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+        beams = directions(self.spec.angles)
         return RayBundle(self.surroundings, beams, self.spec.range_max, horizon=False)
 
     def aside(self, model: mujoco.MjModel) -> "ScanAside":

@@ -34,14 +34,18 @@ class LidarSpec:
         return np.remainder(self.angles + (yaw + math.pi), math.tau) - math.pi
 
 
+def directions(angles: NDArray[np.float64]) -> Points:
+    """Returns unit vectors, shape (n, 3), at angles [rad] in the plane of a lidar."""
+    return np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+
+
 def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
     """Returns where the beams of a scan hit something, shape (k, 2) in the world [m]."""
     ranges = placed.scan.ranges.astype(np.float64)
     hit = np.isfinite(ranges)
     angles = LidarSpec(beams=len(ranges)).angles[hit]
-    beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
     mount, axes = _lidar_mount(rover)
-    in_rover = mount + (ranges[hit, None] * beams) @ axes.T
+    in_rover = mount + (ranges[hit, None] * directions(angles)) @ axes.T
     x, y, z, w = placed.pose.orientation
     in_world = in_rover @ rotation_matrix((w, x, y, z)).T + placed.pose.position
     return np.asarray(in_world[:, :2])

@@ -29,7 +29,7 @@ from harness.physics.drawn_ground import NEAR, DrawnGround
 from harness.physics.ruts import PressedRuts
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec, directions
 from harness.view.camera import CAMERAS, View, best_view, chase_view, scale_of
 from harness.view.caption import captioned
 from harness.view.ground import drawn
@@ -139,10 +139,8 @@ class Studio(AbstractContextManager["Studio"]):
         marks = []
         for lidar, (scene, _) in zip(self._lidars, self._rovers, strict=False):
             site = self.data.site(scene.own("lidar"))
-            angles = lidar.spec.angles
-            level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
-            directions = level @ site.xmat.reshape(3, 3).T
-            marks += beam_marks(site.xpos, directions, lidar.scan(self.data))
+            beams = directions(lidar.spec.angles) @ site.xmat.reshape(3, 3).T
+            marks += beam_marks(site.xpos, beams, lidar.scan(self.data))
         return marks
 
 

@@ -21,15 +21,12 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from functools import cache
 from importlib import import_module
-from importlib.metadata import version
 from typing import Any, ClassVar
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import HANDLED
-from harness.base.version import __version__
+from harness.base.version import __version__, packages
 from harness.workers.pool import Item, Outcome, WorkerLost, Workers
-
-PACKAGES = ("mujoco", "numba", "numpy", "scipy")
 
 ADDRESS = re.compile(r"(\w+://)?([^/\s]+):(\d+)|auto")  # "auto" is looked up by Ray's client
 CONNECTION, PATIENCE = 3.0, 20.0  # [s] for a connection; for an answer, also on a busy machine
@@ -229,5 +226,5 @@ def versions() -> Mapping[str, str]:
         "Python": ".".join(platform.python_version_tuple()[:2]),
         "CPU": platform.machine(),
         "zlib": zlib.ZLIB_RUNTIME_VERSION,
-        **{package: version(package) for package in PACKAGES},
+        **packages(),
     }

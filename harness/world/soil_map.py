@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from harness.base.documents import read_bytes, read_mapping
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, told
 from harness.soil.soils import SOILS, SUFFIXES, Soil, find_soil
 from harness.spec.value import Value, listed, made
 from harness.world.heightfield import Heightfield
@@ -128,8 +128,7 @@ def _read(path: Path, shape: tuple[int, ...], count: int) -> NDArray[np.uint8]:
                 if has == shape:  # else it is not decoded
                     numbers = np.asarray(picture if picture.mode == "P" else picture.convert("L"))
     except Exception as error:  # decoders raise anything at all over a damaged file
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise UsageError(f"soil map {path} cannot be read: {reason}") from error
+        raise UsageError(f"soil map {path} cannot be read: {told(error)}") from error
     if has != shape:
         sides = " x ".join(map(str, has[::-1]))
         raise UsageError(

@@ -59,7 +59,7 @@ def _side(template: Template, side: int) -> Iterator[str]:
         y = side * (ASIDE - (0.5 * BODY[1] + 0.015) * template.rockers)
         place = (x, y, down)
         if template.steers and number == 0:
-            held, knuckle = f"knuckle_{letter}", f"knuckle_{letter}"
+            held = knuckle = f"knuckle_{letter}"
             yield _link(knuckle, 0.3, '<box size="0.04 0.03 0.06"/>', (0.04, 0.03, 0.06))
             limit = '<axis xyz="0 0 1"/><limit lower="-0.6" upper="0.6" effort="8" velocity="3"/>'
             yield _joint(f"steer_{letter}", "revolute", parent, knuckle, place, limit)

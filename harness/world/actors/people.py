@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, repeated
 from harness.base.made_of_files import Files, made_of_files
 from harness.spec.actor import SUFFIXES, ActorOptions, ActorSpec
 from harness.spec.target import NAME
@@ -108,7 +108,7 @@ def pedestrians(specs: Sequence[ActorSpec], folders: Sequence[str] = ()) -> tupl
     """
     people = [person for spec in specs for person in _people_of(spec, tuple(folders))]
     names = [person.name for person in people]
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := repeated(names):
         raise UsageError(
             f"two actors are called '{twice}'; give one another name, as in guide=FILE.sdf, or by a "
             "<name> in its <include>"

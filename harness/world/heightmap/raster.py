@@ -15,7 +15,7 @@ import tifffile
 from PIL import Image
 
 from harness.base.documents import read_bytes
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, told
 from harness.world.heightfield import Field
 from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
 from harness.world.heightmap.esri import is_esri, read_grid_in_text
@@ -68,8 +68,7 @@ def read_raster(path: Path, cell: float | None = None) -> Raster:
     except UsageError as error:
         raise UsageError(f"terrain {path}: {error}") from error
     except Exception as error:  # decoders raise anything at all over a damaged file
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise UsageError(f"terrain {path} is damaged or cut short: {reason}") from error
+        raise UsageError(f"terrain {path} is damaged or cut short: {told(error)}") from error
     largest = LARGEST_HEIGHT if raster.in_metres else np.inf
     missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > largest)
     missing |= raster.in_metres & (raster.values == UNTAGGED)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.documents import read_bytes
-from harness.base.errors import UsageError, find_named
+from harness.base.errors import UsageError, find_named, told
 from harness.base.made_of_files import Files, made_of_files
 from harness.spec.world import MESH_UNITS
 from harness.world.sdf.reader import DEEPEST, parse_xml
@@ -205,8 +205,7 @@ def _loaded(data: bytes, kind: str) -> dict[str, Mesh]:
     except UsageError:
         raise
     except Exception as error:  # decoders raise anything at all over a damaged file
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise UsageError(f"it is damaged or cut short: {reason}") from error
+        raise UsageError(f"it is damaged or cut short: {told(error)}") from error
     return parts
 
 

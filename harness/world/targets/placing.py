@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, repeated
 from harness.base.streams import TARGETS, generator
 from harness.spec.target import MESH, TargetSpec
 from harness.world.actors.free_space import FreeSpace, along
@@ -52,7 +52,7 @@ def target_names(specs: Sequence[TargetSpec]) -> tuple[str, ...]:
         kind = "object" if spec.kind == MESH else spec.kind
         free = (name for name in chain((kind,), (f"{kind}{n}" for n in range(2, MOST_TARGETS + 2))))
         names.append(spec.name or next(name for name in free if name not in names))
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := repeated(names):
         raise UsageError(f"two targets are called '{twice}'; give each a name of its own: NAME=KIND")
     return tuple(names)
 

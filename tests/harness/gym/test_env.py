@@ -144,6 +144,12 @@ def test_starts_goals_and_variations_are_drawn_and_reported(make: Make, name: st
     assert 1.0 <= min(apart) <= max(apart) <= 2.0
 
 
+def test_goals_farther_off_than_anything_are_told(make: Make) -> None:
+    env = make("PointNav", goal_distance=(100.0, 200.0))
+    with pytest.warns(UserWarning, match="nothing is 100 m away: the farthest goals are taken"):
+        env.reset(seed=0)
+
+
 def test_start_and_goal_can_be_given_as_an_info_reports_them(make: Make) -> None:
     env = make()
     _, info = env.reset(seed=0, options={"start": [1.0, -2.0, 0.5], "goal": [2.0, 2.0]})
