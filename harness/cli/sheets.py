@@ -7,7 +7,6 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.files import PAGES, check_target, write_whole
-from harness.base.version import __version__
 from rover_metrics.sheet.render import csv_of
 from rover_metrics.sheet.sheet import Sheet
 
@@ -56,6 +55,5 @@ def write_sheets(files: Mapping[str, Path], heading: str, sheets: Sequence[Sheet
     if "page" in files:
         from harness.page.shell import fill  # noqa: PLC0415 - most do without
 
-        content = {"heading": heading, "version": __version__, "sheets": sheets, "figures": {}}
-        text = fill("sheets", content, "harness.page")
+        text = fill("sheets", {"heading": heading, "sheets": sheets}, "harness.page")
         write_whole(files["page"], text, "the page", UsageError)

@@ -5,12 +5,11 @@ from html import escape
 from pathlib import Path
 
 from harness.base.errors import UsageError
-from harness.base.version import __version__
 from harness.course.receipt import Receipt, interval, read_receipt
 from harness.course.result import EpisodeResult
 from harness.course.summary import difference
 from harness.course.tracks import TRACKS
-from harness.page.figure import METRIC, Plot, named
+from harness.page.figure import METRIC, Plot
 from harness.page.shell import fill
 from harness.page.strips import beside, dots, means, strips
 from rover_metrics.sheet.sheet import NONE, Sheet
@@ -34,14 +33,12 @@ def page_of(receipts: Sequence[Receipt]) -> str:
     """Returns the HTML of the board, the same bytes for the same receipts."""
     plots = [_plot(number, track, receipts) for number, track in enumerate(_tracks(receipts))]
     content = {
-        "version": __version__,
         "board": board_of(receipts),
         "paired": paired_of(receipts),
         "plots": plots,
         "height": f"{5.0 + 2.6 * len(receipts):.1f}rem",
-        "figures": named(plots),
     }
-    return fill("board", content, package="harness.course")
+    return fill("board", content, "harness.course", plots)
 
 
 def board_of(receipts: Sequence[Receipt]) -> Sheet:

@@ -4,12 +4,11 @@ from math import isfinite
 
 import numpy as np
 
-from harness.base.version import __version__
 from harness.fit.estimate import Estimate
 from harness.fit.ground import UNITS
 from harness.fit.outcome import Outcome
 from harness.fit.response import controlled
-from harness.page.figure import INK, METRIC, SCAN, Plot, common_layout, line, named, titled
+from harness.page.figure import INK, METRIC, SCAN, Plot, common_layout, line, titled
 from harness.page.shell import fill
 from rover_metrics.sheet.sheet import NONE, Sheet
 
@@ -53,11 +52,8 @@ def _number(value: float) -> str:
 def render(outcome: Outcome, source: str) -> str:
     """Returns the HTML; the same fit gives the same bytes."""
     plots = [*_sides(outcome), *_steady(outcome)]
-    content = {
-        "name": outcome.rover.name, "source": source, "version": __version__,
-        "tables": tables(outcome), "plots": plots, "figures": named(plots),
-    }  # fmt: skip
-    return fill("fit", content, package="harness.fit")
+    content = {"name": outcome.rover.name, "source": source, "tables": tables(outcome), "plots": plots}
+    return fill("fit", content, "harness.fit", plots)
 
 
 def _sides(outcome: Outcome) -> list[Plot]:

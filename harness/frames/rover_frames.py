@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, find_named
 from harness.frames.tree import Edge, check_tree
 from harness.robots import FrameRow, RoverSpec
 from harness.robots.measures import frame_name
@@ -133,12 +133,12 @@ def _link(
     """The link of a row whose parent's is known."""
     offset = homogeneous(row.xyz, _of_angles(row.rpy))
     if row.body:
-        bodies = [model.body(index).name for index in range(1, model.nbody)]
-        body = _index("body", row.body, bodies, where) + 1
+        bodies = {model.body(index).name: index for index in range(1, model.nbody)}
+        body = find_named(f"{where}: body", row.body, bodies)
         pose = homogeneous(data.xpos[body], data.xmat[body]) @ offset
     elif row.site:
-        sites = [model.site(index).name for index in range(model.nsite)]
-        site = _index("site", row.site, sites, where)
+        sites = {model.site(index).name: index for index in range(model.nsite)}
+        site = find_named(f"{where}: site", row.site, sites)
         body = int(model.site_bodyid[site])
         pose = homogeneous(data.site_xpos[site], data.site_xmat[site]) @ offset
     else:
@@ -172,13 +172,6 @@ def _joint_between(row: FrameRow, above: int, body: int, model: mujoco.MjModel, 
             "move with it; give each joint a body of its own"
         )
     return joint
-
-
-def _index(kind: str, name: str, names: list[str], where: object) -> int:
-    """The place of a name in the model's, for the message of one that is not among them."""
-    if name not in names:
-        raise UsageError(f"{where}: {kind} '{name}' does not exist; available: {', '.join(names)}")
-    return names.index(name)
 
 
 def pose_of(matrix: Matrix) -> tuple[Vector3, Quaternion]:

@@ -15,7 +15,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
-from harness.base.errors import Diverged, RunFailed, UsageError
+from harness.base.errors import Diverged, RunFailed, find_named
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.gym.beginning import OF_A_WORLD, drawn_world, reset_options, started
 from harness.gym.course import Course, draw_variation
@@ -83,11 +83,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
 
     def __init__(self, render_mode: str | None = None, **options: object) -> None:
         EzPickle.__init__(self, render_mode=render_mode, **options)
-        modes = self.metadata["render_modes"]
-        if render_mode is not None and render_mode not in modes:
-            raise UsageError(
-                f"render_mode '{render_mode}' does not exist; available: {', '.join(modes)}"
-            )
+        if render_mode is not None:
+            find_named("render_mode", render_mode, dict.fromkeys(self.metadata["render_modes"]))
         name = type(self).__name__
         self.options: O = parse_options(self.options_class, options, name)  # type: ignore[assignment]
         self.render_mode = render_mode

@@ -15,7 +15,7 @@ from harness.messages import optional
 from harness.messages.blank import Message, blank, kind_of
 from harness.messages.refilled import Fill, refilled
 from harness.robots import RoverSpec
-from harness.sensors.battery import BatteryOptions
+from harness.sensors.battery import Battery, BatteryOptions
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
@@ -104,10 +104,10 @@ def goal() -> Fill:
     return refilled(message, {f"pose.{part}": attrgetter(part) for part in parts})
 
 
-def by_names(message: Message, sample_type: type) -> Fill:
-    """Returns a filler of the stamp and of every field whose name the sample has too."""
-    names = [item.name for item in fields(sample_type) if hasattr(message, item.name)]
-    return refilled(message, {name: attrgetter(name) for name in names})
+def by_names(message: Message, sample_type: type, **others: str) -> Fill:
+    """Returns a filler of the stamp and of every field whose name the sample has too, and of others."""
+    names = {item.name: item.name for item in fields(sample_type) if hasattr(message, item.name)}
+    return refilled(message, {path: attrgetter(name) for path, name in (names | others).items()})
 
 
 def _laser_scan(message: Message, _: RoverSpec, lidar: LidarSpec) -> Fill:
@@ -183,9 +183,7 @@ def _nav_sat_fix(message: Message, _: SensorOptions) -> Fill:
     status = message.status
     used = status.SERVICE_GPS | status.SERVICE_GLONASS | status.SERVICE_COMPASS
     status.service = used | status.SERVICE_GALILEO
-    names = [item.name for item in fields(GnssFix) if hasattr(message, item.name)]
-    sources = {name: attrgetter(name) for name in names}
-    return refilled(message, {**sources, "status.status": attrgetter("fix")})
+    return by_names(message, GnssFix, **{"status.status": "fix"})
 
 
 def _battery_state(message: Message, _: BatteryOptions) -> Fill:
@@ -193,8 +191,7 @@ def _battery_state(message: Message, _: BatteryOptions) -> Fill:
     message.temperature = message.capacity = message.design_capacity = math.nan
     message.power_supply_status = message.POWER_SUPPLY_STATUS_DISCHARGING
     message.present = True
-    names = ("voltage", "current", "charge", "percentage")
-    return refilled(message, {name: attrgetter(name) for name in names})
+    return by_names(message, Battery)
 
 
 def _motor_currents(message: Message, _: BatteryOptions) -> Fill:

@@ -85,7 +85,7 @@ def _cloud(
         set_stamp(message.header.stamp, reading.stamp_ns)
         hit = np.isfinite(reading.ranges)
         chosen = slice(None) if keeps_misses else hit
-        points = whole[chosen] if not keeps_misses else whole
+        points = whole[chosen]
         ranges = np.where(hit, reading.ranges, np.float32(np.nan))[chosen]
         for axis, name in enumerate(XYZ):
             points[name] = ranges * exact[axis][chosen]

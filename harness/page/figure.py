@@ -5,7 +5,6 @@ serves light and dark; assets/plots.js puts the value in its place.
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -177,8 +176,3 @@ class Plot:
     def legend(self) -> list[Key]:
         """What its colours and symbols mean."""
         return keys(self.figure)
-
-
-def named(plots: Iterable[Plot]) -> dict[str, Figure]:
-    """Returns the figures of plots by name, as the page's script looks for them."""
-    return {plot.name: plot.figure for plot in plots}

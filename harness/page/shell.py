@@ -2,34 +2,37 @@
 
 import base64
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
+from harness.base.version import __version__
+from harness.page.figure import Plot
+
 SHARED, ASSETS = "harness.page", "assets"
-STYLE, PLOTLY, DRAWING = "pages.css", "plotly-basic.min.js", "plots.js"
+STYLE, PLOTLY, DRAWING, PLAIN = "pages.css", "plotly-basic.min.js", "plots.js", "plain.js"
 
 
-def fill(name: str, content: Mapping[str, Any], package: str) -> str:
+def fill(name: str, content: Mapping[str, Any], package: str, plots: Iterable[Plot] = ()) -> str:
     """Returns the HTML of a page.
 
     Args:
-        name: Of its assets: NAME.html.j2, which extends shell.html.j2, NAME.js and, if it is there,
-            NAME.css, which is added to the common style.
-        content: The template's variables; `figures` are Plotly's, by the name of their plot.
+        name: Of its assets: NAME.html.j2, which extends shell.html.j2, and where they are there NAME.js,
+            which is added to the common script, and NAME.css, which is added to the common style.
+        content: The template's variables.
         package: Whose folder of assets has them.
+        plots: Those that the script draws.
     """
     plotly = _asset(SHARED, PLOTLY)
-    script = _asset(SHARED, DRAWING) + _asset(package, f"{name}.js")
-    style = _asset(SHARED, STYLE) + _asset(package, f"{name}.css", missing="")
-    return (
-        _environment(package)
-        .get_template(f"{name}.html.j2")
-        .render(content, style=style, plotly=plotly, script=script, policy=_policy(plotly, script))
-    )
+    script = _asset(SHARED, DRAWING) + _asset(package, f"{name}.js", _asset(SHARED, PLAIN))
+    style = _asset(SHARED, STYLE) + _asset(package, f"{name}.css", "")
+    parts = {"style": style, "plotly": plotly, "script": script, "policy": _policy(plotly, script)}
+    figures = {plot.name: plot.figure for plot in plots}
+    template = _environment(package).get_template(f"{name}.html.j2")
+    return template.render(content, **parts, version=__version__, figures=figures)
 
 
 @cache

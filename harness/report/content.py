@@ -14,7 +14,7 @@ from harness.episode.assembly import world_of
 from harness.episode.manifest import manifest
 from harness.episode.mishaps import mishaps
 from harness.episode.result import RunResult
-from harness.page.figure import MINUS, TIMES, Plot, named
+from harness.page.figure import MINUS, TIMES, Plot
 from harness.page.shell import fill
 from harness.report import tables
 from harness.report.encounters import NEAR, encounters
@@ -60,7 +60,6 @@ def _content(
         "series": [*series, *soil],
         "steady": tables.steady_table(log, steady),
         "notes": log.notes,
-        "figures": named((terrain_map, *series, *soil)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
         "facts": {name: tables.facts(values[name] or {}) for name in LISTED},
     }
@@ -144,4 +143,5 @@ def render(
         recorder: Watched the rover.
         others: Paths of further rovers in the same world, by name.
     """
-    return fill("report", _content(result, recorder, others), "harness.report")
+    content = _content(result, recorder, others)
+    return fill("report", content, "harness.report", [content["map"], *content["series"]])

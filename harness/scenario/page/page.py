@@ -8,8 +8,6 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from harness.base.version import __version__
-from harness.page.figure import Plot, named
 from harness.page.shell import fill
 from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Comparisons
@@ -32,14 +30,12 @@ def render(several: Sequence[Comparisons], page: Path) -> str:
     plots = [plot for scenario in scenarios for plot in scenario["plots"]]
     content = {
         **_headline(verdicts),
-        "version": __version__,
         "bad": [_bad(attempt, page) for attempt in bad_runs(verdicts)],
         "overview": Sheet.of(_line(number, verdict) for number, verdict in enumerate(verdicts)),
         "scenarios": scenarios,
         "how": " ".join([HOW, *dict.fromkeys(filter(None, (each.power for each in several)))]),
-        "figures": named(plots),
     }
-    return fill("suite", content, package="harness.scenario.page")
+    return fill("suite", content, "harness.scenario.page", plots)
 
 
 def _headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
@@ -80,7 +76,7 @@ def _line(number: int, verdict: Verdict) -> dict[str, str]:
 
 
 def _scenario(name: str, compared: Comparisons) -> dict[str, Any]:
-    plots: list[Plot] = [*plots_of(name, compared)]
+    plots = [*plots_of(name, compared)]
     return {
         "anchor": name,
         "name": scenario_name(compared.verdict.path),

@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.base.version import __version__
-from harness.page.figure import Plot, named
+from harness.page.figure import Plot
 from harness.page.shell import fill
 from harness.robots import find_rover
 from harness.tune.episodes.plan import Planned
@@ -55,11 +54,9 @@ def render(
         "robots": robots,
         "signals": SIGNALS,
         "command": command,
-        "version": __version__,
-        "figures": named(plots),
         "numbers": NUMBERS,
     }
-    return fill("tuning", content, package="harness.tune.page")
+    return fill("tuning", content, "harness.tune.page", plots)
 
 
 def _items(robot: Subject) -> dict[str, Plot | Sheet | str]:

@@ -1,3 +1,0 @@
-// Nothing but the plots, which plots.js draws.
-
-start(() => {});
