@@ -218,6 +218,7 @@ def test_each_rover_of_a_fleet_has_every_file_under_its_name(tmp_path: Path) -> 
     fleet = "--rover leo:a --rover leo:b,x=3,y=0 --actor p=2,1/2,-1 --lidar-beams 8"
     tmp_path /= "new"
     files = f"--log-dir {tmp_path} --params {params} --json {tmp_path}/s.json --page {tmp_path}/p.html"
+    files += f" --record {tmp_path}/all.mcap"
     assert main(f"--terrain flat --duration 1.2 --direct {fleet} {files}".split()) == 0
     first, second = (next((tmp_path / name).rglob("social_log_*.csv")).read_text() for name in "ab")
     assert first != second
@@ -225,5 +226,6 @@ def test_each_rover_of_a_fleet_has_every_file_under_its_name(tmp_path: Path) -> 
         told = json.loads((tmp_path / f"s_{name}.json").read_text())
         log = Path(told["log"])
         assert (log.parent, told["params"]) == (tmp_path / name, str(params))
+        assert told["recording"] == f"{tmp_path}/all.mcap"
         assert told == json.loads(log.with_suffix(".json").read_text())
         assert f'"name":"{other}"' in (tmp_path / f"p_{name}.html").read_text()  # its way, on the map

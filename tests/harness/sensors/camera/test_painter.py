@@ -5,6 +5,7 @@ import os
 import signal
 from typing import Any
 
+import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
@@ -35,6 +36,11 @@ def test_the_first_opengl_that_works_draws_until_its_process_ends_and_the_end_is
             pytest.skip(lines[0])
         assert image.shape == (90, 120, 3)
         assert image[36, 76].sum() < 420 < image[10, 10].sum()  # the ball, the sky
+        noisy = subject.image(state("noisy", -0.15, -0.1))
+        assert noisy is not None
+        of_the_seed = np.random.default_rng((SEED, [*CAMERAS].index("noisy"), IMAGE.stamp_ns))
+        drawn = of_the_seed.normal(size=image.shape)
+        assert np.corrcoef((noisy.astype(float) - image).ravel(), drawn.ravel())[0, 1] > 0.5
         (drawing,) = set(multiprocessing.active_children()) - before
         assert drawing.pid is not None
         os.kill(drawing.pid, signal.SIGKILL)
