@@ -149,6 +149,7 @@ def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> N
     run = several(*texts)
     world, members = scenery(run)
     assert members[0].start == world.start
+    assert [one.name for one in members] == [one.name for one in run.rovers]
     for number, one in enumerate(members):
         for other in members[:number]:
             apart = math.dist(one.start[:2], other.start[:2])
