@@ -22,6 +22,7 @@ from harness.drivers.base import DriverContext, Observation
 from harness.drivers.beeline import Beeline
 from harness.robots import RoverSpec
 from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
+from rover_metrics.errors import reason_of
 
 LIMITS = point_nav.limits(LIDAR_RANGE_MAX)
 MOST_BYTES = 2**26  # unpacked
@@ -98,7 +99,7 @@ def read_policy(file: Path | str) -> Policy:
         return _read(path)
     except OSError as error:
         raise UsageError(
-            f"policy {path} cannot be read: {error.strerror or error}; give an .npz file"
+            f"policy {path} cannot be read: {reason_of(error)}; give an .npz file"
         ) from error
 
 

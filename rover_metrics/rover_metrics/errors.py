@@ -136,6 +136,11 @@ def _known_line(error: BaseException) -> str | None:
     return None
 
 
+def reason_of(error: Exception) -> str:
+    """Returns why a file cannot be used: in the system's words, or in those of the error."""
+    return getattr(error, "strerror", None) or str(error)
+
+
 def printable(text: str) -> str:
     """Returns a text with a ? for each control character: a file's name cannot make two lines."""
     return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -22,6 +22,7 @@ from harness.world.heightmap.esri import is_esri, read_grid_in_text
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked
 from harness.world.heightmap.units import NAMED
+from rover_metrics.errors import reason_of
 from rover_metrics.number import number
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
@@ -85,8 +86,7 @@ def _kind(path: Path) -> str:
         with path.open("rb") as file:
             start, size = file.read(12), path.stat().st_size
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"terrain {path} cannot be read: {reason}") from error
+        raise UsageError(f"terrain {path} cannot be read: {reason_of(error)}") from error
     if not start:
         raise UsageError(f"terrain {path} is empty")
     if size > MOST_BYTES:

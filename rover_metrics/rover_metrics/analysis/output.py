@@ -22,7 +22,7 @@ from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables import sheets
 from rover_metrics.core.columns import Field
-from rover_metrics.errors import RoverMetricsError, counted
+from rover_metrics.errors import RoverMetricsError, counted, reason_of
 from rover_metrics.log.files import write_whole
 from rover_metrics.sheet.render import csv_text, latex
 from rover_metrics.sheet.sheet import Sheet
@@ -37,8 +37,7 @@ class OutputError(RoverMetricsError):
     """The output folder cannot be created or written."""
 
     def __init__(self, folder: Path, error: Exception) -> None:
-        reason = getattr(error, "strerror", None) or error
-        super().__init__(f"cannot write to {folder}: {reason}; choose another folder with -o")
+        super().__init__(f"cannot write to {folder}: {reason_of(error)}; choose another folder with -o")
 
 
 def prepare_folder(folder: Path) -> None:

@@ -20,6 +20,7 @@ import zstandard
 
 from rover_metrics.bag.mcap_stream import LARGEST_RECORD, BagError, McapFile, Message, absolute
 from rover_metrics.bag.order import in_time
+from rover_metrics.errors import reason_of
 from rover_metrics.log.documents import DocumentError, read_yaml
 
 LARGEST_SKIP = 2**32  # rows
@@ -165,8 +166,7 @@ class Bag(ExitStack):
             try:
                 files.append(self._file(path))
             except (BagError, OSError) as error:  # noqa: PERF203 - one bad file of several
-                reason = error.strerror if isinstance(error, OSError) else error
-                refusals.append(f"{path.name}: {reason}")
+                refusals.append(f"{path.name}: {reason_of(error)}")
         if not files:
             raise BagError("; ".join(refusals))
         self.problems.extend(f"{refusal}; left out" for refusal in refusals)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import RoverMetricsError, reason_of
 
 LARGEST_YAML, LARGEST_JSON = 2**20, 2**26  # [bytes]
 DEEPEST = 64  # lists and keys within one another
@@ -87,7 +87,7 @@ def read_bytes(path: Path, largest: int) -> bytes:
         with path.open("rb") as file:
             content = file.read(largest + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in its name
-        raise DocumentError(getattr(error, "strerror", None) or str(error)) from error
+        raise DocumentError(reason_of(error)) from error
     if len(content) > largest:
         raise DocumentError(f"larger than {largest:,} bytes; is it the right file?")
     return content

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import RoverMetricsError, reason_of
 
 _LONGEST_HEADER = 1 << 16  # bytes
 _MOST_SHOWN = 60  # characters
@@ -94,7 +94,7 @@ def first_line(path: Path) -> tuple[str, bool]:
         with path.open("rb") as file:
             first, has_rows = file.readline(_LONGEST_HEADER), bool(file.read(1))
     except (OSError, ValueError) as error:  # a name too long, or with a NUL
-        raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        raise UnreadableLog(f"cannot be read: {reason_of(error)}") from error
     if b"\0" in first:
         raise UnreadableLog("it is no text in UTF-8, perhaps UTF-16; save it as CSV in UTF-8")
     if b"\r" in first.rstrip(b"\r\n"):

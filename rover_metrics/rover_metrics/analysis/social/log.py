@@ -16,7 +16,7 @@ import numpy as np
 
 from rover_metrics.analysis.logs.header import UnreadableLog, first_line, shown
 from rover_metrics.analysis.logs.log import Floats, Integers
-from rover_metrics.errors import counted
+from rover_metrics.errors import counted, reason_of
 
 TIME, NEAREST = "time_s", "dmin"
 GOALS = ("goals_count", "goals")
@@ -58,7 +58,7 @@ def read_social_log(path: Path) -> SocialLog:
             file.readline()
             rows = list(_rows(csv.reader(file, strict=False), len(names), findings))
     except (OSError, csv.Error) as error:
-        raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        raise UnreadableLog(f"cannot be read: {reason_of(error)}") from error
     if not rows:
         raise UnreadableLog("there is a header but no whole row")
     table = np.array(rows)
