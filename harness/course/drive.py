@@ -2,7 +2,7 @@
 
 import hashlib
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -14,13 +14,11 @@ from harness.course.receipt import Receipt
 from harness.course.result import FIELDS, EpisodeResult
 from harness.course.task import Case
 from harness.course.tracks import Track, find_track
-from harness.workers import Workers, work_off
+from harness.workers import Show, Workers, work_off
 
 MEND = "run the same command again, with fewer --jobs"
 SEED_BYTES = 6
 SHARE = 10  # one episode in ten is driven again
-
-Show = Callable[[int, int], None]
 
 
 def cases_of(

@@ -81,9 +81,7 @@ class StagedEncounter(ABC):
         self._script = self._visits()
 
     @classmethod
-    def hazards(
-        cls, obstacles: Sequence[Obstacle], half_size: Point, middle: Point = (0.0, 0.0)
-    ) -> list[Obstacle]:
+    def hazards(cls, obstacles: Sequence[Obstacle], half_size: Point, middle: Point) -> list[Obstacle]:
         """Returns those that it visits.
 
         Args:

@@ -163,7 +163,7 @@ def injector(run: Run, number: int = 0) -> FaultInjector:
     return FaultInjector(find_faults(rover.faults, rows), run.own_seed(number), rows, run.seed)
 
 
-def actuator_faults(run: Run, number: int = 0) -> ActuatorFaults:
+def actuator_faults(run: Run, number: int) -> ActuatorFaults:
     """Returns what goes wrong between the commands and the wheels of a rover."""
     rover = run.rovers[number]
     return ActuatorFaults(find_faults(rover.faults, sensor_rows(rover)), run.own_seed(number))

@@ -46,7 +46,7 @@ def installed(
 
 
 def sensor_noise(
-    preset: str | None, seed: int, lidar: LidarSpec, shakes: tuple[Shake, ...] = ()
+    preset: str | None, seed: int, lidar: LidarSpec, shakes: tuple[Shake, ...]
 ) -> SensorNoise | None:
     """Returns the noise of an episode, from its own generators; None without.
 

@@ -42,9 +42,7 @@ def _can_have(sensor: str, kind: Kind[Any], rows: Iterable[SensorRow] | None) ->
     return not kind.own or sensor in kind.own
 
 
-def find_faults(
-    specs: Iterable[FaultSpec], rows: Iterable[SensorRow] | None = None
-) -> tuple[Fault[Any], ...]:
+def find_faults(specs: Iterable[FaultSpec], rows: Iterable[SensorRow] | None) -> tuple[Fault[Any], ...]:
     """Returns the faults that are asked for of some sensors, or of all there are.
 
     Raises:

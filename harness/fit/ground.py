@@ -4,7 +4,7 @@ Closed forms tell the effective track and where the search begins. The search dr
 as the recorded one was driven, and compares yaw rate, speed and currents.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 
@@ -17,7 +17,7 @@ from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
 from harness.validate.grounds import flat
 from harness.validate.replay import replay
-from harness.workers import Workers, work_off
+from harness.workers import Show, Workers, work_off
 
 TOLERANCES = {"yaw_rate": 0.03, "ahead": 0.04}
 CURRENTS = "left_current", "right_current"
@@ -35,9 +35,6 @@ PLANE = 20.0, 0.1, 0.5
 SETTLING, MEASURED = 0.7, 1.3  # [s] of ours, whose commands act at once
 LIGHT = 0.02  # [m], or of a load: less does not matter
 NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
-
-
-Show = Callable[[int, int], None]  # called with how many are done, and of how many
 
 
 @dataclass(frozen=True, eq=False)

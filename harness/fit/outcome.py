@@ -1,6 +1,6 @@
 """What a fit came to: its estimates, and how far ours was from the recording and is."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from harness.fit.steady import Steady, kinds, steady
 from harness.recordings.recording import Recording, at, in_order
 from harness.robots import RoverSpec
 from harness.validate.real.commanded import step_ends
-from harness.workers import Workers
+from harness.workers import Show, Workers
 
 HELD_BACK = 1 / 3  # of the steps, the last ones
 STEP = 6.0  # [s] of what is judged as a step where the recording names none
@@ -48,9 +48,7 @@ class Outcome:
     held: tuple[np.ndarray, np.ndarray]
 
 
-def fit(
-    rover: RoverSpec, whole: Recording, workers: Workers, show: Callable[[int, int], None]
-) -> Outcome:
+def fit(rover: RoverSpec, whole: Recording, workers: Workers, show: Show) -> Outcome:
     """Fits a rover to a recording.
 
     Args:

@@ -95,7 +95,7 @@ def height_part(*, image: bool = False) -> Part:
     return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT), shape)
 
 
-def depth_part(camera: DepthOptions, *, image: bool = False) -> Part:
+def depth_part(camera: DepthOptions, *, image: bool) -> Part:
     """Returns the image of a depth camera as a part of an observation, flat or (height, width, 1)."""
     about = (
         f"depth image [m] of {camera.width} x {camera.height} pixels, row by row from the top left, "

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.robots.model import ROOT_ID
 from harness.robots.sections import Actuators
 from harness.robots.spec import RoverSpec
 
@@ -101,9 +100,7 @@ def _add_play(joint: mujoco.MjsJoint, backlash: float) -> None:
     )
 
 
-def resist_rolling(
-    model: mujoco.MjModel, rover: RoverSpec, prefix: str = "", root: int = ROOT_ID
-) -> None:
+def resist_rolling(model: mujoco.MjModel, rover: RoverSpec, prefix: str, root: int) -> None:
     """Adds what tyres and gears lose to the friction of a compiled rover's wheels.
 
     Where it falls with speed, that part of it is a damping that is negative.

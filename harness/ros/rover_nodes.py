@@ -113,7 +113,7 @@ class RoverNodes:
         self.run = run
         self._painter.use(partial(scenery, run), run.own_seed(self.number))
 
-    def navigate(self, orders: RoverOrders, *, truth_map: bool = False) -> None:
+    def navigate(self, orders: RoverOrders, *, truth_map: bool) -> None:
         """Serves what a navigation stack asks for, and hands its orders on."""
         of = self.bridge, self.run, self.number, orders
         self.navigation = Navigation(*of, truth_map=truth_map)

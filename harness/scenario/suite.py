@@ -1,6 +1,6 @@
 """Runs of scenarios to attempts, on one process or many; a suite that was stopped goes on."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,7 @@ from harness.scenario.attempt import DEFAULTS, SCRATCH, AttemptOptions, attempt
 from harness.scenario.case import Case
 from harness.scenario.progress import Progress
 from harness.scenario.verdict import Attempt
-from harness.workers import Workers, work_off
+from harness.workers import Show, Workers, work_off
 
 KEPT = "the same command with --resume goes on with the rest"
 
@@ -20,7 +20,7 @@ def run_all(
     cases: Sequence[Case],
     workers: Workers,
     folder: Path,
-    show: Callable[[int, int], None],
+    show: Show,
     options: AttemptOptions = DEFAULTS,
     *,
     resume: bool = False,

@@ -12,7 +12,7 @@ BASELINE = 0.78  # of the font's size, below the top of the text
 Pixels = NDArray[np.uint8]
 
 
-def captioned(pixels: Pixels, time: float, speed: float, rate: int = 1) -> Pixels:
+def captioned(pixels: Pixels, time: float, speed: float, rate: int) -> Pixels:
     """Returns a frame with its caption.
 
     Args:

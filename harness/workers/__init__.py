@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 from harness.base.errors import UsageError
 from harness.workers.local import LocalWorkers
-from harness.workers.pool import WorkerLost, Workers, work_off
+from harness.workers.pool import Show, WorkerLost, Workers, work_off
 from rover_metrics.plugins import Shipped
 
-__all__ = ["WorkerLost", "Workers", "add_options", "work_off", "workers_of"]
+__all__ = ["Show", "WorkerLost", "Workers", "add_options", "work_off", "workers_of"]
 
 LOCAL = "local"
 CLUSTERS = Shipped[Callable[[str], Workers]](

@@ -11,6 +11,7 @@ from harness.base.errors import RunFailed
 Key = TypeVar("Key")
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
+Show = Callable[[int, int], None]  # called with how many are done, and of how many
 
 TRIES = 3  # in a row in which workers die before a single outcome has come
 NAMED = 3  # items that a message names

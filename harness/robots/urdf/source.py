@@ -38,7 +38,7 @@ class Source:
     notes: list[str] = field(default_factory=list)  # what was dropped or mended, a line each
 
 
-def read_urdf(path: Path, folders: Sequence[Path] = (), *, trust_xacro: bool = False) -> Source:
+def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Source:
     """Returns a URDF as a model.
 
     Args:

@@ -52,7 +52,7 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
 
 
 def obstacle_arrays(
-    model: mujoco.MjModel, group: int, others: Sequence[int] = ()
+    model: mujoco.MjModel, group: int, others: Sequence[int]
 ) -> tuple[Integers, Doubles]:
     """Returns geoms that are no meshes, with kinds, and their sizes as cast_bundle takes them.
 

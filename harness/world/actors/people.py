@@ -101,7 +101,7 @@ class Pedestrian:
         return f"{self.name}_actor"
 
 
-def pedestrians(specs: Sequence[ActorSpec], folders: Sequence[str] = ()) -> tuple[Pedestrian, ...]:
+def pedestrians(specs: Sequence[ActorSpec], folders: Sequence[str]) -> tuple[Pedestrian, ...]:
     """Returns the people that are asked for; UsageError if a file is not valid or a name is there twice.
 
     What files include is looked for in the folders first.

@@ -97,7 +97,7 @@ def _cross(one: Field, other: Field) -> Field:
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
-def floors(crossed: Crossings, grid: Grid, plane: float | None = None) -> Field:
+def floors(crossed: Crossings, grid: Grid, plane: float | None) -> Field:
     """Returns the height on which one stands at each vertex [m], NaN without, shape (rows, columns).
 
     Args:

@@ -43,7 +43,7 @@ _CONTACT = "/rover/truth/contact"
 _TRAVERSAL = "/rover/truth/traversal"
 
 
-def truth_columns(wheels: Sequence[str], *, soil: bool = False) -> tuple[Column, ...]:
+def truth_columns(wheels: Sequence[str], *, soil: bool) -> tuple[Column, ...]:
     """Returns the columns of a rover with these wheels, e.g. front_left, on soil or on rigid ground."""
     return (
         Column(
