@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.episode.assembly import check, route_progress
+from harness.episode.assembly import check, fleet, graded_world, route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
+from harness.robots import ROVERS
+from harness.robots.model import tip_limit
 from harness.samples import GoalPose
+from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
+from harness.world.grading import Limits, graded
 from harness.world.route import Mark, RouteProgress, crossed
 
 
@@ -149,3 +153,20 @@ def test_a_wrong_route_is_told_in_one_line(given: dict[str, object], words: str)
         check(Run.of(**{"driver": "goal"} | given))
     assert words in str(told.value)
     assert "\n" not in str(told.value)
+
+
+def test_a_route_of_any_order_goes_to_the_nearest_and_ends_with_its_limit() -> None:
+    progress = route_progress(Run.of(terrain="flat", driver="goal", route="5,0/2,0:order=any,limit=3"))
+    progress.observe(0.0, (0.0, 0.0))
+    assert progress.current == 1
+    progress.observe(3.1, (2.0, 0.0))
+    assert progress.reached == []
+    assert progress.current is None
+
+
+def test_a_world_is_graded_by_what_that_rover_of_the_run_can() -> None:
+    run, husky = Run.of(terrain="gravel"), ROVERS["husky"]
+    run = fleet(run, parse_rovers(["leo:a", "husky:b"], run.rover))
+    limits = Limits(husky.slope_limit, husky.step_limit, tip_limit(husky), husky.length)
+    expected = graded(world_of(run), limits).layers["danger"]
+    assert np.array_equal(graded_world(run, 1).layers["danger"], expected, equal_nan=True)
