@@ -16,7 +16,7 @@ import harness.gym  # noqa: F401 - registers
 from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.policy import BESIDE_LIDAR, Policy
 from rover_metrics.analysis.statistics.summary import wilson
-from rover_metrics.sheet.sheet import Sheet
+from rover_metrics.sheet.sheet import NONE, Sheet
 
 TITLES = ("policy", "terrain", "reached", "95 % interval", "else", "time, median")
 HOW = (
@@ -80,8 +80,8 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
         terrain,
         f"{good} of {count}",
         f"{low:.0%} to {high:.0%}",
-        failures or "-",
-        f"{median(times):.1f} s" if times else "-",
+        failures or NONE,
+        f"{median(times):.1f} s" if times else NONE,
     )
 
 

@@ -43,12 +43,14 @@ def _evaluate(options: argparse.Namespace) -> int:
         from harness.drivers.policy import read_policy
         from harness.gym.evaluation import table
         from harness.robots import find_rover
+        from harness.world.files import is_terrain_file
         from harness.world.terrains import TERRAINS
         from rover_metrics.sheet.console import PlainConsole
         from rover_metrics.sheet.render import terminal
     policy, console = read_policy(options.file), PlainConsole()
     for terrain in options.terrain:
-        find_named("terrain", terrain, TERRAINS)
+        if not is_terrain_file(terrain):
+            find_named("terrain", terrain, TERRAINS)
     find_rover(options.robot)
     files = files_of(options)
     with counted(console, f"driving {options.file.name}") as show:
@@ -84,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     about = "on each terrain (default: %(default)s)"
     evaluate.add_argument("--worlds", type=int, default=WORLDS, metavar="N", help=about)
     about = f"where (default: {' '.join(EVALUATED_ON)})"
-    evaluate.add_argument("--terrain", nargs="+", default=EVALUATED_ON, metavar="NAME", help=about)
+    evaluate.add_argument("--terrain", nargs="+", default=EVALUATED_ON, metavar="NAME|FILE", help=about)
     about = "a rover that ships, or a folder (default: %(default)s)"
     evaluate.add_argument("--robot", default="leo", metavar="NAME|FOLDER", help=about)
     add_files(evaluate)

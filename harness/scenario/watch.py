@@ -32,8 +32,9 @@ from harness.scenario.series import Series, TruthSeries
 from harness.scenario.verdict import Attempt, Measured
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.columns import COLUMNS
+from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
 from rover_metrics.extended.settings import Settings
+from rover_metrics.sheet.sheet import spelled
 
 PAGE = "run.html"
 _SIDES = {"L": "left", "R": "right"}
@@ -176,7 +177,11 @@ def _logged(result: RunResult) -> dict[str, Series]:
     """The columns of the log, by the names of their quantities."""
     log = read_log(result.log_path)
     times = np.array(log.time_s)
-    return {f"{LOG}{name}": Series(times, np.array(values)) for name, values in log.columns.items()}
+    units = {column.name: spelled(column.unit) for column in ROBOTERRAIN_COLUMNS}
+    return {
+        f"{LOG}{name}": Series(times, np.array(values), units.get(name, ""))
+        for name, values in log.columns.items()
+    }
 
 
 def _of_the_run(result: RunResult) -> dict[str, Series]:

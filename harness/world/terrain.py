@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.errors import UsageError
 from harness.world.heightfield import Field, Heightfield, smoothstep
 from harness.world.obstacles import Obstacle
 from harness.world.statistics import Promise
@@ -74,7 +75,10 @@ class Terrain(ABC):
         half_size, vertices = 0.5 * self.size, round(self.size / self.cell) + 1
         axis = np.linspace(-half_size, half_size, vertices)
         x, y = np.meshgrid(axis, axis)
-        heights = self._heights(x, y, rng)
+        heights = np.asarray(self._heights(x, y, rng))
+        if heights.shape != x.shape or not np.isfinite(heights).all():
+            text = f"terrain {self.name}: its _heights give no {vertices} x {vertices} finite numbers"
+            raise UsageError(text)
         if self.has_level_spawn:
             distance = np.hypot(x, y)
             level = heights[distance <= SPAWN_RADIUS].mean()

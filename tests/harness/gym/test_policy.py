@@ -47,6 +47,7 @@ def test_an_evaluation_of_unseen_worlds_is_a_table_and_a_page(
         (["evaluate", "none.npz"], "none.npz"),
         (["evaluate", str(POLICY), "--worlds", "0"], "--worlds 0"),
         (["evaluate", str(POLICY), "--terrain", "moon"], "moon"),
+        (["evaluate", str(POLICY), "--terrain", "moon.sdf"], "No such file"),
         (["evaluate", str(POLICY), "--robot", "moon"], "moon"),
     ],
 )

@@ -57,9 +57,10 @@ def test_a_run_that_is_as_expected_leaves_nothing(make_cases: MakeCases, tmp_pat
     done = one(make_cases, tmp_path / "out", expect, "goal: {at: [1, 0], radius: 0.6}")
     assert done.passed, done
     assert (done.simulated_s, done.model_hash, done.terrain_hash) == (2.0, "model", "terrain")
-    length, _, *tilts, share, lost = done.measured[:5] + done.measured[-2:]
+    length, _, *tilts, speed, share, lost = done.measured[:6] + done.measured[-2:]
     values = [(round(one.value or 0, 6), one.unit) for one in (length, *tilts, share, lost)]
     assert values == [(1.0, "m"), *[(30.0, "deg")] * 2, (0.0, "deg"), (1.0, ""), (0.0, "")]
+    assert speed.unit == "m/s"
     assert done.recorded is None
     assert not (tmp_path / "out").exists()
 

@@ -3,6 +3,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.world.heightfield import Field
 from harness.world.terrain import Terrain, constant, parameter
 from harness.world.terrains.ground import Flat
@@ -49,3 +50,10 @@ def test_heights_are_whole_micrometres_without_negative_zero() -> None:
     heights = Noise(height=1e-6).ground(np.random.default_rng(0)).heights
     assert np.array_equal(heights, np.round(heights, 6))
     assert not np.signbit(heights[heights == 0.0]).any()
+
+
+@pytest.mark.parametrize("height", [np.nan, np.ones(3), 1.0])
+def test_heights_that_are_no_map_are_refused(height: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Noise, "_heights", lambda *_: height)
+    with pytest.raises(UsageError, match="121 x 121"):
+        Noise().ground(np.random.default_rng(0))
