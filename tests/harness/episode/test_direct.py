@@ -6,6 +6,7 @@ import signal
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -17,6 +18,7 @@ from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.episode import Episode
 from harness.episode.result import Outputs, RunResult
 from harness.episode.run import run_episode
+from harness.samples import TruthState
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -97,6 +99,9 @@ def test_a_stop_ends_the_run_after_the_batch_in_hand_and_keeps_its_rows(tmp_path
     stop.signal = None
     assert (result.interrupted, result.truth.time_ns) == ("SIGTERM", 1_200_000_000)
     assert timestamps(result) == ["1"]
+    stopper = Mock(take=lambda _: setattr(stop, "signal", signal.SIGINT))
+    unlogged = run_unlogged(result.run, stop, {TruthState}, (stopper,))
+    assert (unlogged.interrupted, unlogged.truth.time_ns) == ("SIGINT", 50_000_000)
 
 
 def test_a_run_that_fails_keeps_its_rows_and_says_why(tmp_path: Path) -> None:
@@ -106,6 +111,12 @@ def test_a_run_that_fails_keeps_its_rows_and_says_why(tmp_path: Path) -> None:
     assert "edge of the map" in result.failure
     assert timestamps(result) == [str(n + 1) for n in range(result.truth.time_ns // 1_000_000_000)]
     assert outcome(tmp_path) == "failed"
+    unlogged = run_unlogged(run, StopRequest(), {TruthState}, ())
+    assert (unlogged.failure, unlogged.info, unlogged.truth) == (
+        result.failure,
+        result.info,
+        result.truth,
+    )
 
 
 def test_a_paced_run_takes_at_least_as_long_as_its_rate_says(tmp_path: Path) -> None:
