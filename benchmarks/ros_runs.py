@@ -41,8 +41,6 @@ def metrics_node(name: str = "metrics_node") -> Iterator[tuple[int, Path]]:
             "use_sim_time:=true",
             "-p",
             f"log_dir:={folder}",
-            "-p",
-            "pose_queue:=10",
         )
         command = [sys.executable, "-m", "rover_metrics.metrics_node", *QUIET, *parameters]
         with subprocess.Popen(command) as process:

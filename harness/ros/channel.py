@@ -26,6 +26,7 @@ class Channel:
         fill: Makes a message of a sample.
         topic: The resolved name, which a publisher forgets at shutdown.
         published: How many messages have been.
+        size: Of the last one [bytes].
         record: Takes each message and returns the bytes to publish for it; None while nobody records.
         is_wanted: Returns whether anybody but listeners wants messages.
         on_demand: Whether messages are made only while somebody listens or records.
@@ -35,6 +36,7 @@ class Channel:
     fill: Fill
     topic: str
     published: int = 0
+    size: int = 0
     record: Callable[[Message], bytes] | None = None
     is_wanted: Callable[[], bool] = bool
     on_demand: bool = False
@@ -49,6 +51,7 @@ class Channel:
         data = message if self.record is None else self.record(message)
         self.publisher.handle.publish_raw(data)  # rclpy's own `publish` looks at the kind each time
         self.published += 1
+        self.size = len(data)
 
 
 def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:

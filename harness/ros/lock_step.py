@@ -6,8 +6,8 @@ only those are asked that listen to one of their topics; after /clock all are, s
 A node that has promised to handle what arrives in its order, timers included, comes to the same however
 late it is. It is waited for only where a queue of its might overflow: before a second message of a topic
 goes out, for a subscription may hold the newest one alone, or before one more than the node says that
-its queues hold. It is asked when they may be half full. So it works while the simulation goes on, and
-few questions and answers wake it and the simulator.
+its queues hold, or than what is on its way takes of a socket. It is asked when that may be half full.
+So it works while the simulation goes on, and few questions and answers wake it and the simulator.
 """
 
 from collections import Counter
@@ -22,6 +22,8 @@ from harness.ros.channel import Channel
 from harness.ros.context import owner_of
 from harness.ros.remote import RemoteNode, wait_for_answers
 
+ROOM = 175_000  # [bytes] that may be on their way: a socket of UDP takes 208 KiB on Linux
+OVERHEAD = 800  # [bytes] that a message takes there beside its own
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)
 
 
@@ -34,12 +36,32 @@ class Backlog:
         answer: Its answer, awaited or come; None before it was asked.
         asked: How many messages of each topic the answer stands for.
         later: How many have gone out after the question.
+        asked_bytes, later_bytes: What those take on their way.
     """
 
     node: RemoteNode
     answer: Future | None = None
     asked: Counter[str] = field(default_factory=Counter)
     later: Counter[str] = field(default_factory=Counter)
+    asked_bytes: int = 0
+    later_bytes: int = 0
+
+    def add(self, channel: Channel) -> None:
+        """Counts a message that has gone out."""
+        self.later[channel.topic] += 1
+        self.later_bytes += channel.size + OVERHEAD
+
+    def is_full(self, topics: Sequence[str]) -> bool:
+        """Returns whether no message of one of these topics may go out."""
+        self._look()
+        is_much = any(self.of(topic) >= self.node.holds for topic in topics)
+        return is_much or self.asked_bytes + self.later_bytes > ROOM
+
+    def is_half_full(self, clock: str) -> bool:
+        """Returns whether it is time for a question, after a message of /clock, by its resolved name."""
+        rooms = {clock: self.node.holds_clocks}
+        is_much = any(3 * n >= 2 * rooms.get(topic, self.node.holds) for topic, n in self.later.items())
+        return is_much or 3 * self.later_bytes > 2 * ROOM
 
     def of(self, topic: str) -> int:
         """Returns how many messages of a topic may wait in the node's queue."""
@@ -51,11 +73,12 @@ class Backlog:
         self._look()
         if self.answer is None:
             self.answer, self.asked, self.later = self.node.ask(), self.later, Counter()
+            self.asked_bytes, self.later_bytes = self.later_bytes, 0
         return self.answer
 
     def _look(self) -> None:
         if self.answer is not None and self.answer.done():
-            self.answer, self.asked = None, Counter()
+            self.answer, self.asked, self.asked_bytes = None, Counter(), 0
 
 
 class RemoteNodes:
@@ -73,15 +96,13 @@ class RemoteNodes:
         self._listening: dict[str, tuple[int, list[RemoteNode]]] = {}
 
     def make_room(self, channels: Sequence[Channel]) -> None:
-        """Returns when no node that keeps order has a message of these channels in its queue.
+        """Returns when each node that keeps order has room for a message of each of these channels.
 
         Raises:
             RunFailed: One of them does not answer.
         """
         topics = [channel.topic for channel in channels]
-        while full := [
-            b for b in self._backlogs.values() if any(b.of(t) >= b.node.holds for t in topics)
-        ]:
+        while full := [b for b in self._backlogs.values() if b.is_full(topics)]:
             answers = {backlog.node: backlog.question() for backlog in full}
             wait_for_answers(answers, self._bridge.executor)
 
@@ -98,7 +119,7 @@ class RemoteNodes:
         for channel in channels:
             for node in self._listeners(channel):
                 if node.keeps_order:
-                    self._backlogs[node.name].later[channel.topic] += 1
+                    self._backlogs[node.name].add(channel)
                 else:
                     asked[node.name] = node
         wait_for_answers({node: node.ask() for node in asked.values()}, self._bridge.executor)
@@ -112,13 +133,12 @@ class RemoteNodes:
         if stamp_ns % NANOSECONDS == 0:  # one may have come when another went: counts do not show it
             self._listening.clear()
         awaited = {node: node.ask() for node in self._others}
-        clock = self._bridge.clock_channel.topic
+        clock = self._bridge.clock_channel
         for backlog in self._backlogs.values():
-            backlog.later[clock] += 1
-            node, room = backlog.node, {clock: backlog.node.holds_clocks}
-            if backlog.of(clock) > node.holds_clocks:
-                awaited[node] = backlog.question()
-            elif any(2 * n >= room.get(t, node.holds) for t, n in backlog.later.items()):
+            backlog.add(clock)
+            if backlog.of(clock.topic) > backlog.node.holds_clocks:
+                awaited[backlog.node] = backlog.question()
+            elif backlog.is_half_full(clock.topic):
                 backlog.question()  # answered while the simulation goes on
         wait_for_answers(awaited, self._bridge.executor)
 

@@ -23,7 +23,7 @@ from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
 from harness.ros.bridge import Bridge
 from harness.ros.context import not_found, spin_until
-from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER
+from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, LISTENS_ANEW
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
@@ -66,14 +66,9 @@ class RemoteNode:
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
         self.keeps_order, self.holds, self.holds_clocks = False, 1, 1
-        if not time_jumps:
-            promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
-            said = "" if promise is None else promise.message
-            if (
-                room := re.fullmatch(KEEPS_ORDER + HOLDS.format(*2 * ["([1-9][0-9]?)"]), said)
-            ) is not None:
-                self.keeps_order, self.holds, self.holds_clocks = True, int(room[1]), int(room[2])
         self._received_before = self._ask_received()
+        if not time_jumps:
+            self._begin_lock_step()
         self.waited_s, self.is_gone = 0.0, False
 
     def ask(self) -> Future:
@@ -104,6 +99,30 @@ class RemoteNode:
                 values = next(f for f in asked if f.done()).result().values
                 return bool(values and values[0].bool_value)
         raise RunFailed(f"{self.name} stopped answering")
+
+    def _begin_lock_step(self) -> None:
+        """Notes what a MetricsNode promises, and waits until it can hear with longer queues."""
+        before = self._readers()
+        promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
+        pattern = KEEPS_ORDER + HOLDS.format(*2 * ["([1-9][0-9]?)"]) + f"({LISTENS_ANEW})?"
+        said = re.fullmatch(pattern, "" if promise is None else promise.message)
+        if said is None:
+            return
+        self.keeps_order, self.holds, self.holds_clocks = True, int(said[1]), int(said[2])
+
+        def is_heard() -> bool:
+            now = self._readers()
+            are_new = all(now[topic] - before[topic] and before[topic] - now[topic] for topic in before)
+            return are_new and self._topics_match()
+
+        if said[3]:
+            spin_until(self._executor, is_heard, DISCOVERY_PATIENCE)
+
+    def _readers(self) -> dict[str, set[bytes]]:
+        """All readers of the topics that a MetricsNode listens to; the graph may not know whose yet."""
+        look = self._bridge.get_subscriptions_info_by_topic
+        topics = self._received_before
+        return {topic: {bytes(reader.endpoint_gid) for reader in look(topic)} for topic in topics}
 
     def _topics_match(self) -> bool:
         """Whether each publisher knows the readers that the graph shows for its topic."""

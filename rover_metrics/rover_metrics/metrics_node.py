@@ -23,7 +23,7 @@ try:
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
-    from rover_metrics.ros.subscriptions import QUEUE, subscribe, take_all
+    from rover_metrics.ros.subscriptions import Listening, take_all
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 LOG_PERIOD = 1.0  # seconds of ROS time
 KEEPS_ORDER = "handles everything, its rows included, in the order of its arrival"
 HOLDS = "; {} messages of each topic and {} of /clock may wait"
+LISTENS_ANEW = ", for it listens anew"
+AHEAD = 100  # messages of a topic that may wait while a simulator runs ahead
 SPARE = 2  # places of a queue that it does not speak of
 
 
@@ -130,12 +132,12 @@ class MetricsNode(GuardedNode):
 
     def setup_subscribers(self) -> None:
         """Subscribes to the topics, relative to the node's namespace."""
-        self.topics = {
-            each: subscribe(
-                self, each, partial(self.take, each), self.reception, pose_queue=self.settings.pose_queue
-            )
+        queue = self.settings.pose_queue
+        self._listening = {
+            each: Listening(self, each, partial(self.take, each), self.reception, pose_queue=queue)
             for each in sources_of(self.session)
         }
+        self.topics = {source: each.topic for source, each in self._listening.items()}
 
     def take(self, source: Source, message: Message) -> None:
         """Takes a message of a topic: counts it, hands it on, remarks what is odd about it."""
@@ -182,6 +184,11 @@ class MetricsNode(GuardedNode):
         self.last_row = self.session.row(now_ns, self._reported_lost())
         self.log.write(self.last_row)
 
+    def begin_spin(self) -> None:
+        """Is called before an executor gets the node: unless a simulator waits, only the newest wait."""
+        if not self.in_lock_step:
+            self._hold(0)
+
     def fail(self, reason: str) -> None:
         """Takes note that the session has failed."""
         self.record.failure = reason
@@ -209,6 +216,10 @@ class MetricsNode(GuardedNode):
             "thresholds": asdict(self.settings.thresholds),
         }
         self.record.end(self.log.path, self.lost_rows, details)
+
+    def _hold(self, messages: int) -> None:
+        for each in self._listening.values():
+            each.hold(messages)
 
     def _reported_lost(self) -> dict[Topic, int]:
         remarks = self.reception.remarks
@@ -273,10 +284,13 @@ class MetricsNode(GuardedNode):
 
     def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
-        self.in_lock_step, response.success = request.data or self.is_hosted, True
-        free = max(min(self.settings.pose_queue, QUEUE) - SPARE, 1)
-        promise = KEEPS_ORDER + HOLDS.format(free, CLOCKS - SPARE)
-        response.message = promise if request.data and HAS_EVENTS_EXECUTOR else ""
+        was_in_lock_step, response.success = self.in_lock_step, True
+        self.in_lock_step = request.data or self.is_hosted
+        if request.data and HAS_EVENTS_EXECUTOR and not self.is_hosted:
+            response.message = KEEPS_ORDER + HOLDS.format(AHEAD - SPARE, CLOCKS - SPARE)
+            if not was_in_lock_step:
+                self._hold(AHEAD)
+                response.message += LISTENS_ANEW
         return response
 
 

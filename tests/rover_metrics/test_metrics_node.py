@@ -31,10 +31,9 @@ from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.health.rejections import BELOW_LIMIT
 from rover_metrics.health.watches import STANDS_STILL
-from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, SPARE, MetricsNode
+from rover_metrics.metrics_node import AHEAD, HOLDS, KEEPS_ORDER, LISTENS_ANEW, SPARE, MetricsNode
 from rover_metrics.ros.guarded_node import CLOCKS
 from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
-from rover_metrics.ros.subscriptions import QUEUE
 from rover_metrics.topics import SENSORS, TRUTH
 from tests.rover_metrics.conftest import Rig
 
@@ -88,20 +87,33 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) 
     assert node.rows >= 1
 
 
-@pytest.mark.parametrize(("queue", "free"), [(1, 1), (10, QUEUE - SPARE), (100, QUEUE - SPARE)])
-def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig, queue: int, free: int) -> None:
+@pytest.mark.parametrize("queue", [1, 10])
+def test_while_a_simulator_waits_for_this_node_its_queues_are_longer_and_it_says_so(
+    rig: Rig, queue: int
+) -> None:
     node = rig.start(use_sim_time=True, pose_queue=queue)
-    assert not node.in_lock_step
     client = rig.simulator.create_client(SetBool, "/metrics_node/lock_step")
     rig.spin_until(client.service_is_ready)
-    for waits in (True, False):
+    promise = KEEPS_ORDER + HOLDS.format(AHEAD - SPARE, CLOCKS - SPARE)
+
+    def answer(waits: bool) -> tuple[str, set[int]]:
         future = client.call_async(SetBool.Request(data=waits))
         rig.spin_until(future.done)
         assert (future.result().success, node.in_lock_step) == (True, waits)
-        promise = KEEPS_ORDER + HOLDS.format(free, CLOCKS - SPARE)
-        assert future.result().message == (promise if waits and HAS_EVENTS_EXECUTOR else "")
-    depths = [each.qos_profile.depth for each in node.subscriptions if each.topic_name in node.received]
-    assert min(depths) == min(queue, QUEUE)
+        node.begin_spin()
+        depths = {s.qos_profile.depth for s in node.subscriptions if s.topic_name in node.received}
+        return future.result().message, depths
+
+    own = {queue, 10}
+    told, depths = answer(waits=True)
+    if HAS_EVENTS_EXECUTOR:
+        assert (told, depths) == (promise + LISTENS_ANEW, {AHEAD})
+        assert answer(waits=True) == (promise, {AHEAD}), "as it listens already"
+    else:
+        assert (told, depths) == ("", own)
+    assert answer(waits=False) == ("", own)
+    rig.publisher(LaserScan, "scan").publish(rig.scan(1.0, stamp=1.0))
+    rig.spin_until(lambda: node.received["/scan"] == 1)
 
 
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason="no simulator waits for a node without it")

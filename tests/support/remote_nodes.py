@@ -28,21 +28,23 @@ class Rig:
         self.matched = 0
         self.now = 0.0
         self.readers: list[tuple[str, str]] = []  # of /scan: namespace and name
+        self.listens_anew, self.epoch = False, 0  # of the readers: others with each
         self._waiting: list[tuple[Any, object]] = []
         scan = SimpleNamespace(get_subscription_count=lambda: self.matched)
-        self.scan: Any = SimpleNamespace(topic="/scan", publisher=scan)
+        self.scan: Any = SimpleNamespace(topic="/scan", publisher=scan, size=0)
         self.bridge: Any = SimpleNamespace(
             get_namespace=lambda: "/rover1/",
             create_client=self._client,
             executor=SimpleNamespace(),
-            clock_channel=SimpleNamespace(topic="/clock"),
+            clock_channel=SimpleNamespace(topic="/clock", size=0),
             channels=[self.scan],
             count_subscribers={"/scan": 2}.get,
             published=lambda: {"/scan": 9, "/imu/data": 9},
             get_fully_qualified_name=lambda: "/rover1/harness",
             get_fully_qualified_node_names=lambda: ["/rover1/harness", "/rviz", "/rover1/nav"],
             get_subscriptions_info_by_topic=lambda _: [
-                SimpleNamespace(node_namespace=space, node_name=name) for space, name in self.readers
+                SimpleNamespace(node_namespace=space, node_name=name, endpoint_gid=[self.epoch])
+                for space, name in self.readers
             ],
         )
         monkeypatch.setattr(remote, "spin_until", self._spin_until)
@@ -67,6 +69,7 @@ class Rig:
         def call_async(request: Any) -> Any:  # noqa: ANN401
             data = getattr(request, "data", None)
             self.asked.append(name if data is None else f"{name} {data}")
+            self.epoch += self.listens_anew and name.endswith("lock_step")
             future: Any = Future()
             answer = SimpleNamespace(
                 values=[SimpleNamespace(bool_value=self.sim_time)],

@@ -23,7 +23,7 @@ from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import Message, is_time
 
-CLOCKS = 50  # messages of /clock that may wait: half a second of them at 100 Hz
+CLOCKS = 100  # messages of /clock that may wait: a second of them at 100 Hz
 
 # What the content of a message can bring about; what a signal or a shutdown raises must go through.
 FAILURES = (

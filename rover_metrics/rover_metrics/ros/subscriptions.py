@@ -1,6 +1,7 @@
 """Subscriptions whose middleware events are reported; QoS with every policy named."""
 
 from collections.abc import Callable
+from functools import partial
 from pkgutil import resolve_name
 from typing import Any
 
@@ -51,48 +52,64 @@ def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False)
     )
 
 
-def subscribe(
-    node: Node,
-    source: Source,
-    callback: Callable[[Message], None],
-    reception: Reception,
-    *,
-    pose_queue: int = 1,
-) -> str:
-    """Subscribes, opens the topic's account and returns the topic's resolved name.
+class Listening:
+    """A topic that a node listens to; its account in the reception is opened.
 
     Args:
-        node: Who subscribes.
+        node: Who listens.
         source: The topic. Its name is relative to the node's namespace; its reliability is what the
             standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Counts messages that were lost and publishers that are not heard.
         pose_queue: How many messages of a topic that is best effort, as poses are, may wait.
+
+    Attributes:
+        topic: The resolved name.
     """
-    name = source.name.lstrip("/")
-    topic: str = node.resolve_topic_name(name)
-    wished = BEST_EFFORT if source.best_effort else RELIABLE
-    parameter, reliability = declare_reliability(node, topic, wished)
-    qos = keep_last(pose_queue if source.best_effort else QUEUE, reliability)
-    reception.listen(topic, may_be_missing=source.is_truth)
-    message_type = _MESSAGES[source.message_type]
-    is_raw = source.message_type in READERS
 
-    def hear(data: bytes) -> None:
-        callback(decoded(source.message_type, message_type, data))
+    def __init__(
+        self,
+        node: Node,
+        source: Source,
+        callback: Callable[[Message], None],
+        reception: Reception,
+        *,
+        pose_queue: int = 1,
+    ) -> None:
+        self._node, self._name = node, source.name.lstrip("/")
+        self.topic: str = node.resolve_topic_name(self._name)
+        wished = BEST_EFFORT if source.best_effort else RELIABLE
+        parameter, reliability = declare_reliability(node, self.topic, wished)
+        reception.listen(self.topic, may_be_missing=source.is_truth)
+        self._qos = keep_last(pose_queue if source.best_effort else QUEUE, reliability)
+        self._type = kind = _MESSAGES[source.message_type]
 
-    handler = hear if is_raw else callback
-    events = SubscriptionEventCallbacks(
-        incompatible_qos=lambda event: reception.remark(
-            topic, NOT_HEARD, detail=_mend(event, reliability, parameter)
-        ),
-        message_lost=lambda event: reception.remark(topic, LOST, event.total_count_change),
-    )
-    try:
-        node.create_subscription(message_type, name, handler, qos, raw=is_raw, event_callbacks=events)
-    except UnsupportedEventTypeError:  # a middleware that does not report losses
-        node.create_subscription(message_type, name, handler, qos, raw=is_raw)
-    return topic
+        def hear(data: bytes) -> None:
+            callback(decoded(source.message_type, kind, data))
+
+        self._is_raw = source.message_type in READERS
+        self._handler = hear if self._is_raw else callback
+        self._events = SubscriptionEventCallbacks(
+            incompatible_qos=lambda event: reception.remark(
+                self.topic, NOT_HEARD, detail=_mend(event, reliability, parameter)
+            ),
+            message_lost=lambda event: reception.remark(self.topic, LOST, event.total_count_change),
+        )
+        self._subscription = self._subscribe(self._qos)
+
+    def hold(self, messages: int) -> None:
+        """Listens anew, with a queue of so many messages; 0 for as many as at first."""
+        qos = keep_last(messages or self._qos.depth, self._qos.reliability.name)
+        if self._subscription.qos_profile.depth != qos.depth:
+            former, self._subscription = self._subscription, self._subscribe(qos)
+            self._node.destroy_subscription(former)
+
+    def _subscribe(self, qos: QoSProfile) -> Subscription:
+        subscribe = partial(self._node.create_subscription, self._type, self._name, self._handler, qos)
+        try:
+            return subscribe(raw=self._is_raw, event_callbacks=self._events)
+        except UnsupportedEventTypeError:  # a middleware that does not report losses
+            return subscribe(raw=self._is_raw)
 
 
 def take_all(subscription: Subscription) -> None:

@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.ros.lock_step import RemoteNodes
-from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER
+from harness.ros.lock_step import ROOM, RemoteNodes
+from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, LISTENS_ANEW
 from tests.support.remote_nodes import Rig
 
 
@@ -114,7 +114,7 @@ def test_no_more_times_wait_for_a_node_than_its_queue_holds(rig: Rig) -> None:
     began = rig.now
     for tick in range(8):
         nodes.wait_for_clock(tick)
-        assert rig.asked_now() == ["/a"] * (tick == 3)
+        assert rig.asked_now() == ["/a"] * (tick == 5)
     assert rig.now == began
     nodes.wait_for_clock(8)
     assert (rig.asked_now(), rig.now > began) == ([], True)
@@ -136,3 +136,29 @@ def test_as_many_messages_wait_as_a_node_says_that_its_queues_hold(
         nodes.make_room([rig.scan])
         assert (rig.now > began) == (number > holds and (number - 1) % holds == 0)
         nodes.wait_for_samples([rig.scan])
+
+
+def test_no_more_is_on_its_way_to_a_node_than_a_socket_takes(rig: Rig) -> None:
+    rig.promise, rig.scan.size = KEEPS_ORDER + HOLDS.format(98, 98), ROOM // 4
+    nodes = RemoteNodes([rig.node("/a")], rig.bridge)
+    rig.asked.clear()
+    asked, waited = [], []
+    for _ in range(5):
+        rig.readers, rig.matched, began = [("/", "a")], 1, rig.now
+        nodes.make_room([rig.scan])
+        waited.append(rig.now > began)
+        nodes.wait_for_samples([rig.scan])
+        nodes.wait_for_clock(TICK_NS)
+        asked.append(rig.asked_now())
+    assert asked == [[], [], ["/a"], [], []]
+    assert waited == [False, False, False, False, True]
+
+
+@pytest.mark.parametrize("listens_anew", [True, False])
+def test_a_node_that_listens_anew_is_waited_for_until_it_can_hear(rig: Rig, listens_anew: bool) -> None:
+    rig.readers, rig.matched = [("/rover1", "metrics_node")], 2
+    rig.promise = KEEPS_ORDER + HOLDS.format(98, 98) + LISTENS_ANEW
+    rig.listens_anew = listens_anew
+    subject = rig.node()
+    assert (subject.keeps_order, subject.holds) == (True, 98)
+    assert rig.came_true[-1] == listens_anew

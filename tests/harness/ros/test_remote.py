@@ -25,7 +25,7 @@ def test_a_name_is_below_the_bridges_namespace_unless_it_is_absolute(
     rig: Rig, name: str, full: str
 ) -> None:
     assert rig.node(name).name == full
-    assert rig.asked == [f"{full}/get_parameters", f"{full}/lock_step True", f"{full}/received"]
+    assert rig.asked == [f"{full}/get_parameters", f"{full}/received", f"{full}/lock_step True"]
 
 
 def test_a_node_counts_as_there_when_its_subscriptions_have_matched(rig: Rig) -> None:

@@ -11,6 +11,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros
 import rclpy
 import rclpy.executors
 from rclpy.context import Context
+from rclpy.task import Future
 
 from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.ros import program
@@ -61,6 +62,13 @@ class Stage:
         self.ros_is_up = self.ros_is_up and bool(self.lock_steps)
         self.in_lock_step = self.lock_steps.pop(0) if self.lock_steps else False
 
+    def spin_until_future_complete(self, future: Future, timeout_sec: float) -> None:
+        assert not future.done()
+        self.spin_once(timeout_sec)
+
+    def begin_spin(self) -> None:
+        self.happen("begin spin")
+
     def __enter__(self) -> "Stage":
         return self
 
@@ -79,7 +87,7 @@ class Stage:
 
 GIVING_WAY = "spin giving way" if hasattr(os, "SCHED_BATCH") else "spin"
 UP = [("init", ["--ros-args"])]
-SPUN = ["make node", "standard executor", "add node", "spin"]
+SPUN = ["make node", "standard executor", "begin spin", "add node", "spin"]
 DOWN = ["destroy node", "shutdown executor", "shutdown ROS"]
 
 
@@ -87,8 +95,8 @@ def test_while_a_simulator_waits_the_faster_executor_spins_the_node(monkeypatch:
     stage = Stage(monkeypatch)
     stage.lock_steps = [False, True, True, False]
     assert stage.run() == 0
-    fast = ["shutdown executor", "events executor", "add node", *[GIVING_WAY] * 2]
-    standard = ["shutdown executor", "standard executor", "add node", "spin"]
+    fast = ["shutdown executor", "events executor", "begin spin", "add node", *[GIVING_WAY] * 2]
+    standard = ["shutdown executor", "standard executor", "begin spin", "add node", "spin"]
     assert stage.events == [*UP, *SPUN, "spin", *fast, *standard, *DOWN]
 
 

@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from sensor_msgs.msg import LaserScan
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
-from rover_metrics.ros import subscriptions
+from rover_metrics.ros.subscriptions import Listening
 from rover_metrics.topics import SENSORS, TRUTH
 from tests.rover_metrics.conftest import Rig
 
@@ -68,12 +68,12 @@ class Subscriber:
 
 def test_lost_messages_are_counted_where_the_middleware_tells_of_them() -> None:
     node, reception = Subscriber(tells_lost=True), Reception(print)
-    subscriptions.subscribe(node, SENSORS[0], print, reception)
+    Listening(node, SENSORS[0], print, reception)
     for total, new in ((3, 3), (5, 2)):
         node.events[0].message_lost(SimpleNamespace(total_count=total, total_count_change=new))
     assert reception.remarks["/scan"][LOST] == 5
     node = Subscriber(tells_lost=False)  # is listened to all the same
-    assert subscriptions.subscribe(node, SENSORS[0], print, Reception(print)) == "/scan"
+    assert Listening(node, SENSORS[0], print, Reception(print)).topic == "/scan"
     assert node.events == [None]
 
 
