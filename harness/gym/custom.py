@@ -32,6 +32,7 @@ class StepTruth:
         progress: By how much nearer it has come in this step [m].
         hazard_s: Contact with hazards in this step [s].
         scrape_s: Contact of anything but wheels with the ground in this step [s].
+        energy: Taken by the motors in this step [W h]; 0 of ideal servos.
         ending: Why the episode ends by the environment's own rules; "" if it does not.
     """
 
@@ -45,6 +46,7 @@ class StepTruth:
     progress: float
     hazard_s: float
     scrape_s: float
+    energy: float
     ending: str
 
 
@@ -105,6 +107,7 @@ def truth_of(
         progress=before - distance,
         hazard_s=driven.hazard_s,
         scrape_s=driven.scrape_s,
+        energy=driven.energy,
         ending=ending,
     )
 

@@ -43,6 +43,22 @@ def test_what_a_user_rewards_ends_and_sees_is_of_the_truth() -> None:
     assert rewards == pytest.approx(first - math.dist(goal, seen["own"][:2]) - steps, abs=1e-4)
 
 
+def test_an_episode_can_end_with_the_energy_of_its_motors() -> None:
+    spent = list[float]()
+
+    def is_empty(truth: StepTruth) -> bool:
+        spent.append(truth.energy)
+        return sum(spent) > 0.002
+
+    env = gymnasium.make(ID, **FLAT, actuators="real", reward={"energy": -1.0}, terminate_fn=is_empty)
+    env.reset(seed=3)
+    ended, terms = False, list[float]()
+    while not ended:
+        _, _, ended, _, info = env.step(np.array([1.0, 0.0], np.float32))
+        terms.append(info["reward_terms"]["energy"])
+    assert (info["ending"], -np.array(terms).sum()) == ("own", pytest.approx(sum(spent)))
+
+
 def test_progress_is_that_to_the_goal_of_the_step_also_where_another_follows() -> None:
     options = {**FLAT, "lidar_beams": 32, "reward_fn": calm}
     env = gymnasium.make("RoverHarness/RoboTerrain-v0", **options)
