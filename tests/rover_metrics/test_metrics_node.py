@@ -87,7 +87,7 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) 
     assert node.rows >= 1
 
 
-@pytest.mark.parametrize("queue", [1, 10])
+@pytest.mark.parametrize("queue", [1, AHEAD])
 def test_while_a_simulator_waits_for_this_node_its_queues_are_longer_and_it_says_so(
     rig: Rig, queue: int
 ) -> None:
@@ -104,10 +104,11 @@ def test_while_a_simulator_waits_for_this_node_its_queues_are_longer_and_it_says
         depths = {s.qos_profile.depth for s in node.subscriptions if s.topic_name in node.received}
         return future.result().message, depths
 
-    own = {queue, 10}
+    own, before = {queue, 10}, {s for s in node.subscriptions if s.topic_name in node.received}
     told, depths = answer(waits=True)
     if HAS_EVENTS_EXECUTOR:
         assert (told, depths) == (promise + LISTENS_ANEW, {AHEAD})
+        assert before.isdisjoint(node.subscriptions), "a simulator waits for the new ones of all topics"
         assert answer(waits=True) == (promise, {AHEAD}), "as it listens already"
     else:
         assert (told, depths) == ("", own)

@@ -98,9 +98,9 @@ class Listening:
         self._subscription = self._subscribe(self._qos)
 
     def hold(self, messages: int) -> None:
-        """Listens anew, with a queue of so many messages; 0 for as many as at first."""
+        """Listens anew, with a queue of so many messages; 0 for the first one, unless it is in use."""
         qos = keep_last(messages or self._qos.depth, self._qos.reliability.name)
-        if self._subscription.qos_profile.depth != qos.depth:
+        if messages or self._subscription.qos_profile.depth != qos.depth:
             former, self._subscription = self._subscription, self._subscribe(qos)
             self._node.destroy_subscription(former)
 
