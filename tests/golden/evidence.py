@@ -25,6 +25,7 @@ from tests.golden.drive import (
     run_options,
 )
 from tests.golden.table import GoldenRun
+from tests.support.pages import without_plotly
 
 
 @dataclass(frozen=True)
@@ -81,12 +82,14 @@ class Evidence:
 
     @cached_property
     def pages(self) -> list[str]:
-        """The page of each rover, with the ways of the others."""
+        """The page of each rover, with the ways of the others, without Plotly's own code."""
         return [
-            render(
-                own.lasting,
-                own.recorder,
-                {each.name: each.recorder.track for each in self.direct if each is not own},
+            without_plotly(
+                render(
+                    own.lasting,
+                    own.recorder,
+                    {each.name: each.recorder.track for each in self.direct if each is not own},
+                )
             )
             for own in self.direct
         ]
