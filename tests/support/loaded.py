@@ -20,4 +20,8 @@ with contextlib.suppress(ImportError):  # without ROS there is less to load
     import_module("harness.ros.session")
     import_module("rover_metrics.metrics_node")
 
+from harness.cli.options import parse_run
+
+parse_run(["--direct"])  # makes pydantic's classes and the parser, and reads the rover
+
 gc.freeze()  # else each child would copy the whole heap as it ends
