@@ -1,3 +1,4 @@
+import math
 from typing import Any
 from unittest.mock import patch
 
@@ -49,7 +50,8 @@ def test_a_driven_rover_reads_what_the_same_commands_of_an_episode_publish(
 ) -> None:
     duration = 0.05 * (1 + len(COMMANDS))
     run = config(robot=robot, seed=3, driver="cmd_vel", duration=duration, soil=soil)
-    rover = DrivenRover(Course(run), START, PLAIN, run.seed)
+    course = Course(run)
+    rover = DrivenRover(course, START, PLAIN, run.seed)
     commands = tuple((0.05 * n, *twist) for n, twist in enumerate(COMMANDS, 1))
     episode = Episode(run.alone(start=START, commands=commands))
     published: dict[type, Any] = {}
@@ -61,6 +63,12 @@ def test_a_driven_rover_reads_what_the_same_commands_of_an_episode_publish(
         scan: Any = rover.readings[LaserScan]
         np.testing.assert_array_equal(scan.ranges, published[LaserScan].ranges)
         rover.advance(Twist(*command))
+    simulation = rover.simulation
+    simulation.data.qpos[2] += 0.7
+    simulation.data.qpos[3:7] = math.cos(0.4), 0.0, math.sin(0.4), 0.0  # it looks down
+    simulation.model.hfield_data[:] *= 0.9  # as if all ground had given way
+    sunk, ground = (one.scan(simulation.data) for one in (course.lidar_of(simulation), course.lidar))
+    assert (sunk != ground).any() == bool(soil)
 
 
 def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did(

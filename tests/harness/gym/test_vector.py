@@ -86,6 +86,9 @@ def test_many_do_to_the_bit_what_gymnasiums_own_vector_does_with_single_ones(
         assert_all_alike(steps)
         endings |= set(zip(stepped[2].tolist(), stepped[3].tolist(), strict=True))
         if mode is AutoresetMode.DISABLED and (mask := stepped[2] | stepped[3]).any():
+            for envs in ours:  # nor have those gone on whose episodes have not ended
+                with pytest.raises(ResetNeeded):
+                    envs.step(actions.astype("f4"))
             assert_all_alike([envs.reset(options={"reset_mask": mask.copy()}) for envs in every])
         if n % 4 == 3:
             mask = rng.permutation(np.arange(count) % 2 == 0)

@@ -56,7 +56,8 @@ def test_a_type_is_heard_as_chosen_or_as_the_distribution_sends(ros: Ros, kind: 
 
 @pytest.mark.parametrize("kind", ["twist", "stamped"])
 def test_whatever_type_another_process_sends_over_dds_drives_the_rover(ros: Ros, kind: str) -> None:
-    scene = Scene(ros, "auto")
+    scene, recorded = Scene(ros, "auto"), list[object]()
+    scene.commands.record(lambda *_: recorded.append)
     publisher = scene.publisher(kind)
     ros.until(lambda: scene.commands.look_around() and publisher.get_subscription_count())
     message = stamped(0.5)
@@ -64,6 +65,7 @@ def test_whatever_type_another_process_sends_over_dds_drives_the_rover(ros: Ros,
     publisher.publish(message.twist if kind == "twist" else message)
     ros.until(lambda: scene.taken)
     assert scene.taken == [Command(0.5, 0.25)]
+    assert recorded == [message.twist if kind == "twist" else message]
     assert kind in scene.commands.heard
 
 

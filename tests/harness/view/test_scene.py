@@ -127,23 +127,40 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
         assert min(math.dist(mark.end[:2], (x, y)) for mark in marks) < 0.1
 
 
+def driven(folder: Path, run: Run) -> list[Path]:
+    """Drives a fleet; returns where the states of each rover are."""
+    episodes = episodes_of(run)
+    files = [folder / f"{episode.number}.states" for episode in episodes]
+    with ExitStack() as at_end:
+        writers = [at_end.enter_context(closing(StateWriter(f, run, n))) for n, f in enumerate(files)]
+        for batches in together(episodes):
+            for writer, batch in zip(writers, batches, strict=True):
+                writer.take(batch)
+    return files
+
+
 def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By the heights that OpenGL is given where the rover has come from."""
     run = Run.of(terrain="flat", soil="dry_sand", driver="straight", duration=2.0, start=(1.0, 0.0, 0.0))
-    end, given = recorded(tmp_path / "states", run), Mock()
+    run = fleet(run, parse_rovers(("leo:a", "leo:b,x=1,y=1.5"), run.rover))
+    files, given = driven(tmp_path, run), Mock()
+    end = read_states(files[0])
     monkeypatch.setattr(mujoco, "Renderer", Mock(return_value=given))
     monkeypatch.setattr(mujoco, "mjr_uploadHField", Mock())
     given.scene = mujoco.MjvScene(mujoco.MjModel.from_xml_string("<mujoco/>"), 100)
-    with picture.Studio([tmp_path / "states"], picture.VIDEO_QUALITY, lidar=False) as studio:
+    with picture.Studio(files, picture.VIDEO_QUALITY, lidar=False) as studio:
         heights, view = studio.model.hfield_data, chase_view(end.path[-1], 0.0)
         studio.image(0, view)
         before, terrain = heights.copy(), studio.model.geom(TERRAIN)
         studio.image(-1, view)
         _, _, relief, _ = studio.model.hfield_size[terrain.dataid[0]]
         assert terrain.pos[2] + relief * np.median(before) == pytest.approx(0.0, abs=1e-3)
-    assert (heights < before - 1e-6).sum() > 50
+        columns = int(studio.model.hfield_ncol[studio.model.geom("ruts").dataid[0]])
+    pressed = np.flatnonzero(heights < before - 1e-6)
+    assert len(pressed) > 50
+    assert np.ptp(pressed // columns) * 0.025 > 1.5  # [m] across: of both rovers
 
 
 def test_each_frame_of_a_video_looks_from_behind_at_where_the_rover_is_then(
