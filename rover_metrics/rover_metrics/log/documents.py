@@ -60,10 +60,10 @@ def read_yaml(path: Path, *, with_places: bool = False) -> Any:  # noqa: ANN401
     text = _text_of(path, LARGEST_YAML)
     _check_digits(text)
     try:
-        yaml, bounds = YAML(typ="rt" if with_places else "safe", pure=True), _Bounds()
-        parsed = yaml.parser.get_event
-        yaml.parser.get_event = lambda: bounds.counted(parsed())
-        content = yaml.load(text)
+        reader = YAML(typ="rt", pure=True) if with_places else YAML(typ="safe", pure=True)
+        bounds, parsed = _Bounds(), reader.parser.get_event
+        reader.parser.get_event = lambda: bounds.counted(parsed())
+        content = reader.load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark
         place = (mark.line + 1, mark.column + 1) if mark else None
