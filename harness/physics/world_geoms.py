@@ -123,7 +123,7 @@ def _add_heights(
     lowest = float(ground.heights.min())
     # The compiler normalises to 0..1 and wants a positive range, even for a flat map.
     relief = max(float(np.ptp(ground.heights)), 1e-3)
-    # As a file in memory: number by number it takes ten times as long.
+    # As a file in memory: number by number it takes twice as long to compile.
     shape, cells = np.array(ground.heights.shape, np.int32), (ground.heights - lowest) / relief
     spec.assets = spec.assets | {name: shape.tobytes() + cells.astype(np.float32).tobytes()}
     spec.add_hfield(

@@ -6,8 +6,8 @@ only those are asked that listen to one of their topics; after /clock all are, s
 A node that has promised to handle what arrives in its order, timers included, comes to the same however
 late it is. It is waited for only where a queue of its might overflow: before a second message of a topic
 goes out, for a subscription may hold the newest one alone, or before one more than the node says that
-its queues hold, or than what is on its way takes of a socket. It is asked when that may be half full.
-So it works while the simulation goes on, and few questions and answers wake it and the simulator.
+its queues hold, or than a socket may hold of what is on its way. It is asked when two thirds of that are
+used. So it works while the simulation goes on, and few questions and answers wake it and the simulator.
 """
 
 from collections import Counter
@@ -52,13 +52,13 @@ class Backlog:
         self.later_bytes += channel.size + OVERHEAD
 
     def is_full(self, topics: Sequence[str]) -> bool:
-        """Returns whether no message of one of these topics may go out."""
+        """Returns whether nothing more may go out on one of these topics, or on any."""
         self._look()
         is_much = any(self.of(topic) >= self.node.holds for topic in topics)
         return is_much or self.asked_bytes + self.later_bytes > ROOM
 
-    def is_half_full(self, clock: str) -> bool:
-        """Returns whether it is time for a question, after a message of /clock, by its resolved name."""
+    def is_due(self, clock: str) -> bool:
+        """Returns whether two thirds of what may wait may be used; `clock` is the name of /clock."""
         rooms = {clock: self.node.holds_clocks}
         is_much = any(3 * n >= 2 * rooms.get(topic, self.node.holds) for topic, n in self.later.items())
         return is_much or 3 * self.later_bytes > 2 * ROOM
@@ -138,7 +138,7 @@ class RemoteNodes:
             backlog.add(clock)
             if backlog.of(clock.topic) > backlog.node.holds_clocks:
                 awaited[backlog.node] = backlog.question()
-            elif backlog.is_half_full(clock.topic):
+            elif backlog.is_due(clock.topic):
                 backlog.question()  # answered while the simulation goes on
         wait_for_answers(awaited, self._bridge.executor)
 

@@ -40,7 +40,7 @@ class SensorSuite:
         noise: SensorNoise | None = None,
         rows: Iterable[SensorRow] | None = None,
     ) -> None:
-        made: WeakValueDictionary[Source, Sensor] = WeakValueDictionary()  # sensors know one another
+        made: WeakValueDictionary[Source, Sensor] = WeakValueDictionary()  # one may know all, so itself
         self._kinds: dict[Sensor, type[Sample]] = {}
         scale = (1.0, 1.0) if noise is None else noise.wheel_scale
         parts = replace(parts, sensors=made, wheel_scale=scale)

@@ -123,8 +123,8 @@ class Settings:
     )
     pose_queue: int = parameter(
         1,
-        "poses that may wait for the node: only the newest, as RoboTerrain has it; while a simulator "
-        "waits for the node, 100 may; fixed once the node runs",
+        "poses that may wait for the node: only the newest, as RoboTerrain has it, but more "
+        "while a simulator waits for the node; fixed once the node runs",
         minimum=1,
         maximum=100,
         read_only=True,
