@@ -118,15 +118,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         if not self._episodes_left or seed is not None or wanted.keys() & OF_A_WORLD:
             drawn = drawn_world(self.options, self._schedule, rng, noise_seed) | wanted
             run = self.options.episode(*(drawn[name] for name in OF_A_WORLD))
-            self.course = Course(run, self._camera)
-            self._episodes_left = self.options.episodes_per_world
-            within = np.clip(self.course.places.middles, -self._box, self._box)
-            far, least = math.hypot(*np.ptp(within, axis=0)), self.options.goal_distance[0]
-            if least > far:
-                gymnasium.logger.warn(
-                    f"goal_distance: on {run.world.terrain} nothing is {least:g} m away: the farthest "
-                    f"goals are taken; give less than {far:.0f} m"
-                )
+            self._enter(Course(run, self._camera))
         self._episodes_left -= 1
         variation = draw_variation(self.options.randomisation, rng)
         if (goal := wanted.get("goal")) is not None:
@@ -156,6 +148,17 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             "goal": np.array(self.goal),
             "variation": asdict(variation),
         }
+
+    def _enter(self, course: Course) -> None:
+        """Has the next episodes in another world; warns of one in which no goal can be far enough."""
+        self.course, self._episodes_left = course, self.options.episodes_per_world
+        within = np.clip(course.places.middles, -self._box, self._box)
+        far, least = math.hypot(*np.ptp(within, axis=0)), self.options.goal_distance[0]
+        if least > far:
+            gymnasium.logger.warn(
+                f"goal_distance: on {course.run.world.terrain} nothing is {least:g} m away: the "
+                f"farthest goals are taken; give less than {far:.0f} m"
+            )
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, Info]:
         """Drives one control period: `accept`, `command`, `drive`, `sense` and `conclude`.
