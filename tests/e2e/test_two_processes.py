@@ -97,6 +97,21 @@ def only_log(folder: Path) -> bytes:
     return log.read_bytes()
 
 
+def test_nodes_elsewhere_of_a_fleet_log_what_a_run_without_ros_does(tmp_path: Path) -> None:
+    drive = ["--rover", "leo:a", "--rover", "rover_zero4wd:b", "--terrain", "rocky", "--duration", "3"]
+    assert main([*drive, "--direct", "--log-dir", str(tmp_path / "direct")]) == 0
+    drive += ["--no-metrics", "--log-dir", str(tmp_path)]
+    with ExitStack() as at_end:
+        for name in ("a", "b"):
+            node = ["--ros-args", "-r", f"__ns:=/{name}", "-p", "use_sim_time:=true"]
+            node += ["-p", f"log_dir:={tmp_path / name}"]
+            at_end.enter_context(ForkedProgram("rover_metrics.metrics_node", node))
+            drive += ["--wait-for", f"/{name}/metrics_node"]
+        assert main(drive) == 0
+    for name in ("a", "b"):
+        assert only_log(tmp_path / name) == only_log(tmp_path / "direct" / name)
+
+
 def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(tmp_path: Path) -> None:
     def words(name: str, *more: str) -> list[str]:
         quick = ["--terrain", "flat", "--duration", "3", "--seed", "3"]
