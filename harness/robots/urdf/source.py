@@ -26,7 +26,8 @@ READABLE = (".stl", ".obj", ".msh")
 HEAD, FACE, LAST_LINE = 84, 50, 1000  # bytes of a binary STL's head and triangle; of a text's last line
 MOST_FACES = 200_000  # that MuJoCo's decoder reads
 LFS = b"version https://git-lfs"
-XACRO = re.compile(r"<xacro:|\$[({]")  # its namespace alone is what old versions of it leave behind
+XACRO = re.compile(r"<xacro:|\$[({]")  # it leaves its namespace, and comments as they were, in a URDF
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 @dataclass
@@ -133,7 +134,7 @@ def _take_in(mesh: mujoco.MjsMesh, path: Path) -> None:
 
 def _text(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> str:
     text = read_text(path)
-    if XACRO.search(text) is None and path.suffix != ".xacro":
+    if XACRO.search(COMMENT.sub("", text)) is None and path.suffix != ".xacro":
         return text
     if not trust_xacro:
         raise UsageError(
@@ -228,6 +229,9 @@ def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:
             f"{path}: link '{name}': <inertial> needs a mass and an inertia in numbers"
         ) from error
     moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if mass == 0 and not moments.any():  # as exporters write of a link that is only a frame
+        link.remove(link.find("inertial"))  # type: ignore[arg-type]  # it is there: it has an inertia
+        return
     if not (mass > 0 and moments[0] > 0):
         stated = f"mass {mass:g} and moments of inertia {moments.round(9).tolist()}"
         raise UsageError(f"{path}: link '{name}' has {stated}; give numbers above 0")

@@ -317,10 +317,22 @@ def test_wheels_that_mimic_others_turn_as_these_do_whichever_way_their_axes_poin
     assert model.eq_data[:, :5].tolist() == [[0.0, 1.0, 0.0, 0.0, 0.0]] * 2
 
 
-def test_the_namespace_of_xacro_alone_is_none(tmp_path: Path) -> None:
-    """Old versions of xacro leave it in what they make."""
-    urdf = HUSKY.urdf.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"', 1)
-    assert written(tmp_path, urdf).rover.wheel_joints == HUSKY.left + HUSKY.right
+NAMESPACE = ' xmlns:xacro="http://www.ros.org/wiki/xacro"><!-- <xacro:include filename="${a}"/> -->'
+NO_MASS = '<link name="zero"><inertial><mass value="0"/><inertia ixx="0"/></inertial></link>'
+FIXED = '<joint name="to" type="fixed"><parent link="base_link"/><child link="zero"/></joint></robot>'
+
+
+@pytest.mark.parametrize(
+    ("old", "left_behind"),
+    [('">', f'"{NAMESPACE}'), ("</robot>", NO_MASS + FIXED)],
+    ids=["xacro's namespace and comments", "a frame with a mass of 0"],
+)
+def test_what_tools_that_write_urdf_leave_behind_does_not_count(
+    old: str, left_behind: str, tmp_path: Path
+) -> None:
+    rover = written(tmp_path, HUSKY.urdf.replace(old, left_behind, 1)).rover
+    assert rover.wheel_joints == HUSKY.left + HUSKY.right
+    assert read_model(rover).compile().body_mass.sum() == pytest.approx(HUSKY.mass)
 
 
 def test_wheels_may_be_named(tmp_path: Path) -> None:
