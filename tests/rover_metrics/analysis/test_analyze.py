@@ -78,7 +78,7 @@ def test_a_column_without_a_name_changes_nothing(run: Run, write_log: WriteLog, 
     log = write_log(lines=71)
     pd.read_csv(log).to_csv(numbered := tmp_path / "numbered.csv")
     metrics = [
-        as_json(run(path, "-m", "all", "--json"))["logs"][0]["metrics"] for path in (log, numbered)
+        as_json(run(path, "-m", "all", "-p", "--json"))["logs"][0]["metrics"] for path in (log, numbered)
     ]
     assert metrics[0] == metrics[1]
 

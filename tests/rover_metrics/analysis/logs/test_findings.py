@@ -8,8 +8,6 @@ import pandas as pd
 import pytest
 
 from rover_metrics.analysis.logs.findings import describe_consistency, describe_time
-from rover_metrics.analysis.logs.header import shown
-from rover_metrics.analysis.logs.parsing import Tally
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS, STAMP
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
@@ -41,15 +39,6 @@ def test_gaps_duplicates_rates_and_clocks_are_told() -> None:
         rows = pd.DataFrame({STAMP: stamps}, index=range(2, 2 + len(stamps)))
         lines += [f"{stamps}\n", *(f"  {odd}\n" for odd in describe_time(rows, 10.0))]
     check_snapshot("times_of_logs.txt", "".join(lines))
-
-
-def test_a_tally_keeps_the_first_line_and_a_piece_of_a_file_is_shown_in_sixty_characters() -> None:
-    tally = Tally()
-    for lines, example in (([], "a"), ([4, 7], "b"), ([9], "c")):
-        tally.add(pd.Index(lines, dtype="int64"), example)
-    assert (tally.count, tally.first, tally.example) == (3, 4, "b")
-    assert shown("x" * 60) == repr("x" * 60)
-    assert shown("x" * 60 + "\n") == repr("x" * 60 + "...")
 
 
 def told(thresholds: Thresholds = DEFAULT_THRESHOLDS, **columns: Values) -> list[str]:
@@ -84,19 +73,6 @@ def test_a_flag_that_contradicts_its_level_is_told_with_what_would_fit(
     assert rough(flags, levels) == [
         f"{rows} {WHAT} ({first}): another rule or threshold was at work{fit}"
     ]
-
-
-def test_a_collision_is_below_its_threshold_the_one_that_the_log_had() -> None:
-    assert rough([0, 1, 0, 1, np.nan, 0], [14.9, 15.1, 15.0, 15.0, 20, np.nan]) == []
-    assert told(Current_Collision_Status=[1, 0, 1], Obstacle_Clearance=[0.1, 0.3, 0.2]) == []
-    near: dict[str, Values] = {"Current_Collision_Status": [1, 0], "Obstacle_Clearance": [0.35, 0.5]}
-    (finding,) = told(DEFAULT_THRESHOLDS, **near)
-    assert "collision_threshold 0.2 m (line 2, 1 at 0.35)" in finding
-    assert finding.endswith("such as one between 0.35 and 0.5")
-    assert told(Thresholds(collision_threshold=0.4), **near) == []
-    (alone,) = told(Current_Collision_Status=[1], Obstacle_Clearance=[0.35])
-    (never,) = told(Current_Collision_Status=[0], Obstacle_Clearance=[0.15])
-    assert (alone[-23:], never[-23:]) == (" such as one above 0.35", " such as one below 0.15")
 
 
 def test_the_records_threshold_is_what_counts(
