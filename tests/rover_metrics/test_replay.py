@@ -694,9 +694,7 @@ def test_of_many_jumps_five_are_told_and_types_may_lack_msg(tmp_path: Path, caps
 NOT_READABLE = Path("/proc/self/mem")  # whose first byte is an EIO
 
 
-@pytest.mark.parametrize(
-    "metadata", ["[" * 5000, f"a: {'9' * 5001}", "a: &a [*a]", "? [a]\n: 1", "a: !!int x"]
-)
+@pytest.mark.parametrize("metadata", ["[" * 5000, "a: !!int x"])
 def test_a_bag_with_nonsense_beside_it_is_read_by_name(tmp_path: Path, metadata: str) -> None:
     bag = write_folder(tmp_path / "bag", drive())
     (bag / "metadata.yaml").write_text(metadata)

@@ -21,7 +21,6 @@ HOSTILE = {
     "a number of more than 100 digits": b"a: 0x" + b"f" * 5001,
     "more than 64 deep": b"a: " + b"[\n " * 5000 + b"]" * 5000,
     "comes to more than 100,000 values; give fewer, or no alias": BOMB.encode(),
-    "more than 100,000 values": b"a: [" + b"x, " * 100_001 + b"]",
     "must be text; put it in quotes": b"? [a, b]\n: c\n",
     "key 3 must be text": b"a: [{3: b}]",
     "1_000.5 is no number; leave _ out": b"a: [b, 1_000.5]",
@@ -35,8 +34,7 @@ HOSTILE = {
 def test_a_yaml_file_beyond_a_bound_is_one_line_with_its_name(mend: str, tmp_path: Path) -> None:
     path = tmp_path / "rover.yaml"
     path.write_bytes(HOSTILE[mend])
-    others = (read_scenario, lambda file: read_rover(file.parent))
-    for read in (read_mapping, *(others if len(HOSTILE[mend]) < 100_000 else ())):
+    for read in (read_mapping, read_scenario, lambda file: read_rover(file.parent)):
         with pytest.raises(UsageError) as refused:
             read(path)
         assert mend in str(refused.value)

@@ -22,7 +22,7 @@ from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
 from tests.support.exact import as_bytes
 
-LIGHT = {"duration": 3.0, "lidar_beams": 40, "imu_rate": 100}
+LIGHT = {"duration": 2.2, "lidar_beams": 40, "imu_rate": 100}
 AREA = ((-6.0, 6.0), (-6.0, 6.0))
 SHARED = Run.of(terrain="posts", robot="leo", **LIGHT)
 RUNS = {
