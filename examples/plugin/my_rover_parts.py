@@ -114,4 +114,9 @@ def calm(truth: StepTruth, action: np.ndarray) -> dict[str, float]:
     }
 
 
+def brief(truth: StepTruth) -> bool:
+    """After a second."""
+    return truth.time_s > 0.99
+
+
 HEADING = Sight((-1.0,) * 2, (1.0,) * 2, lambda truth: (math.cos(truth.yaw), math.sin(truth.yaw)))

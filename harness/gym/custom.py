@@ -76,6 +76,7 @@ class Sight:
 REWARDS = Table[RewardFn](
     "rewards", {}, callable, "a function (truth, action) -> number, or terms by name"
 )
+ENDINGS = Table[TerminateFn]("endings", {}, callable, "a function (truth) -> bool")
 OBSERVATIONS = Table[Sight](
     "observations", {}, lambda value: isinstance(value, Sight), "a harness.gym.custom.Sight"
 )
@@ -151,17 +152,16 @@ def own_of(reward: object, terminate: object, observe: object) -> Own:
 
     Args:
         reward: Function, name of a plug-in or FILE.py:NAME; None for the environment's own.
-        terminate: Function (truth) -> bool; None for none.
+        terminate: Function (truth) -> bool, name of a plug-in or FILE.py:NAME; None for none.
         observe: A Sight, name of a plug-in or FILE.py:NAME; None for no further entry.
 
     Raises:
         UsageError: One is not valid.
     """
-    if terminate is not None and not callable(terminate):
-        raise UsageError(f"terminate_fn {terminate!r} is not valid; give a function (truth) -> bool")
     name = observe.rpartition(":")[2] if isinstance(observe, str) else OWN
     sights = {} if observe is None else {name: _named("observe_fn", observe, OBSERVATIONS)}
-    return Own(_named("reward_fn", reward, REWARDS), terminate, sights)
+    ends = _named("terminate_fn", terminate, ENDINGS)
+    return Own(_named("reward_fn", reward, REWARDS), ends, sights)
 
 
 def _named(option: str, value: object, table: Table[Any]) -> Any:  # noqa: ANN401 - of the table's kind

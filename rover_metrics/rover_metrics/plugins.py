@@ -21,7 +21,7 @@ from rover_metrics.errors import RoverMetricsError, printable
 GROUP = "rover_harness."
 KINDS = (  # the tables there are
     *("terrains", "soils", "drivers", "sensors", "faults", "columns"),
-    *("expectations", "rewards", "observations"),
+    *("expectations", "rewards", "endings", "observations"),
 )
 FILE = ".py:"  # in the name of a value in a file
 T = TypeVar("T")

@@ -43,12 +43,14 @@ expect:
 """
 IN_GYM = """
 import gymnasium, harness.gym
-own = {"terrain": "crater", "reward_fn": "calm", "observe_fn": "heading"}
+own = {"terrain": "crater", "reward_fn": "calm", "observe_fn": "heading", "terminate_fn": "brief"}
 env = gymnasium.make("RoverHarness/PointNav-v0", **own)
 seen, _ = env.reset(seed=1)
+steps = 1 + next(n for n in range(99) if env.step(env.action_space.sample())[2])
+env.reset(seed=1)
 _, reward, _, _, info = env.step(env.action_space.sample())
 terms = info["reward_terms"]
-print(list(terms), abs(reward - sum(terms.values())) < 1e-9, seen["heading"].shape)
+print(list(terms), abs(reward - sum(terms.values())) < 1e-9, seen["heading"].shape, steps)
 """
 
 
@@ -106,7 +108,7 @@ def test_scenarios_and_environments_take_plugins(
     has_gym = find_spec("gymnasium") is not None
     told = said(judging + IN_GYM * has_gym, surroundings)
     assert "1 of 1 scenario passed" in told
-    assert ("['progress', 'tilt', 'effort'] True (2,)" in told) == has_gym
+    assert ("['progress', 'tilt', 'effort'] True (2,) 20" in told) == has_gym
 
 
 @pytest.mark.parametrize(

@@ -111,7 +111,7 @@ def test_a_spec_tells_the_steps_of_an_episode() -> None:
     [
         ({"reward_fn": 3}, "reward_fn 3 is not valid; give a function"),
         ({"reward_fn": "none"}, "reward_fn 'none' does not exist"),
-        ({"terminate_fn": "none"}, "terminate_fn 'none' is not valid; give a function"),
+        ({"terminate_fn": "none"}, "terminate_fn 'none' does not exist"),
         ({"observe_fn": calm}, "is not valid; give a harness.gym.custom.Sight"),
     ],
 )
