@@ -57,7 +57,7 @@ def _plane(kind: Element, owner: str, *_: object) -> Shape:
     x, y, z = numbers(text_of(kind, "normal", "0 0 1"), 3, f"normal of {owner}")
     if not math.hypot(x, y, z):
         raise UsageError(f"normal of {owner} is 0; give a direction, as 0 0 1")
-    width, depth = _lengths(kind, "size", 2, owner, "1 1")
+    width, depth = _lengths(kind, "size", 2, owner, "100 100")  # of what has no end
     return Plane((x, y, z), (width, depth))
 
 

@@ -1,8 +1,8 @@
 """Where files are that a world names: model://PACKAGE/path, file://, and plain paths.
 
 Relative names are looked for in the folders of `--resource-path`, those of Gazebo's variables of the
-environment, the folder of the file that names them and the two above it, in this order; a name that
-leads out of all of these is refused. Nothing is fetched.
+environment, the folder of the file that names them and the two above it, in this order, and in a folder
+`models` of each of the last three; a name that leads out of all of these is refused. Nothing is fetched.
 """
 
 import os
@@ -71,8 +71,8 @@ class Resources:
     def _roots(self, named_in: Path) -> Iterator[Path]:
         home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count
         yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - as below
-        yield home
-        yield from (folder for folder in [*home.parents][:2] if folder != folder.parent)  # not /
+        for folder in [home, *(above for above in [*home.parents][:2] if above != above.parent)]:  # not /
+            yield from (folder, folder / "models")
 
 
 def of_gazebo(uri: str) -> tuple[Element, ...] | None:

@@ -69,7 +69,7 @@ def link(inner: str = "", collision: str = BOX, name: str = "l") -> str:
         ("sphere", "<radius>2</radius>", Primitive("ellipsoid", (2.0, 2.0, 2.0))),
         ("ellipsoid", "<radii>1 2 3</radii>", Primitive("ellipsoid", (1.0, 2.0, 3.0))),
         ("plane", "<normal>1 2 3</normal><size>7 8</size>", Plane((1.0, 2.0, 3.0), (7.0, 8.0))),
-        ("plane", "", Plane((0.0, 0.0, 1.0), (1.0, 1.0))),
+        ("plane", "", Plane((0.0, 0.0, 1.0), (100.0, 100.0))),
         ("mesh", "<uri>m.obj</uri>", MeshFile(Path("m.obj"), (1.0, 1.0, 1.0), "", False)),
         ("mesh", MESH, MeshFile(Path("m.obj"), (1.0, 2.0, -3.0), "s", True)),
         ("heightmap", "<uri>m.obj</uri>", Relief(Path("m.obj"), None, (0.0, 0.0, 0.0))),

@@ -13,7 +13,8 @@ from harness.world.sdf.resources import VARIABLES, Missing, Resources, model_fil
 def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
-    for name in ("top/pkg/worlds/a.world", "top/pkg/meshes/m.dae", "top/else/other/b.obj", "secret.obj"):
+    inside = ("worlds/a.world", "meshes/m.dae", "models/rock/r.obj")
+    for name in (*(f"top/pkg/{file}" for file in inside), "top/else/other/b.obj", "secret.obj"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
     return tmp_path / "top"
@@ -25,6 +26,8 @@ def test_files_are_found_beside_a_world_and_two_folders_up(tree: Path) -> None:
         *("FILE://../meshes/m.dae", "meshes/m.dae", "model://pkg/meshes/m%2Edae"),
     ):
         assert Resources().find(uri, tree / "pkg/worlds/a.world") == tree / "pkg/meshes/m.dae"
+    rock = tree / "pkg/models/rock/r.obj"  # of a package as most are laid out
+    assert Resources().find("model://rock/r.obj", tree / "pkg/worlds/a.world") == rock
 
 
 @pytest.mark.parametrize(
