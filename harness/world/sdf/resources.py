@@ -15,7 +15,10 @@ from xml.etree.ElementTree import Element
 from harness.base.errors import UsageError
 from harness.world.sdf.reader import parse_xml, read_xml
 
-VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
+VARIABLES = (
+    *("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"),
+    "GAZEBO_RESOURCE_PATH",  # of Gazebo classic's own media/
+)
 SCHEME = re.compile(r"^([a-z][a-z0-9+.-]*):(?://)?(.*)$", re.IGNORECASE | re.DOTALL)
 LOCAL_SCHEMES = ("model", "package", "file")
 PLANE = b"<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>"
@@ -71,7 +74,8 @@ class Resources:
     def _roots(self, named_in: Path) -> Iterator[Path]:
         home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count
         yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - as below
-        for folder in [home, *(above for above in [*home.parents][:2] if above != above.parent)]:  # not /
+        above = [folder for folder in [*home.parents][:2] if folder != folder.parent]  # not /
+        for folder in (home, *above):
             yield from (folder, folder / "models")
 
 

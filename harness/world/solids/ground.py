@@ -25,6 +25,7 @@ from harness.world.solids.surface import ROUNDING, Bounds
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
 LARGEST_PLANE = 150.0  # [m] of a plane without end that is mapped
+MOST_LACKS = 5  # that a message names
 GROUND = Plane((0.0, 0.0, 1.0), (100.0, 100.0))  # of models that stand in no world
 MARGIN = 5.0  # [m] of it around what stands on it
 MOST_SAMPLES = 513  # of a heightmap, along a side
@@ -88,8 +89,7 @@ def partition(
         else:
             parts.standing.append((solid, mesh))
     if not parts.ground and parts.plane is None:
-        left_out = [f"; {note}" for note in notes if note.startswith("left out: ")][:1]
-        refused = "" if is_loose and solids else "".join((_groundless(solids, candidates), *left_out))
+        refused = "" if is_loose and solids else _groundless(solids, candidates) + _left_out(notes)
         _put_on_plane(parts, notes, refused)
     return parts
 
@@ -113,6 +113,14 @@ def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -
         f"{SMALLEST_MAP:g} m or more{size}; add a ground plane, or give the unit by --mesh-unit, "
         "the axis by --mesh-up"
     )
+
+
+def _left_out(notes: Sequence[str]) -> str:
+    """What a world without ground lacks: files, the ground's among them, before elements."""
+    lacks = [note.removeprefix("left out: ") for note in notes if note.startswith("left out: ")]
+    lacks.sort(key=lambda lack: lack.startswith("<"))
+    more = f"; and {len(lacks) - MOST_LACKS} more" if len(lacks) > MOST_LACKS else ""
+    return f"; left out: {'; '.join(lacks[:MOST_LACKS])}{more}" if lacks else ""
 
 
 def map_bounds(parts: Partition) -> Bounds:
