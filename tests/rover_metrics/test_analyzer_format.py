@@ -62,3 +62,20 @@ def test_every_column_the_analyzer_needs_is_there_and_numeric(log: Path) -> None
         assert table[column].notna().all(), column
     infinite = table.drop(columns="Notes").stack()[lambda cells: cells.abs() == float("inf")]
     assert list(infinite.index) == [(0, "Obstacle Clearance")]  # before the first scan
+
+
+def test_the_header_is_the_first_line_and_no_row_is_longer_or_shorter(log: Path) -> None:
+    lines = log.read_text(encoding="ascii").splitlines()
+    assert lines[0].startswith("Timestamp,Total Collisions,")
+    assert lines[0].split(",")[:12] == list(COLUMNS)
+    assert {line.count(",") for line in lines} == {lines[0].count(",")}
+    assert not any(name.startswith("Unnamed") or not name.strip() for name in lines[0].split(","))
+    assert '"' not in log.read_text()
+
+
+def test_a_log_reads_the_same_when_its_last_line_is_cut(log: Path, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.csv"
+    cut.write_bytes(log.read_bytes()[:-30])
+    whole, rest = pd.read_csv(log), pd.read_csv(cut)
+    assert isinstance(rest.index, pd.RangeIndex)
+    pd.testing.assert_frame_equal(whole.iloc[:-1], rest.iloc[:-1], check_dtype=False)

@@ -12,25 +12,11 @@ from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
 LEO = find_rover("leo")
-# A wall along y at x = 1 from edge to edge: the part on its left is the larger one.
-WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 6.0, 0.5), (1.0, 0.0, 0.5))
 POST = Obstacle(ObstacleKind.HAZARD, "cylinder", (0.2, 0.5), (-2.0, 0.5, 0.5))
 
 
 def world(*obstacles: Obstacle) -> World:
     return World("made", Heightfield(np.zeros((41, 41)), 0.25), obstacles, seed=0, difficulty=None)
-
-
-def test_places_are_where_the_rover_fits_and_only_on_one_side_of_a_wall() -> None:
-    x, y = Places(world(WALL, POST), LEO).middles.T
-    reach = math.hypot(0.218, 0.214)  # of the wheels, from the middle
-    assert x.min() >= -4.5 + reach  # half a metre from the edge a run ends
-    assert x.max() <= 0.9 - reach
-    assert np.hypot(x + 2.0, y - 0.5).min() >= 0.2 + reach
-    covered = 0.2 * 0.2 * len(x)
-    margin = reach + 0.15
-    room = (4.5 + 0.9 - 2 * margin) * (9.0 - 2 * margin) - math.pi * (0.2 + margin) ** 2
-    assert covered == pytest.approx(room, rel=0.1)  # nor is much left out
 
 
 def test_a_rover_does_not_pass_where_only_corners_of_cells_meet() -> None:

@@ -14,7 +14,7 @@ from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
 from harness.world.solids.assembly import BUILT
 from harness.world.solids.mesh_file import Mesh
-from harness.world.world import ORIGIN, RoverNeeds, World
+from harness.world.world import RoverNeeds, World
 from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
 
 WORLDS = Path(__file__).parents[5] / "shared/data/roboterrain/worlds"
@@ -97,20 +97,6 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     assert 1.0 < np.hypot(x, y) < 2.5  # beside the box on 0,0
     paths = (tmp_path / name for name in ("a.World", "gone.sdf", "a.obj", "b.obj"))
     assert world.files == tuple((str(p), hashlib.sha256(p.read_bytes()).hexdigest()) for p in paths)
-
-
-def test_options_override_what_is_a_rock_and_what_a_hazard(tmp_path: Path) -> None:
-    """A platform above the ground and a block on it are too thick for decks, however high rocks are."""
-    write_mesh(
-        tmp_path / "m.obj", both(flat(), box((0, 0, 2.5), (12, 12, 1)), box((0, 0, 6), (2, 2, 1)))
-    )
-    body = solid("ground", PLANE) + solid("m", "<mesh><uri>m.obj</uri></mesh>")
-    body += "".join(cube(name, f"{x} 0 0 0 0 0") for name, x in (("a1", 0), ("a2", 8), ("b", 11)))
-    every = world_of(tmp_path, body, terrain_cell=0.5, rock_height=9.0)
-    assert (kinds(every), every.start == ORIGIN) == (["ROCK"] * 5, False)
-    names = {"rock": ("a?", "m"), "hazard": ("a2::l::c",)}
-    named = world_of(tmp_path, body, terrain_cell=0.5, needs_start=False, **names)
-    assert (kinds(named), named.start) == (["ROCK", *["HAZARD"] * 3, "ROCK"], ORIGIN)
 
 
 def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
