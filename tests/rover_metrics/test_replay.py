@@ -627,7 +627,7 @@ def test_parameters_and_truth_give_the_extended_columns(tmp_path: Path, capsys: 
     bag = write_folder(tmp_path / "bag", messages, types=types)
     file, output = tmp_path / "params.yaml", tmp_path / "rows.csv"
     file.write_text(
-        "metrics_node:\n  ros__parameters:\n"
+        "rover1/metrics_node:\n  ros__parameters:\n"
         "    extended_columns: true\n"
         "    distance_threshold: 0.01\n"
         "    lidar_pose: [0.1, 0.0, 0.0]\n"

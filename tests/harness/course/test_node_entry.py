@@ -10,6 +10,7 @@ from harness.course.receipt import read_receipt
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 SHORT = ("--track", "barn", "--seeds", "1", "--jobs", "1")  # it ends where the rover touches something
+WORDS = f"[{sys.executable}, node.py, --ros-args, -p, use_sim_time:=true]"
 NODE = '''
 import math
 import rclpy
@@ -47,9 +48,9 @@ rclpy.spin(Mine())
 '''
 
 
-def entry(folder: Path, said: str) -> str:
+def entry(folder: Path, said: str, program: str = NODE) -> str:
     folder.mkdir()
-    (folder / "node.py").write_text(NODE)
+    (folder / "node.py").write_text(program)
     (folder / "requirements.txt").write_text("")
     (folder / "entry.yaml").write_text(f"{said}\nlock: requirements.txt\n")
     return str(folder)
@@ -58,8 +59,7 @@ def entry(folder: Path, said: str) -> str:
 def test_a_program_drives_and_its_receipt_is_verified(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    words = f"[{sys.executable}, node.py, --ros-args, -p, use_sim_time:=true]"
-    own = entry(tmp_path / "own", f"launch: {words}\nnode: /mine")
+    own = entry(tmp_path / "own", f"launch: {WORDS}\nnode: /mine")
     assert main(["run", own, *SHORT, "--out", str(tmp_path)]) == 0
     (episode,) = read_receipt(tmp_path / "own.json").tracks["barn"].episodes
     assert episode.ending == "contact"
@@ -68,9 +68,14 @@ def test_a_program_drives_and_its_receipt_is_verified(
     assert main(again) == 0, capfd.readouterr().out
 
 
-def test_a_program_that_ends_is_told_in_a_line(
+def test_a_program_that_ends_is_told_in_a_line_and_in_the_midst_of_a_drive_in_its_receipt(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     own = entry(tmp_path / "own", f"launch: [{sys.executable}, -c, 'exit(7)']\nnode: /mine")
     assert main(["run", own, *SHORT, "--out", str(tmp_path)]) != 0
     assert len(capfd.readouterr().err.splitlines()) == 1
+    program = NODE.replace("self.commands.publish(twist)", "raise SystemExit")
+    own = entry(tmp_path / "late", f"launch: {WORDS}\nnode: /mine", program)
+    assert main(["run", own, *SHORT, "--out", str(tmp_path)]) == 0
+    (episode,) = read_receipt(tmp_path / "late.json").tracks["barn"].episodes
+    assert "ended" in episode.ending

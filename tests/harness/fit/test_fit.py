@@ -23,7 +23,7 @@ from harness.fit.estimate import CERTAIN, Estimate, deviations, of, with_values
 from harness.fit.folder import write_folder
 from harness.fit.ground import UNITS, differences
 from harness.fit.motors import motors
-from harness.fit.mount import mount
+from harness.fit.mount import mount, placed
 from harness.fit.outcome import split
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
@@ -397,6 +397,18 @@ def test_poses_beside_the_rovers_middle_say_nothing_of_its_tyres() -> None:
     ours = Steady(ones, ones, ones, rates, ones, ones, ones, ones)
     beside = replace(ours, ahead=ours.ahead - 0.3 * rates)
     assert differences(ours, beside)["ahead"] == pytest.approx(np.zeros(3))
+
+
+def test_what_a_recording_does_not_tell_of_a_mount_stays_as_it_was(tmp_path: Path) -> None:
+    yaw, x = (
+        Estimate(name, "", f"imu.{name}", 0.0, value) for name, value in (("yaw", 0.4), ("x", 0.1))
+    )
+    folders = [HUSKY.folder, tmp_path / "turned", tmp_path / "moved"]
+    for before, out, known in zip(folders, folders[1:], ([yaw], [x]), strict=False):
+        write_folder(find_rover(str(before)), known, out, "drive.csv", "", "")
+    place, angles = placed(find_rover(str(folders[-1])))
+    assert place == pytest.approx([0.1, *placed(HUSKY)[0][1:]])
+    assert angles == pytest.approx([0.0, 0.0, 0.4])
 
 
 def test_what_straight_driving_does_not_tell_is_said() -> None:

@@ -95,6 +95,12 @@ def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did
     assert ends[4] != ends[1] != ends[0]
 
 
+def test_noise_of_all_sensors_is_of_the_episode_and_not_of_its_world(flat_with_post: Course) -> None:
+    one, same, other = (DrivenRover(flat_with_post, FREE, PLAIN, seed).readings for seed in (0, 0, 1))
+    for kind in (LaserScan, Imu, RangeReading):
+        assert repr(one[kind]) == repr(same[kind]) != repr(other[kind])
+
+
 def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) -> None:
     prompt, late = (DrivenRover(flat_with_post, FREE, Variation(latency=s), 0) for s in (0.0, 0.1))
     stamps = []

@@ -145,8 +145,10 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
         "face.png",
         "net.npz",
         "own.py",
-        "rover.yaml",
+        "rover/rover.yaml",
+        "rover/wheel.stl",
     )
+    (tmp_path / "rover").mkdir()
     files = {name: tmp_path / name for name in names} | {"": path_of(first.path)}  # its baseline
     for file in files.values():
         file.write_text("k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
@@ -154,7 +156,7 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
     world = {"terrain": terrain, "soil": soil, "actors": (people,)}
     world["targets"] = (f"{mesh}:texture={texture}",)
     drivers = (f"policy:{net}", f"{own}:Mine")
-    runs = [Run.of(**world, driver=driver, robot=str(tmp_path)) for driver in drivers]
+    runs = [Run.of(**world, driver=driver, robot=str(tmp_path / "rover")) for driver in drivers]
     cases = [replace(first, run=run) for run in runs]
     for name, file in files.items():
         before = Progress(cases, tmp_path / "out", compare=True)

@@ -120,6 +120,8 @@ def test_clock_faults_reach_the_node_and_nothing_hangs(fault: str, expected: lis
         told = [m.clock.sec + m.clock.nanosec / 1e9 for m in clock.messages]
         assert told[48:50] == pytest.approx(expected)
         assert len(node.scans) == 20
+        one.pause(0.02)
+        assert clock.messages[-2:] == [clock.messages[-3]] * 2
         assert node.get_clock().now().nanoseconds / 1e9 == pytest.approx(told[-1])
 
 

@@ -14,6 +14,7 @@ from harness.validate.__main__ import main
 from harness.validate.single_wheel import judge, predict, read_trials, stall_slope_deg
 
 SAND = SOILS["dry_sand"]
+OWN = "k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n"
 COLUMNS = "lateral,wheel,wheel_speed,travel_speed,slip_angle_deg,tractive,load,sinkage,note"
 # Means of three trials each of C. Pavlov, 2022 (3d-terramechanics, MIT): slip angle [deg], slip; of the
 # smooth and the grousered wheel: tractive and lateral force, load [N], sinkage [mm].
@@ -129,8 +130,13 @@ def test_a_pressed_wheel_stands_where_measured_ones_did(
     assert pressing.pressed(SAND) == pytest.approx([18.5, 65.7, 143.3, 250.8], rel=0.25)
     file = tmp_path / "pressing.csv"
     file.write_text("run,body,sinkage,force\n1,plate,0.0,0.0\n2,smooth,0.0,0.0\n2,smooth,0.025,100\n")
-    assert main(["--rig", "--pressing", str(file)]) == 0
-    assert "measured, smooth" in capsys.readouterr().out
+    (own := tmp_path / "own.yaml").write_text(OWN)
+    assert main(["--rig", "--robot", "leo", "--soil", str(own), "--pressing", str(file)]) == 0
+    slopes, pressed = capsys.readouterr().out.split("Pressing")
+    assert "measured, smooth" in pressed
+    assert "own.yaml" in slopes
+    assert "own.yaml" in pressed
+    assert "jackal" not in slopes
     file.write_text("run,body,sinkage,force\n1,plate,0.0,0.0\n")
     assert main(["--rig", "--pressing", str(file)]) == 2
     file.write_text("run;body;sinkage;force\n2;smooth;deep;much\n")
