@@ -14,7 +14,7 @@ from harness.base.errors import RunFailed
 from harness.base.sim_time import HIGHEST_RATE
 from harness.physics.scene import motors_of
 from harness.robots import RoverSpec
-from harness.robots.model import STIFFEST, compiled_alone, extent
+from harness.robots.model import COLLIDING_GROUP, SEEN_GROUP, STIFFEST, compiled_alone, extent
 from harness.robots.sections import Span
 from harness.validate.check import Check, around, at_most
 from harness.validate.driving import at_rest, shaking, straight, yaw_ratio
@@ -23,6 +23,7 @@ from harness.validate.rig import Rig
 from harness.validate.stability import balance, creep, tip_angle
 
 MASSES = Span(0.2, 2000.0, "toys to field robots")
+LOOKS = Span(0.2, 5.0, 'URDF and MJCF are in metres; of a mesh in mm scale="0.001 0.001 0.001"')
 GYRATION = Span(0.1, 1.5, "0.4 to 0.6 of solid bodies, 1 of shells")
 TIPS = Span(15.0, 80.0, "lower: falls over; higher: is there a mass?")
 GRIP = Span(0.2, 1.5, "rubber on rock 0.6 to 1; the larger of wheel and ground without a priority")
@@ -56,12 +57,17 @@ def _safely(checks: Iterator[Check]) -> Iterator[Check]:
     try:
         yield from checks
     except RunFailed as error:
-        yield Check("simulation", "", Span(0.0, 0.0, str(error)), math.nan)
+        yield Check("failures of the simulation", "", at_most(0.0, str(error)), 1.0, digits=0)
 
 
 def _masses(rover: RoverSpec) -> Iterator[Check]:
     model, data = compiled_alone(rover)
     yield Check("mass", "kg", MASSES, float(model.body_mass.sum()), digits=2)
+    groups = (SEEN_GROUP, COLLIDING_GROUP)
+    boxes = [extent(model, data, np.flatnonzero(model.geom_group == group).tolist()) for group in groups]
+    seen, felt = (float(np.linalg.norm(high - low)) for low, high in boxes)
+    if math.isfinite(seen / felt):
+        yield Check("size of what is seen / of what collides", "", LOOKS, seen / felt, digits=2)
     ratios = {}
     for body in range(1, model.nbody):
         geoms = np.flatnonzero(model.geom_bodyid == body).tolist()
