@@ -136,7 +136,12 @@ class Drivetrain:
     ) -> None:
         lacking = [name for name in driven if name not in driving]
         if not sides or not driven or lacking:
+            speed = {number for kind, number in self._servos().values() if kind == VELOCITY}
+            others = [
+                self._model.actuator(n).name or f"number {n}" for n in {*range(self._model.nu)} - speed
+            ]
             motors = f"'{lacking[0]}' has none" if lacking else f"it has {len(driving)}"
+            motors += f"; others: {', '.join(sorted(others))}" if others else ""
             raise UsageError(
                 f"{self._path}: the wheels of each side need <velocity> actuators; {motors}"
             )
