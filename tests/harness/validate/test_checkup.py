@@ -100,7 +100,12 @@ def test_the_command_names_what_is_wrong_with_a_model(
     assert command.main(["check", str(folder)]) == 1
     told = capsys.readouterr()
     odd = [line.removeprefix("harness.robot: odd: ") for line in told.err.splitlines()]
-    for quantity in ("mass: ", "size of what is seen", "radius of gyration of 'base_link'", "load of the "):
+    for quantity in (
+        "mass: ",
+        "size of what is seen",
+        "radius of gyration of 'base_link'",
+        "load of the ",
+    ):
         assert any(line.startswith(quantity) for line in odd), quantity
     assert "creep" in told.out  # what is not odd is shown too
 
