@@ -174,11 +174,16 @@ def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
 
 
 def body_geoms(scene: Scene) -> set[int]:
-    """Returns what collides of a rover and is no wheel's."""
+    """Returns what collides of a rover and is no wheel's and no caster's."""
     model = scene.model
     wheels = {int(model.joint(name).bodyid[0]) for name in scene.all_own(scene.rover.wheel_joints)}
+    casters = {int(model.body(name).id) for name in scene.all_own(scene.rover.casters)}
     colliding = (geom for geom in scene.geoms() if model.geom_group[geom] == COLLIDING_GROUP)
-    return {geom for geom in colliding if model.body_weldid[model.geom_bodyid[geom]] not in wheels}
+    return {
+        geom
+        for geom, body in ((geom, model.geom_bodyid[geom]) for geom in colliding)
+        if model.body_weldid[body] not in wheels and body not in casters
+    }
 
 
 @lru_cache(maxsize=8)
@@ -235,7 +240,7 @@ def _add_truth_sensors(
     touched = UNDERGROUND if spec.geom(UNDERGROUND) else TERRAIN
     ground = (BODY, "world") if has_decks else (mujoco.mjtObj.mjOBJ_GEOM, touched)
     for part in (spec.body(root), *spec.body(root).find_all(BODY)):
-        if _scrapes(part, wheels):
+        if part.name.removeprefix(prefix) not in rover.casters and _scrapes(part, wheels):
             counts[f"{SCRAPE_CONTACT}_{part.name.removeprefix(prefix)}"] = (BODY, part.name), ground
     count, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     for name, ((kind, one), (other_kind, other)) in counts.items():

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.robots.drivetrain import Drivetrain
+from harness.robots.drivetrain import HINGE, STRAIGHT, Drivetrain
 from harness.robots.mjcf import EXACTLY_BACKWARD
 from harness.robots.model import COLLIDING_GROUP, extent
 from harness.robots.spec import RoverSpec
 
 MODEST = 0.5  # of the top speed: what the scripted drivers command, at most CRUISE
 CRUISE, TURNING = 1.0, 1.0  # [m/s], [rad/s]
+CARRIES = 0.15  # of the wheels' radius: so near to level ground, a caster touches it
 LOWEST = 0.01  # [m]: less clearance is none
 
 
@@ -37,6 +38,7 @@ class Measures(Drivetrain):
             "drive": self.drive,
             "passive_joints": self.passive_joints,
             "steered_wheels": self.steered_wheels,
+            "casters": self._casters(),
             "wheel_radius": self._radius,
             "wheel_friction": self._friction(),
             "wheel_speed_limit": self.wheel_speed_limit,
@@ -108,11 +110,36 @@ class Measures(Drivetrain):
     def _colliding(self) -> list[int]:
         return np.flatnonzero(self._model.geom_group == COLLIDING_GROUP).tolist()
 
+    def _casters(self) -> tuple[str, ...]:
+        """Bodies on the ground beside the wheels: those that roll freely, of one axle's rover all."""
+        model, bodies = self._model, dict[int, list[int]]()
+        for geom in self._no_wheels():
+            bodies.setdefault(int(model.geom_bodyid[geom]), []).append(geom)
+        lowest, highest = self._boxes[:, 0, 2].min(), self._boxes[:, 1, 2].max()
+        is_one_axle = np.ptp(self._boxes.mean(axis=1)[:, 0]) < self._radius
+        names = []
+        for body, geoms in bodies.items():
+            below, above = extent(model, self._data, geoms)
+            is_low = max(below[2] - lowest, above[2] - highest) <= CARRIES * self._radius
+            if is_low and (is_one_axle or self._rolls_freely(int(model.body_weldid[body]))):
+                names.append(model.body(body).name)
+        return tuple(names)
+
+    def _rolls_freely(self, body: int) -> bool:
+        model, joint = self._model, int(self._model.body_jntadr[body])
+        is_hinge = joint > 0 and model.jnt_type[joint] == HINGE and not model.jnt_limited[joint]
+        return bool(is_hinge and abs(self._data.xaxis[joint][1]) > STRAIGHT)
+
+    def _no_wheels(self) -> list[int]:
+        """What collides and is on no wheel."""
+        wheels = [self._body_of(name) for name in self._wheels]
+        bodies = self._model.body_weldid[self._model.geom_bodyid]
+        return [geom for geom in self._colliding() if bodies[geom] not in wheels]
+
     def _clearance(self, rest_height: float) -> float:
         model = self._model
-        wheels = [self._body_of(name) for name in self._wheels]
-        bodies = model.body_weldid[model.geom_bodyid]
-        rest = [geom for geom in self._colliding() if bodies[geom] not in wheels]
+        carriers = [model.body(name).id for name in self._casters()]
+        rest = [geom for geom in self._no_wheels() if model.geom_bodyid[geom] not in carriers]
         if not rest:
             return self._radius
         return max(LOWEST, float(extent(model, self._data, rest)[0][2]) + rest_height)

@@ -118,6 +118,7 @@ class ModelFacts(Value):
     folder: Path
     passive_joints: tuple[str, ...]  # in /joint_states, neither driven nor wheels
     steered_wheels: tuple[str, ...] = ()  # joints of the wheels that the steering turns
+    casters: tuple[str, ...] = ()  # bodies beside the wheels that carry it on level ground
     wheel_radius: Positive  # of the largest wheel [m]
     wheel_friction: Positive  # on ground of friction 1
     wheel_speed_limit: Positive  # largest speed of the slowest motor [rad/s]

@@ -38,7 +38,7 @@ CALM = at_most(
 SERVOS = at_most(
     STIFFEST, "else one at its limit flips to the other in each step: lower kv, or more armature"
 )
-WHEELS_ALONE = at_most(0.0, "wheels alone touch it")
+WHEELS_ALONE = at_most(0.0, "wheels and casters alone touch it")
 DC_GAIN = 6  # where MuJoCo keeps the gain of a <dcmotor>'s controller
 STANDING, PARKING, MEASURING, TURNING = 1.0, 2.0, 1.5, 2.0  # [s]
 LONGEST_WAY, RUN_UP = 20.0, 35.0  # [m] of a test drive and before it, at most: both fit the plane

@@ -57,10 +57,12 @@ def balance(rig: Rig) -> Balance:
     x, y, z = rig.in_model_frame(data.subtree_com[1]).tolist()
     wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
     left, right = np.split(wheels, 2)
+    casters = [model.body(name).id for name in rig.rover.casters]
+    ahead = rig.in_model_frame(data.geom_xpos[np.isin(model.geom_bodyid, casters)])[:, 0]
     return Balance(
         height=z - float(wheels[:, 2].mean()) + rig.rover.wheel_radius,
-        front=float(left[0, 0] + right[0, 0]) / 2 - x,
-        rear=x - float(left[-1, 0] + right[-1, 0]) / 2,
+        front=ahead.max(initial=(left[0, 0] + right[0, 0]) / 2) - x,
+        rear=x - ahead.min(initial=(left[-1, 0] + right[-1, 0]) / 2),
         left=float(left[:, 1].mean()) - y,
         right=y - float(right[:, 1].mean()),
         friction=rig.rover.wheel_friction,

@@ -12,10 +12,11 @@ import trimesh
 from harness import robot as command
 from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
-from harness.robots import read_rover
+from harness.robots import RoverSpec, read_rover
 from harness.robots.model import read_model
 from harness.robots.urdf.folder import Written, write_folder
 from harness.sensors.choice import chosen
+from harness.validate.checkup import check_up
 from tests.support.complaint import complaint
 from tests.support.foreign_rovers import (
     BUGGY,
@@ -184,10 +185,25 @@ def test_wheels_that_trail_what_swivels_are_casters_and_limits_of_many_turns_are
     trailing = re.sub(r'(child link="front_\w+"/><origin xyz=")0.0', r"\1-0.03", free)
     limits = '<limit lower="-1e16" upper="1e16" effort="1.5"'
     trailing = trailing.replace('<limit effort="1.5"', limits)
-    drive = written(tmp_path, trailing).rover.drive
-    assert (drive.kind, drive.left, drive.right) == ("skid", ("rear_left_joint",), ("rear_right_joint",))
+    rover = written(tmp_path, trailing).rover
+    assert (rover.drive.kind, rover.wheel_joints) == ("skid", ("rear_left_joint", "rear_right_joint"))
+    assert_carried_by_casters(rover)
     (tmp_path / "steered").mkdir()
     assert written(tmp_path / "steered", free).rover.drive.kind == "ackermann"
+
+
+def assert_carried_by_casters(rover: RoverSpec) -> None:
+    """It stands and turns on them, and that is no scraping."""
+    odd = [check.quantity for check in check_up(rover) if not check.passed]
+    assert not [quantity for quantity in odd if "on the ground" in quantity or "tip angle" in quantity]
+
+
+def test_what_slides_beside_the_wheels_of_one_axle_is_a_caster(tmp_path: Path) -> None:
+    front, rest = re.subn(r'(name="front_\w+" type=")continuous', r"\1fixed", HUSKY.urdf)
+    assert rest == 2
+    rover = written(tmp_path, front).rover
+    assert rover.wheel_joints == ("rear_left_wheel_joint", "rear_right_wheel_joint")
+    assert_carried_by_casters(rover)
 
 
 def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
