@@ -8,7 +8,17 @@ import numpy as np
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import gravity, tells_energy
 from harness.robots import RoverSpec, find_rover
-from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
+from harness.samples import (
+    GroundTruth,
+    Imu,
+    LaserScan,
+    Odometry,
+    Pose,
+    Sample,
+    Tick,
+    TruthState,
+    source,
+)
 from harness.sensors import table
 from harness.sensors.battery import Battery
 from harness.sensors.lidar_spec import LidarSpec
@@ -23,6 +33,8 @@ from rover_metrics.topics import ENERGY, sources_of
 if TYPE_CHECKING:
     from harness.episode.diagnostics import Diagnostics
     from rover_metrics.core.columns import Row
+
+BATTERY = "battery"  # the sensor whose topic the columns of energy are made of; others have others
 
 
 def extended_settings(
@@ -76,19 +88,19 @@ class SampleFeed:
         increment = 2 * lidar.angle_max / (lidar.beams - 1)
         # sensor_msgs/LaserScan carries both as float32.
         self._angles = float(np.float32(-lidar.angle_max)), float(np.float32(increment))
-        heard = {source.name for source in sources_of(session)}
+        heard = {each.name for each in sources_of(session)}
         topics = {
-            row.sample: tuple(f"/{topic.name}" for topic in row.topics)
+            row.source: tuple(f"/{topic.name}" for topic in row.topics)
             for row in table.SENSORS
             if row.options is None
-        } | {Battery: tuple(source.name for source in ENERGY)}
-        self._topics = {sample: names for sample, names in topics.items() if heard.issuperset(names)}
+        } | {BATTERY: tuple(each.name for each in ENERGY)}
+        self._topics = {read: names for read, names in topics.items() if heard.issuperset(names)}
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
         self.diagnostics: Diagnostics | None = None
 
     def take(self, sample: Sample) -> None:
         """Takes a sample; one that no column is made of is left out."""
-        remark, topics = self._hand_on(sample), self._topics.get(type(sample), ())
+        remark, topics = self._hand_on(sample), self._topics.get(source(sample), ())
         for topic in topics:
             self.fed[topic] += 1
             if self.diagnostics is not None:
@@ -108,7 +120,7 @@ class SampleFeed:
                 remark = session.take_odometry(sample.stamp_ns, (sample.twist.linear, 0.0, 0.0))
             case GroundTruth():
                 session.take_true_velocity(sample.linear_velocity)
-            case Battery(sensor="battery"):  # whose topic is that of the columns
+            case Battery() if sample.sensor == BATTERY:
                 session.take_battery(sample.stamp_ns, sample.voltage, sample.current)
             case TruthState():
                 session.take_contact(touches=sample.hazard_contact)

@@ -7,7 +7,8 @@ import pytest
 
 from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.robots import RoverSpec
-from harness.samples import Odometry, Pose, TruthState, Twist
+from harness.samples import Odometry, Pose, Sample, TruthState, Twist
+from harness.sensors.battery import Battery
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.session import MetricsSession
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -35,12 +36,14 @@ def test_the_settings_of_a_rover_are_its_footprint_lidar_gravity_and_wheels(
 def test_each_sample_counts_for_every_topic_that_it_would_have_had() -> None:
     state = TruthState(5, True, False, True, 11.0, 12.0, 13.0, (0.1, 0.2, 0.3, 0.4), 14.0)
     empty = Pose(5, (math.nan,) * 3, (0.0, 0.0, 0.0, 1.0), empty=True)
-    for settings, truth in ((None, 0), (extended_settings(LEO), 1)):
+    packs = [Battery(5, name, 12.0, -2.0, 1.0, 1.0, 0.0, (1.0, 1.0)) for name in ("battery", "spare")]
+    for settings, truth in ((None, 0), (extended_settings(LEO, energy=True), 1)):
         session = MetricsSession(settings=settings)
         feed = SampleFeed(session, LidarSpec(beams=5))
-        for sample in (state, empty, Odometry(5, 1.0, 2.0, 3.0, Twist(-0.4, 0.7))):
+        samples: list[Sample] = [state, empty, Odometry(5, 1.0, 2.0, 3.0, Twist(-0.4, 0.7)), *packs]
+        for sample in samples:
             feed.take(sample)
         assert feed.fed["/rover/pose_array"] == feed.fed["/odometry/wheels"] == 1
         assert feed.fed["/scan"] == 0
-        for topic in ("/rover/truth/contact", "/rover/truth/traversal"):
+        for topic in ("/rover/truth/contact", "/rover/truth/traversal", "/battery/battery_state"):
             assert feed.fed.get(topic, 0) == truth

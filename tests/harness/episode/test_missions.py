@@ -9,6 +9,7 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import check, fleet, graded_world, route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
+from harness.episode.topics import outlets_of
 from harness.robots import ROVERS
 from harness.robots.model import tip_limit
 from harness.samples import GoalPose
@@ -99,6 +100,10 @@ def test_who_commands_the_rover_is_told_each_way_point_once() -> None:
     told = [s for b in batches for t in b.ticks for s in t.samples if isinstance(s, GoalPose)]
     assert [goal.position[0] for goal in told] == [1.5, 9.0]
     assert told[0].stamp_ns == 10_000_000
+    run = Run.of(terrain="flat", route="1,0")
+    rovers = fleet(run, parse_rovers(["leo:a,driver=wander", "leo:b,driver=cmd_vel"], run.rover))
+    published = [GoalPose in outlets_of(rovers, number, lambda _: None) for number in (0, 1)]
+    assert published == [False, True]
 
 
 @pytest.mark.parametrize(("at", "hits"), [((1.0, 0.5), True), ((1.0, 2.0), False), ((-1.0, 0.5), False)])

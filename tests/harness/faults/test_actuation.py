@@ -7,17 +7,18 @@ import pytest
 
 from harness.base.sim_time import NANOSECONDS
 from harness.faults.actuation import ActuatorFaults
+from harness.faults.injector import FaultInjector
 from harness.faults.lookup import find_faults
-from harness.samples import Twist
+from harness.samples import LaserScan, Tick, Twist
 from harness.spec.fault import parse_fault
 from tests.support.rovers import LEO
 
 PERIOD = 0.05  # [s]
 
 
-def obeyed(fault: str, count: int = 60) -> np.ndarray:
+def obeyed(*given: str, count: int = 60) -> np.ndarray:
     """The speeds that are obeyed when each period commands one more [m/s]."""
-    faults = ActuatorFaults(find_faults((parse_fault(fault),), ()), seed=1)
+    faults = ActuatorFaults(find_faults(tuple(map(parse_fault, given)), None), seed=1)
     times = [round(index * PERIOD * NANOSECONDS) for index in range(count)]
     return np.array([faults.command(Twist(float(i)), t).linear for i, t in enumerate(times)])
 
@@ -45,7 +46,12 @@ def test_two_faults_of_a_motor_leave_what_either_leaves_of_the_other() -> None:
 
 
 def test_a_share_of_commands_is_not_heard() -> None:
-    speeds = obeyed("cmd_vel:dropout=0.3", 2000)
+    both = "scan:dropout=0.3", "cmd_vel:dropout=0.3"
+    speeds = obeyed(*both, count=2000)
     heard = speeds == np.arange(2000)
     assert heard.mean() == pytest.approx(0.7, abs=0.05)
     assert (speeds[1:][~heard[1:]] == speeds[:-1][~heard[1:]]).all()
+    injector = FaultInjector(find_faults(tuple(map(parse_fault, both)), None), seed=1)
+    scan = LaserScan(0, np.ones(3, np.float32))
+    seen = [bool(injector.corrupt(Tick(0, (scan,))).samples) for _ in speeds]
+    assert np.corrcoef(heard, seen)[0, 1] == pytest.approx(0.0, abs=0.1), "no scan is lost by that"
