@@ -25,6 +25,7 @@ LESS = {  # of what only repeats
     "lockstep.GOALS": {"one, in this process": 1.0, "two": 0.75},
     "obstacles.COUNTS": (0, 10),
     "runs.ROVERS": ("leo",),
+    "scenarios.get_context": ForkServer().get_context,
     "soil.ROVERS": ("leo",),
     "sensors.TARGETS": {"depth": ("-", "-")},
     "sensors._run": lambda *_: (1.0, 1.0),  # that of "runs"

@@ -1,5 +1,6 @@
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from harness.base.errors import RunFailed, UsageError
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
-from harness.physics.start import check_room, check_start
+from harness.physics.start import DROP_HEIGHT, check_room, check_start, spawn_pose
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import Start, World, starting_at
@@ -26,6 +27,25 @@ ROCK = Obstacle(
 def scene_of(heights: Field, start: Start) -> Scene:
     world = World("bench", Heightfield(heights, CELL), (ROCK, BOULDER), 0, None, start=start)
     return build_scene(world, ROVER_ZERO4WD, TIMESTEP_NS / 1e9)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+def test_a_rover_is_set_down_over_the_highest_ground_below_its_turned_footprint(yaw: float) -> None:
+    x, y = np.meshgrid(np.arange(-400, 401) * FINE, np.arange(-200, 201) * FINE)
+    scene = scene_of(0 * X, (3.0, -1.5, yaw))
+    world = replace(scene.world, ground=Heightfield(0.1 * x + 0.2 * y, FINE))
+    pose = spawn_pose(replace(scene, world=world), world.start)
+    x_min, x_max, y_min, y_max = ROVER_ZERO4WD.footprint
+    corners = [
+        0.1 * (3.0 + math.cos(yaw) * x - math.sin(yaw) * y)
+        + 0.2 * (-1.5 + math.sin(yaw) * x + math.cos(yaw) * y)
+        for x in (x_min, x_max)
+        for y in (y_min, y_max)
+    ]
+    assert pose[:2].tolist() == [3.0, -1.5]
+    expected = max(corners) + ROVER_ZERO4WD.rest_height + DROP_HEIGHT
+    assert pose[2] == pytest.approx(expected, abs=0.3 * FINE / 2)  # sampled each half cell
+    assert pose[3:] == pytest.approx((math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)))
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from harness.messages.optional import grid_map
 from harness.robots import ROVERS, find_rover
 from harness.robots.model import tip_limit
 from harness.scenario.case import plan
-from harness.scenario.maps import Grid, grids_of
+from harness.scenario.maps import Grid, grids_of, share
 from harness.sensors.message_types import GRID_MAP, read_message
 from harness.spec.run import Run
 from harness.validate.grounds import floor
@@ -94,6 +94,23 @@ def heard(truth: GradedMap, turn: float = 0.0) -> Grid:
     shift = (-float(x.mean()), -float(y.mean()), turn)
     grid = replace(grid, origin=shift)
     return replace(grid, costs=(truth.danger_at(*grid.places()) >= 1.0).astype(np.float32))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_shares_count_the_mistakes_that_a_map_has(turn: float) -> None:
+    truth = graded(ramp(0.0, box(ObstacleKind.HAZARD, 1.0)), LIMITS)
+    grid = heard(truth, turn)
+    dangers = int(grid.costs.sum())
+    assert dangers == pytest.approx(400, rel=0.12)
+    assert [share(w, grid, truth) for w in ("false_safe", "false_danger", "coverage")] == [0, 0, 1]
+    wrong = grid.costs.copy()
+    wrong.ravel()[np.flatnonzero(grid.costs)[:40]] = 0.0
+    wrong.ravel()[np.flatnonzero(grid.costs == 0)[:60]] = 1.0
+    wrong.ravel()[np.flatnonzero(grid.costs == 0)[60:100]] = np.nan
+    mistaken = replace(grid, costs=wrong)
+    assert share("false_safe", mistaken, truth) == pytest.approx(40 / dangers)
+    assert share("false_danger", mistaken, truth) == pytest.approx(60 / (6400 - dangers - 40))
+    assert share("coverage", mistaken, truth) == pytest.approx(1 - 40 / 6400)
 
 
 @pytest.mark.parametrize("turn", [0.0, -1.2])

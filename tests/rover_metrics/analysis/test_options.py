@@ -37,6 +37,17 @@ def test_every_spelling_of_robo_terrains_options_is_taken(spelling: str) -> None
     assert (options.confidence_level, options.save_outliers) == (0.9, True)
 
 
+def test_a_fixed_interval_is_a_second_and_the_axis_of_who_gives_one() -> None:
+    for words, axis in (
+        ("", ("percentage", 1.0)),
+        ("-n none", ("none", 1.0)),
+        ("-n fixed_interval", ("fixed_interval", 1.0)),
+        ("--fixed-interval 5", ("fixed_interval", 5.0)),
+    ):
+        options = parse(["a.csv", *words.split()])
+        assert (options.normalize, options.fixed_interval) == axis
+
+
 @pytest.mark.parametrize(
     ("words", "valid"),
     [

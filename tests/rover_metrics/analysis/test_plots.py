@@ -15,7 +15,7 @@ from rover_metrics.analysis.logs.log import Floats, Log, TimeAxis
 from rover_metrics.analysis.metric import METRICS, other_metric
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.plots import time_series as series
-from rover_metrics.analysis.plots.aggregate import draw_aggregate
+from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.style import STYLE, legend_columns, save
@@ -149,6 +149,15 @@ def test_a_very_long_series_is_smoothed_over_the_means_of_runs() -> None:
     means = pd.Series(values).groupby(np.arange(40_001) // 3).mean()
     assert curve[20:30] == pytest.approx(means.rolling(9, center=True).mean()[20:30])
     assert series.smoothed(np.arange(20_000.0), values[:20_000], 0.0, "mean")[0].size == 20_000
+
+
+def test_an_aggregate_is_mean_and_t_interval_of_the_episodes() -> None:
+    curves = np.array([[1.0, 1.0, np.nan], [2.0, 3.0, np.nan], [3.0, np.nan, np.nan]])
+    mean, low, high = mean_and_band(curves, 0.95)
+    np.testing.assert_allclose(mean, [2, 2, np.nan])
+    half = 4.30265273 * 1 / np.sqrt(3)  # t of 2 degrees of freedom
+    np.testing.assert_allclose(high, [2 + half, 3, np.nan])
+    np.testing.assert_allclose(low, [2 - half, 1, np.nan])
 
 
 @pytest.mark.parametrize("version", [(3, 6, 3), mpl.__version_info__])

@@ -174,6 +174,17 @@ def test_a_row_with_any_number_of_fields_too_many_is_left_out_alike(
         assert [finding.partition(" (")[2][:7] for finding in log.findings[:2]] == ["line 5)", "line 10"]
 
 
+def test_another_column_keeps_all_its_digits(write_log: WriteLog, row: Row, tmp_path: Path) -> None:
+    lines = write_log(lines=2).read_text().splitlines()
+    path = tmp_path / "more.csv"
+    path.write_text(f"{lines[0]},ms\n{lines[1]},1700000000123\n{lines[2]},\n")
+    log = read_log(path, [other_metric("ms")])
+    np.testing.assert_array_equal(log.columns["ms"], [1_700_000_000_123, np.nan])
+    assert log.findings == ()
+    jumps = [row(i, Timestamp=stamp) for i, stamp in enumerate((50, 51, 52, 3, 4, 40, 41))]
+    assert list(read_log(write_log(lines=jumps), gap=100.0).starts) == [0, 3]
+
+
 def test_a_session_that_was_killed_is_read_with_a_finding(
     write_log: WriteLog,
 ) -> None:
