@@ -26,18 +26,13 @@ release = _api.PyThread_release_lock
 def taken_lock() -> int:
     """Returns the address of a new lock, which is taken; it is to be given to `free`."""
     lock = int(_api.PyThread_allocate_lock())
-    _acquire(lock, 1)
+    take(lock)
     return lock
 
 
-def take(lock: int, *, waits: bool = True) -> bool:
-    """Takes a lock, without the interpreter meanwhile; returns whether it could.
-
-    Args:
-        lock: Its address.
-        waits: Whether to wait until somebody releases it.
-    """
-    return bool(_acquire(lock, waits))
+def take(lock: int) -> None:
+    """Takes the lock at an address, when somebody has released it; without the interpreter meanwhile."""
+    _acquire(lock, 1)
 
 
 @inlined
