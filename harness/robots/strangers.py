@@ -154,7 +154,8 @@ def check_quantities(model: mujoco.MjModel, path: Path) -> None:
     if model.eq_active0[bodies & ((model.eq_obj1id == 0) | (model.eq_obj2id == 0))].any():
         raise UsageError(f"{path}: an <equality> ties the rover to the world; take it out")
     for quantity, unit, low, high, kind, array in _QUANTITIES:
-        values = np.asarray(getattr(model, array), float).reshape(len(getattr(model, array)), -1)
+        values = np.asarray(getattr(model, array), float)
+        values = values.reshape(len(values), values.size // max(1, len(values)))  # there may be none
         wrong = np.argwhere(~((values >= low) & (values <= high)))
         if wrong.size:
             row, column = wrong[0]

@@ -151,7 +151,7 @@ class _Workshop:
             self._weigh_rotor(name, radius)
             effort = GRIP * self._mass * GRAVITY * radius
             limits = np.array(self._spec.joint(name).range).tolist()
-            if not limits[0] < 0 < limits[1]:
+            if not -np.pi / 2 < limits[0] < 0 < limits[1] < np.pi / 2:
                 limits = [-STEERING_LIMIT, STEERING_LIMIT]
                 equipment.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
             stiffness = effort / 0.1  # all of it 0.1 rad off

@@ -64,9 +64,11 @@ def find_joints(
     on_left, on_right = by_side({name: boxes[name].mean(axis=0) for name in wheels})
     left, right = left or on_left, right or on_right
     if not (left and right):
+        bare = [name for name, box in boxes.items() if not np.isfinite(box).all()]
+        shapeless = f"; without a <collision>, so no wheels: {', '.join(bare)}" if bare else ""
         raise UsageError(
             f"{where}: no wheels were found on both sides; name their joints by --left and --right, "
-            f"front to rear; hinges: {', '.join(names) or 'none'}"
+            f"front to rear; hinges: {', '.join(names) or 'none'}{shapeless}"
         )
     if len(left) != len(right):
         raise UsageError(

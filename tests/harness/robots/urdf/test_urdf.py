@@ -188,8 +188,11 @@ def test_wheels_that_trail_what_swivels_are_casters_and_limits_of_many_turns_are
     rover = written(tmp_path, trailing).rover
     assert (rover.drive.kind, rover.wheel_joints) == ("skid", ("rear_left_joint", "rear_right_joint"))
     assert_carried_by_casters(rover)
-    (tmp_path / "steered").mkdir()
-    assert written(tmp_path / "steered", free).rover.drive.kind == "ackermann"
+    all_round = BUGGY.urdf.replace("0.4189", "3.1416")  # as tutorials have it
+    for name, steered in (("free", free), ("round", all_round)):
+        (tmp_path / name).mkdir()
+        drive = written(tmp_path / name, steered).rover.drive
+        assert (drive.kind, drive.steering_limit) == ("ackermann", 0.5)
 
 
 def assert_carried_by_casters(rover: RoverSpec) -> None:
@@ -377,6 +380,10 @@ MISTAKES = {
     "empty": ("<robot/>", "holds no <link>"),
     "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares entities"),
     "no wheels": (HUSKY.urdf.replace("continuous", "fixed"), "no wheels were found on both sides"),
+    "bare wheels": (
+        re.sub(r"<collision>.*?</collision>", "", HUSKY.urdf),
+        "; without a <collision>, so no wheels: front_left_wheel_joint, ",
+    ),
     "zero mass": (of_wheel(MASS, 'mass value="0"'), "link 'front_left_wheel' has mass 0"),
     "no inertia": (of_wheel('ixx="', 'ixx="-'), "give numbers above 0"),
     "no number": (of_wheel(MASS, 'mass value="x"'), "a mass and an inertia in numbers"),
