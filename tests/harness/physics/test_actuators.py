@@ -31,6 +31,7 @@ from tests.harness.conftest import MakeSimulation
 from tests.support.rovers import LEO
 
 HUSKY = ROVERS["husky"]
+FRONT_DRIVEN = HUSKY.but(drive=HUSKY.drive.but(driven=HUSKY.drive.driven[::2]))  # others idle
 TICK = TICK_NS / NANOSECONDS
 
 
@@ -67,18 +68,18 @@ def test_a_rover_goes_where_it_goes_with_finer_steps(name: str, motors: str) -> 
     assert one == pytest.approx(other, abs=0.03)
 
 
-@pytest.mark.parametrize("name", ROVERS)
+@pytest.mark.parametrize("rover", [*ROVERS.values(), FRONT_DRIVEN], ids=[*ROVERS, "front_driven"])
 def test_a_motor_gives_what_current_and_voltage_allow_at_its_speed(
-    name: str, simulate: MakeSimulation
+    rover: RoverSpec, simulate: MakeSimulation
 ) -> None:
     """T = min(K i_max, K / R (V - K w)) against a command that is out of reach."""
-    rover = real(ROVERS[name], backlash=0.0)
+    rover = real(rover, backlash=0.0)
     simulation, motors = in_the_air(simulate(rover)), rover.actuators
     assert motors is not None
     simulation.model.dof_damping[6:] = simulation.model.dof_frictionloss[6:] = 0.0
     simulation.model.actuator_ctrlrange[:] *= 100
     simulation.data.ctrl[simulation.motors] = 100 * rover.wheel_speed_limit
-    share = len(rover.drive.left) if motors.one_motor_a_side else 1
+    share = len(rover.drive.driven) // 2 if motors.one_motor_a_side else 1
     for _ in range(60):
         before = simulation.data.qvel[simulation.model.joint(rover.drive.driven[0]).dofadr[0]]
         simulation.data.ctrl[simulation.motors] = 100 * rover.wheel_speed_limit

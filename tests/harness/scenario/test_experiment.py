@@ -1,6 +1,7 @@
 """Experiments: quantities without limits, compared within each ground, written as papers need them."""
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from harness.scenario.tables import latex_of, sheets
 from harness.scenario.verdict import Attempt, Measured, verdicts_of
 from rover_metrics.analysis.statistics.comparison import compare
 
+ROBOTS = "leo", "rover_zero4wd"
 TEXT = """
 about: Which rover tilts less, on two grounds.
 duration: 1
@@ -66,7 +68,7 @@ def test_too_few_seeds_are_told_once(tmp_path: Path) -> None:
 def test_an_experiment_is_one_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x.scenario.yaml").write_text(TEXT.format(seeds=2))
-    words = ["--jobs", "1", "--keep", "--runs", "runs.csv", "--latex", "t.tex", "--plot", "box.png"]
+    words = ["--jobs", "1", "--keep", "--runs", "runs.csv", "--latex", "t.tex", "--plot", "box.svg"]
     assert main(["x.scenario.yaml", *words]) == 0
     with (tmp_path / "runs.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -77,7 +79,9 @@ def test_an_experiment_is_one_command(tmp_path: Path, monkeypatch: pytest.Monkey
     ]
     assert all(float(row["truth.path_length, at the end [m]"]) > 0.0 for row in rows)
     assert all(Path(row["log"]).is_file() for row in rows)
-    assert (tmp_path / "box.png").stat().st_size > 1000
+    boxes = re.findall(r">([a-z_0-9, ]+) \(n = 2\)<", (tmp_path / "box.svg").read_text())
+    on_flat, on_gravel = ([f"{robot}, {ground}" for robot in ROBOTS] for ground in ("flat", "gravel"))
+    assert boxes == 2 * [*on_flat, *on_gravel], "what is compared stands together"
 
 
 @pytest.mark.parametrize(
