@@ -23,7 +23,7 @@ MOST_FILES = 100  # that a model may include
 PNG = b"\x89PNG"
 NEEDED = "constraint", "contact", "gravity", "actuation", "sensor"  # of what <flag> can switch off
 MEDIUM = "wind", "density", "viscosity"  # of <option>: of a fluid that no world has
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)  # MuJoCo's may hold --
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)  # MuJoCo's may hold --
 TIES = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD
 # Range, unit and arrays of MuJoCo's model: what a rover of 1 g to 1000 t may be made of.
 _QUANTITIES = (
@@ -57,7 +57,7 @@ def parsed(text: str, path: Path) -> ET.Element:
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise UsageError(f"{path} declares entities, which no robot needs; take <!DOCTYPE ...> out")
     try:
-        return ET.fromstring(_COMMENT.sub("", text))  # noqa: S314 - without entities
+        return ET.fromstring(COMMENT.sub("", text).lstrip())  # noqa: S314 - without entities
     except ET.ParseError as error:
         raise UsageError(f"{path} is not valid XML: {error}") from error
 

@@ -20,14 +20,13 @@ import trimesh
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.robots.model import keep_mujoco_quiet
-from harness.robots.strangers import MOST_BYTES, parsed, read_text
+from harness.robots.strangers import COMMENT, MOST_BYTES, parsed, read_text
 
 READABLE = (".stl", ".obj", ".msh")
 HEAD, FACE, LAST_LINE = 84, 50, 1000  # bytes of a binary STL's head and triangle; of a text's last line
 MOST_FACES = 200_000  # that MuJoCo's decoder reads
 LFS = b"version https://git-lfs"
 XACRO = re.compile(r"<xacro:|\$[({]")  # it leaves its namespace, and comments as they were, in a URDF
-COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 @dataclass

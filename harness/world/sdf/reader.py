@@ -14,6 +14,8 @@ MOST_BYTES = 64 * 2**20
 DEEPEST = 100  # elements within elements
 MODEL = re.compile(rb"\s*<model\b")
 DECLARATION = re.compile(rb"^\s*<\?xml[^>]*\?>")
+# Behind a comment or a line of nothing, where TinyXML takes it and XML has none.
+LATE = re.compile(rb"\A(?=\s|<!--)(?>\s+|<!--.*?-->)*+<\?xml[^>]*\?>", re.DOTALL)
 # An attribute without a value, as DynaBARN's worlds have and TinyXML reads; no XML has one in a tag.
 BARE = re.compile(rb"(<[\w:.-]+ [\w:.-]+=)(?=\s*/?>)")
 MOST_ELEMENTS = 4_000_000  # a million way points have three each
@@ -59,7 +61,7 @@ def parse_xml(data: bytes) -> Element:
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
     try:
-        parser.Parse(BARE.sub(rb'\1""', data), True)
+        parser.Parse(BARE.sub(rb'\1""', LATE.sub(b"", data)), True)
     except expat.ExpatError as error:
         raise UsageError(f"it is not XML: {error}") from error
     return builder.close()

@@ -68,8 +68,10 @@ class Resources:
                 return path
         if leads_out:
             raise Missing(f"{uri}: it leads out of the folders that are looked in")
-        package = PurePosixPath(name).parts[0]
-        raise Missing(f"{uri}: not found; name the folder that has {package}/ by --resource-path")
+        first, *below = PurePosixPath(name).parts
+        is_file = not below and PurePosixPath(name).suffix
+        what = first if is_file else f"{first}/"
+        raise Missing(f"{uri}: not found; name the folder that has {what} by --resource-path")
 
     def _roots(self, named_in: Path) -> Iterator[Path]:
         home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count

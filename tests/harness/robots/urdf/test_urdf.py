@@ -343,8 +343,12 @@ FIXED = '<joint name="to" type="fixed"><parent link="base_link"/><child link="ze
 
 @pytest.mark.parametrize(
     ("old", "left_behind"),
-    [('">', f'"{NAMESPACE}'), ("</robot>", NO_MASS + FIXED)],
-    ids=["xacro's namespace and comments", "a frame with a mass of 0"],
+    [
+        ('">', f'"{NAMESPACE}'),
+        ("<robot", '\n<!-- by hand -->\n<?xml version="1.0"?><robot'),
+        ("</robot>", NO_MASS + FIXED),
+    ],
+    ids=["xacro's namespace and comments", "a late declaration", "a frame with a mass of 0"],
 )
 def test_what_tools_that_write_urdf_leave_behind_does_not_count(
     old: str, left_behind: str, tmp_path: Path

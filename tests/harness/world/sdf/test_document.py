@@ -202,10 +202,10 @@ def test_a_place_on_earth_is_told_with_the_option_that_says_it(
 @pytest.mark.parametrize(
     "uri", ["model://ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground%20Plane"]
 )
-def test_gazebos_own_ground_and_sun_need_no_file_and_a_bare_attribute_is_empty(
+def test_gazebos_own_ground_and_sun_need_no_file_and_what_tinyxml_takes_is_taken(
     tmp_path: Path, uri: str
 ) -> None:
-    """As in DynaBARN's worlds; a plane that the world does bring counts before Gazebo's."""
+    """A bare attribute as in DynaBARN's worlds, and a late declaration; an own plane counts first."""
     sun = "<include><uri>model://sun</uri></include>"
     body = f"{sun}<include><uri>{uri}</uri><pose frame=>{' '.join(map(str, A))}</pose></include>"
     document = read(tmp_path, body)
@@ -213,7 +213,9 @@ def test_gazebos_own_ground_and_sun_need_no_file_and_a_bare_attribute_is_empty(
     assert isinstance(document.solids[0].shape, Plane)
     assert document.notes == ()
     (tmp_path / "ground_plane").mkdir()
-    (tmp_path / "ground_plane" / "model.sdf").write_text(f"<sdf version='1.9'>{model(link())}</sdf>")
+    (tmp_path / "ground_plane" / "model.sdf").write_text(
+        f"\n<!-- by hand -->\n<?xml version='1.0'?><sdf version='1.9'>{model(link())}</sdf>"
+    )
     own = read(tmp_path, "<include><uri>model://ground_plane</uri></include>")
     assert [solid.name for solid in own.solids] == ["m::l::c"]
 

@@ -144,7 +144,7 @@ def test_models_that_stand_in_no_world_are_put_on_a_plane(tmp_path: Path) -> Non
         ("<include><uri>https://a.b/c</uri></include>", "left out: https://a.b/c: nothing is fetched"),
         (  # what lacks the ground comes first
             "<population/>" + solid("m", "<mesh><uri>ground.dae</uri></mesh>"),
-            "; left out: ground.dae: not found; .*; <population>",
+            "; left out: ground.dae: not found; name the folder that has ground.dae by .*; <population>",
         ),
         (cube("b", "0 0 0 0 0 0", "3 4 5"), "it has no ground: neither a plane nor a heightmap"),
         (solid("m", "<mesh><uri>m.obj</uri></mesh>"), r"\(the widest is 2 x 3 m\); add a ground plane"),
