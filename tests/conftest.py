@@ -45,11 +45,11 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 
 
 @pytest.fixture
-def ros(ros_domain: int) -> Iterator[Ros]:  # noqa: ARG001 - sets the domain
+def ros(ros_domain: int, request: pytest.FixtureRequest) -> Iterator[Ros]:  # noqa: ARG001 - sets the domain
     """A context, an executor, and nodes on demand."""
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     with ExitStack() as at_end:
-        yield Ros(at_end)
+        yield Ros(at_end, *getattr(request, "param", ()))
 
 
 @pytest.fixture(scope="module")

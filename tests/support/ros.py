@@ -12,11 +12,11 @@ ANSWER = 2.0  # [s] until a request is sent again
 class Ros:
     """A context with its executor, and what tests make of nodes in it."""
 
-    def __init__(self, at_end: ExitStack) -> None:
+    def __init__(self, at_end: ExitStack, *ros_args: str) -> None:
         from harness.ros.context import make_executor, ros_context  # noqa: PLC0415 - see `ros`
 
         self.at_end = at_end
-        self.context: Untyped = at_end.enter_context(ros_context([]))
+        self.context: Untyped = at_end.enter_context(ros_context(ros_args))
         self._clients: dict[str, Untyped] = {}
         self.executor: Untyped = at_end.enter_context(make_executor(self.context))
 

@@ -23,8 +23,17 @@ from tests.support.ros import Ros
 from tests.support.waiting import PATIENCE
 
 
-@pytest.mark.parametrize("name", ["a", "b"])
-def test_time_waits_for_an_answer_to_each_scan_of_a_rover_that_was_sent(ros: Ros, name: str) -> None:
+@pytest.mark.parametrize(
+    ("ros", "name", "called"),
+    [
+        (("--ros-args", "-r", "said:=/answer"), "a", ("said", "scan")),
+        ((), "b", ("/answer", "/b/scan")),
+    ],
+    indirect=["ros"],
+)
+def test_time_waits_for_an_answer_to_each_scan_of_a_rover_that_was_sent(
+    ros: Ros, name: str, called: tuple[str, str]
+) -> None:
     first = ros.bridge(namespace="a")
     rovers = first, ros.bridge(namespace="b", clock=first.clock_channel)
     answers, silent = list[int](), False
@@ -46,7 +55,7 @@ def test_time_waits_for_an_answer_to_each_scan_of_a_rover_that_was_sent(ros: Ros
         ros.at_end.callback(end)
 
     def effect(timeout: float) -> Sequence[Listener]:
-        effects = [Effect(topic="/answer", newer_than=f"/{name}/scan", timeout=timeout)]
+        effects = [Effect(topic=called[0], newer_than=called[1], timeout=timeout)]
         return [AwaitedEffect(effect, rovers) for effect in effects]
 
     def advance(number: int, scans: int, listeners: Sequence[Listener]) -> None:
