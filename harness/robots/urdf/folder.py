@@ -93,6 +93,12 @@ def write_folder(
         )
     show_what_collides(spec)
     equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
+    believed = equipment.beliefs.get("controller_radius", largest)
+    if not ALIKE < believed / largest < 1 / ALIKE:
+        notes.append(
+            f"a plugin takes its wheels for {believed:.3g} m, not {largest:.3g}: it drives "
+            f"{largest / believed:.3g} times as fast as it is told"
+        )
     notes += _loose(spec, joints)
     spec.modelname = name
     try:

@@ -64,11 +64,9 @@ def find_joints(
     on_left, on_right = by_side({name: boxes[name].mean(axis=0) for name in wheels})
     left, right = left or on_left, right or on_right
     if not (left and right):
-        bare = [name for name, box in boxes.items() if not np.isfinite(box).all()]
-        shapeless = f"; without a <collision>, so no wheels: {', '.join(bare)}" if bare else ""
         raise UsageError(
             f"{where}: no wheels were found on both sides; name their joints by --left and --right, "
-            f"front to rear; hinges: {', '.join(names) or 'none'}{shapeless}"
+            f"front to rear; hinges: {', '.join(names) or 'none'}{_no_wheels(model, data, names, boxes)}"
         )
     if len(left) != len(right):
         raise UsageError(
@@ -102,6 +100,26 @@ def find_joints(
         radius=radius,
         backwards=tuple(turned),
     )
+
+
+def _no_wheels(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    names: dict[str, int],
+    boxes: dict[str, NDArray[np.float64]],
+) -> str:
+    """Why some hinges are no wheels, for a message: nothing of them collides, or x is not ahead."""
+    bare = [name for name, box in boxes.items() if not np.isfinite(box).all()]
+    across = [
+        name
+        for name, joint in names.items()
+        if abs(data.xaxis[joint][0]) > ALONG and _is_endless(model, joint) and name not in bare
+    ]
+    told = f"; without a <collision>, so no wheels: {', '.join(bare)}" if bare else ""
+    if across:
+        told += f"; about x, which must point ahead: {', '.join(across)}; put a root link before all, "
+        told += "whose fixed joint turns by 90 deg about z"
+    return told
 
 
 def _rolling(

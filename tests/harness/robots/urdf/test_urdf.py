@@ -250,8 +250,10 @@ def test_a_controllers_plugin_tells_what_it_believes(
     control = "".join(map(command.format, ("rear_left", "rear_right")))
     control += '<joint name="front_left_wheel_joint"><state_interface name="velocity"/></joint>'
     more = f"<gazebo><plugin>{tags}</plugin></gazebo><ros2_control>{control}</ros2_control>"
-    rover = written(tmp_path, HUSKY.urdf.replace("</robot>", f"{more}</robot>")).rover
+    made = written(tmp_path, HUSKY.urdf.replace("</robot>", f"{more}</robot>"))
+    rover = made.rover
     assert (rover.controller_separation, rover.controller_radius) == pytest.approx(believed)
+    assert any(f"takes its wheels for {believed[1]:g} m" in note for note in made.notes)
     assert rover.drive.driven == ("rear_left_wheel_joint", "rear_right_wheel_joint")
 
 
@@ -387,6 +389,10 @@ MISTAKES = {
     "bare wheels": (
         re.sub(r"<collision>.*?</collision>", "", HUSKY.urdf),
         "; without a <collision>, so no wheels: front_left_wheel_joint, ",
+    ),
+    "x to the side": (
+        HUSKY.urdf.replace('<axis xyz="0 1 0"/>', '<axis xyz="1 0 0"/>'),
+        "; about x, which must point ahead: front_left_wheel_joint, ",
     ),
     "zero mass": (of_wheel(MASS, 'mass value="0"'), "link 'front_left_wheel' has mass 0"),
     "no inertia": (of_wheel('ixx="', 'ixx="-'), "give numbers above 0"),
