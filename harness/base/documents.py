@@ -8,12 +8,19 @@ from harness.base.errors import UsageError
 from rover_metrics.log import documents
 from rover_metrics.log.documents import LARGEST_JSON, DocumentError
 
+LFS = b"version https://git-lfs"  # as the file begins that Git leaves where another is to be fetched
+POINTER = "is only Git LFS's pointer to it"
+FETCH = "git lfs pull fetches it"
+
 __all__ = ["LARGEST_JSON", "parse_json", "read_bytes", "read_json", "read_mapping", "read_yaml"]
 
 
 def read_bytes(path: Path, largest: int) -> bytes:
-    """Returns the bytes of a file or a shell's pipe; UsageError if it is unreadable or too large."""
-    return _named(str(path), lambda: documents.read_bytes(path, largest))  # type: ignore[no-any-return]
+    """Returns the bytes of a file or a shell's pipe; UsageError if it cannot be read or is too large."""
+    data: bytes = _named(str(path), lambda: documents.read_bytes(path, largest))
+    if data.startswith(LFS):
+        raise UsageError(f"{path} {POINTER}; {FETCH}")
+    return data
 
 
 def read_json(path: Path, largest: int = LARGEST_JSON) -> Any:  # noqa: ANN401 - whatever a file holds

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 import trimesh
 
-from harness.base.documents import read_bytes
+from harness.base.documents import FETCH, LFS, POINTER, read_bytes
 from harness.base.errors import UsageError
 from harness.robots.model import keep_mujoco_quiet
 from harness.robots.strangers import COMMENT, MOST_BYTES, parsed, read_text
@@ -25,7 +25,6 @@ from harness.robots.strangers import COMMENT, MOST_BYTES, parsed, read_text
 READABLE = (".stl", ".obj", ".msh")
 HEAD, FACE, LAST_LINE = 84, 50, 1000  # bytes of a binary STL's head and triangle; of a text's last line
 MOST_FACES = 200_000  # that MuJoCo's decoder reads
-LFS = b"version https://git-lfs"
 XACRO = re.compile(r"<xacro:|\$[({]")  # it leaves its namespace, and comments as they were, in a URDF
 
 
@@ -210,7 +209,7 @@ def _file(name_in_file: str, path: Path, folders: Sequence[Path]) -> tuple[Path 
         return None, f"is no {' or '.join(READABLE)}", "convert it"
     with file.open("rb") as mesh:
         if mesh.read(len(LFS)) == LFS:
-            return None, "is only Git LFS's pointer to it", "git lfs pull fetches it"
+            return None, POINTER, FETCH
     return file, "", ""
 
 

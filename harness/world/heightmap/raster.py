@@ -14,7 +14,7 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from harness.base.documents import read_bytes
+from harness.base.documents import FETCH, LFS, POINTER, read_bytes
 from harness.base.errors import UsageError, told
 from harness.world.heightfield import Field
 from harness.world.heightmap.cloud import SUFFIXES, gridded, is_cloud, read_points
@@ -79,20 +79,28 @@ def read_raster(path: Path, cell: float | None = None) -> Raster:
     return raster
 
 
-def _kind(path: Path) -> str:
+def _begin(path: Path) -> bytes:
+    """The first bytes of a file that can be one; else UsageError."""
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise UsageError(f"terrain {path} is not a file")
         with path.open("rb") as file:
-            start, size = file.read(12), path.stat().st_size
+            begin, size = file.read(len(LFS)), path.stat().st_size
     except (OSError, ValueError) as error:
         raise UsageError(f"terrain {path} cannot be read: {reason_of(error)}") from error
-    if not start:
+    if not begin:
         raise UsageError(f"terrain {path} is empty")
+    if begin == LFS:
+        raise UsageError(f"terrain {path} {POINTER}; {FETCH}")
     if size > MOST_BYTES:
         raise UsageError(
             f"terrain {path} is larger than {MOST_BYTES >> 20} MiB; crop it (gdal_translate -srcwin)"
         )
+    return begin
+
+
+def _kind(path: Path) -> str:
+    start = _begin(path)[:12]
     if (
         start.startswith(b"\x93NUMPY")
         and start[6] > 1

@@ -89,7 +89,8 @@ def partition(
         else:
             parts.standing.append((solid, mesh))
     if not parts.ground and parts.plane is None:
-        refused = "" if is_loose and solids else _groundless(solids, candidates) + _left_out(notes)
+        lacks = _left_out(notes)
+        refused = "" if is_loose and solids else _groundless(solids, candidates, lacks)
         _put_on_plane(parts, notes, refused)
     return parts
 
@@ -101,9 +102,10 @@ def _put_on_plane(parts: Partition, notes: list[str], refused: str) -> None:
     notes.append("its models stand in no world: put on a level plane")
 
 
-def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -> str:
+def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]], lacks: str) -> str:
     if not solids:
-        return "nothing in it can be collided with; give its models a <collision>"
+        mend = lacks or "; give its models a <collision>"
+        return f"nothing in it can be collided with{mend}"
     widest = max(
         (tuple(np.ptp(m.vertices[:, :2], axis=0)) for _, m in candidates), default=None, key=min
     )
@@ -111,7 +113,7 @@ def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -
     return (
         f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_MAP:g} x "
         f"{SMALLEST_MAP:g} m or more{size}; add a ground plane, or give the unit by --mesh-unit, "
-        "the axis by --mesh-up"
+        f"the axis by --mesh-up{lacks}"
     )
 
 

@@ -358,6 +358,10 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "nul\0.tif": (lambda _: None, "cannot be read: embedded null byte"),
     "folder.tif": (Path.mkdir, "Is a directory"),
     "empty.tif": (Path.touch, "is empty"),
+    "pointer.tif": (
+        lambda path: path.write_text("version https://git-lfs.github.com/spec/v1\n"),
+        "is only Git LFS's pointer to it; git lfs pull fetches it",
+    ),
     "text.tif": (lambda path: path.write_text("x,y,z\n1,2,3\n"), "is not a heightmap; readable: "),
     **{f"cut{kind}": (_cut, "damaged or cut short") for kind in (".tif", ".png", ".npy")},
     "bomb.tif": (_bomb, "unpacks to more than its size"),

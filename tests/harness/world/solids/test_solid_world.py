@@ -148,11 +148,13 @@ def test_models_that_stand_in_no_world_are_put_on_a_plane(tmp_path: Path) -> Non
         ),
         (cube("b", "0 0 0 0 0 0", "3 4 5"), "it has no ground: neither a plane nor a heightmap"),
         (solid("m", "<mesh><uri>m.obj</uri></mesh>"), r"\(the widest is 2 x 3 m\); add a ground plane"),
+        (solid("m", "<mesh><uri>p.obj</uri></mesh>"), "p.obj is only Git LFS's pointer to it"),
         (solid("m", "<mesh><uri>n.obj</uri></mesh>"), "1 of its vertices are NaN or infinite"),
     ],
 )
 def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, said: str) -> None:
     write_mesh(tmp_path / "m.obj", box((0, 0, 0), (2, 3, 4)))
+    (tmp_path / "p.obj").write_text("version https://git-lfs.github.com/spec/v1\n")
     (tmp_path / "n.obj").write_text("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
     with pytest.raises(UsageError, match=said) as raised:
         world_of(tmp_path, body)
