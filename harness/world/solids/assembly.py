@@ -92,6 +92,9 @@ def assembled(
     middle = f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
     notes.append(f"{ground.describe()}, relief {relief:.4g} m, {middle}")
     obstacles = _obstacles(parts, whole, surface, kinds, notes)
+    friction = min((s.friction for s in parts.grounds if s.friction is not None), default=None)
+    if friction is not None and friction < 1.0:
+        notes.append(f"no wheel has more friction than {friction:g}, the lowest <mu> of its ground")
     world = World(
         Path(spec.terrain).name,
         ground,
@@ -99,7 +102,7 @@ def assembled(
         seed,
         None,
         room=room_without_pits(surface),
-        friction=min((s.friction for s in solids if s.friction is not None), default=None),
+        friction=friction,
         files=tuple((str(path), digest) for path, digest in sorted(parts.hashes.items())),
     )
     start = free_start(world, surface, rover.step_limit, notes) if rover.needs_start else ORIGIN

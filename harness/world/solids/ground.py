@@ -50,6 +50,7 @@ class Partition:
     standing: list[tuple[Solid, Mesh]] = field(default_factory=list)
     # solids that are one shape each, of which none is ground
     primitives: list[Solid] = field(default_factory=list)
+    grounds: list[Solid] = field(default_factory=list)  # solids that are ground, or some of them is
     hashes: dict[Path, str] = field(default_factory=dict)  # SHA-256 of the files that were read
 
 
@@ -65,7 +66,8 @@ def partition(
         up: The axis of meshes that is up; "" is as their files say.
         is_loose: Whether solids without a ground are put on a level plane.
     """
-    parts, candidates = Partition(), list[tuple[Solid, Mesh]]()
+    parts = Partition(grounds=[solid for solid in solids if isinstance(solid.shape, Plane | Relief)])
+    candidates = list[tuple[Solid, Mesh]]()
     for solid in solids:
         match solid.shape:
             case Plane():
@@ -84,6 +86,7 @@ def partition(
     for (solid, mesh), area in zip(candidates, areas, strict=True):
         if area > 0.0 and area >= least:
             parts.ground.append(_upright(mesh, solid, notes))
+            parts.grounds.append(solid)
         elif isinstance(solid.shape, Primitive):
             parts.primitives.append(solid)
         else:

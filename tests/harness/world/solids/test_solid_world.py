@@ -70,19 +70,19 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     red = "<visual name='v'><material><diffuse>1 0 0 1</diffuse></material></visual>"
     body = (
         "<gravity>0 0 -1.62</gravity><actor name='ann'/><actor name='ben'/><road/>"
-        + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.0)
+        + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.4)
         + cube("low", "5 0 0.1 0 0 0")
         + cube("high", "0 0 0.2 0 0 0")
         + "<include><uri>gone.sdf</uri></include>" * 2
         + cube("above", "5 0 1.5 0 0 0")
-        + solid("mesh", "<mesh><uri>b.obj</uri></mesh>", "-9 0 0.5 0 0 0", looks=red)
+        + solid("mesh", "<mesh><uri>b.obj</uri></mesh>", "-9 0 0.5 0 0 0", mu=0.0, looks=red)
         + solid("deep", "<mesh><uri>a.obj</uri></mesh>", "0 0 -5 0 0 0")
     )
     world = world_of(tmp_path, body)
     assert kinds(world) == ["ROCK", "HAZARD", "HAZARD", "HAZARD"]
     built = [BUILT[obstacle.kind] for obstacle in world.obstacles[:3]]
     assert [obstacle.color for obstacle in world.obstacles] == [*built, (1.0, 0.0, 0.0, 1.0)]
-    assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.0, 7, None)
+    assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.4, 7, None)
     assert world.ground.bounds() == (-19.0, 21.0, -13.0, 17.0)
     assert np.unique(world.ground.heights).tolist() == [0.5]
     assert world.notes == (
@@ -91,6 +91,7 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
         "40 m along x, 30 m along y, 401 x 301 heights 0.1 m apart, relief 0 m, middle at 1,2",
         "2 solids lie in the ground or off the map: left out",
         "1 rocks (no higher than 0.1 m above the ground), 3 hazards, 0 facets of decks",
+        "no wheel has more friction than 0.4, the lowest <mu> of its ground",
         f"starts at {world.start[0]:g},{world.start[1]:g}, the free and gentle place next to its middle",
     )
     x, y, _ = world.start
