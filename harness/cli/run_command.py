@@ -93,11 +93,11 @@ def _command(options: RunOptions, console: Console) -> int:
         live = watched(run, options.live, options.ros.rate, stop)
         helm, watching = at_end.enter_context(live)
         outputs = options.outputs(logs, drawn, recorders, watching)
+        driven = _drive(drive, options, outputs, stop, console, helm)
+        if helm is not None and helm.note(run):  # no line gives again what somebody has ordered
+            options = replace(options, command="")
         results = [
-            _placed(result, options, output)
-            for result, output in zip(
-                _drive(drive, options, outputs, stop, console, helm), outputs, strict=True
-            )
+            _placed(result, options, output) for result, output in zip(driven, outputs, strict=True)
         ]
         for number, log in enumerate(logs):
             log.close()
@@ -131,7 +131,7 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
     failure = result.failure or (wrong[0].text if wrong else None)
     return replace(
         result,
-        command=options.command if result.run == options.run else "",  # it was not steered
+        command=options.command,
         report=named,
         params=options.params,
         columns=output.settings.extended.column_names,

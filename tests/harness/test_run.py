@@ -4,11 +4,14 @@ import json
 import shlex
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.interrupt import StopRequest
+from harness.episode.helm import Helm, Order
 from harness.run import main
 from harness.world.terrains import TERRAINS
 from rover_metrics.errors import LogError
@@ -57,6 +60,18 @@ def test_the_line_that_a_run_keeps_gives_its_bytes_again(tmp_path: Path) -> None
         one, again = (log.read_bytes() for log in tmp_path.glob(f"*/{name}/*.csv"))
         assert one == again
     assert len({log.read_bytes() for log in tmp_path.glob("*/*/*.csv")}) == 2
+
+
+@pytest.mark.parametrize("fleet", [[], ["--rover", "leo:a", "--rover", "leo:b,x=2,y=0"]])
+def test_what_somebody_has_steered_has_no_line_that_gives_it_again(
+    fleet: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    helm = Helm(None, StopRequest())
+    monkeypatch.setattr("harness.cli.run_command.watched", lambda *_: nullcontext((helm, ())))
+    helm.order(len(fleet) // 4, Order(reset=True))
+    assert main([*QUICK, *fleet, "--log-dir", str(tmp_path)]) == 0
+    kept = [json.loads(file.read_text()) for file in tmp_path.rglob("*.json")]
+    assert [each["command"] for each in kept] == [None] * (1 + len(fleet) // 4)
 
 
 def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
