@@ -15,17 +15,20 @@ from harness.episode.assembly import (
     check_world,
     fleet,
     gravity,
+    scenery,
     world_of,
 )
 from harness.episode.episode import episodes_of
 from harness.episode.metrics_feed import metric_settings
 from harness.episode.together import together
-from harness.robots import ROVERS
-from harness.samples import ActorPoses
+from harness.robots import ROVERS, find_rover
+from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
+from harness.world.berths import GAP
 from harness.world.obstacles import ObstacleKind
 from tests.harness.robots.test_model import brought_along
+from tests.support.rovers import LEO
 
 FLAT = Run.of(terrain="flat")
 BOX = "<collision name='c'><geometry><box><size>20 20 1</size></box></geometry></collision>"
@@ -141,6 +144,19 @@ def test_goals_and_the_timeout_of_commands_are_for_those_who_heed_them() -> None
     assert [len(batch.goals) for batch in next(together(episodes_of(run)))] == [0, 1]
 
 
+def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> None:
+    texts = ("leo", "rover_zero4wd", f"leo:near,x=0,y={LEO.reach * 2 + GAP:.3f}", "leo", "leo")
+    run = several(*texts)
+    world, members = scenery(run)
+    assert members[0].start == world.start
+    assert [one.name for one in members] == [one.name for one in run.rovers]
+    for number, one in enumerate(members):
+        for other in members[:number]:
+            apart = math.dist(one.start[:2], other.start[:2])
+            assert apart >= one.rover.reach + other.rover.reach + GAP - 1e-3
+    assert run == several(*texts)
+
+
 @pytest.mark.parametrize(
     ("texts", "mend"),
     [
@@ -186,6 +202,29 @@ def test_who_stands_in_the_way_of_one_rover_of_a_fleet_is_touched_by_that_one() 
         *_, last = together(episodes_of(several(*texts, **shared)))
         touched = [batch.truth.hazard_contacts > 0 for batch in last]
         assert touched == [text.startswith("jackal") for text in texts]
+
+
+def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
+    """The other stands on; people walk on; both touch nothing."""
+    shared = {"duration": 0.3, "lidar_beams": 2, "driver": "straight", "actors": ["g=9,0/9,4"]}
+    run = several("leo:a,x=-2,y=3", "rover_zero4wd:b,x=3,y=0,driver=spin", **shared)
+    one, other = episodes_of(run)
+    batches = together((one, other))
+    next(batches)
+    there = one.simulation.position
+    other.reset(Place(*there[:2], 1.0))
+    apart = LEO.reach + find_rover("rover_zero4wd").reach + GAP  # to the left of the heading
+    left = there[0] - apart * math.sin(1.0), there[1] + apart * math.cos(1.0), 1.0
+    assert (*other.simulation.position[:2], other.simulation.yaw) == pytest.approx(left, abs=0.02)
+    assert one.simulation.position == there
+    other.reset()
+    assert other.simulation.position[:2] == pytest.approx((3.0, 0.0), abs=0.02)
+    for pair in batches:
+        for batch in pair:
+            samples = [sample for tick in batch.ticks for sample in tick.samples]
+            assert not any(s.hazard_contact for s in samples if isinstance(s, TruthState))
+            people = [s for s in samples if isinstance(s, ActorPoses)]
+            assert all(s.position[0][1] == pytest.approx(s.stamp_ns / 1e9, abs=0.02) for s in people)
 
 
 def test_a_free_place_of_a_target_lies_near_the_start_that_is_given() -> None:

@@ -2,6 +2,7 @@
 
 import math
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from harness.physics.scene import Dress, Scene, build_scene
 from harness.robots import ROVERS, RoverSpec
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.obstacles import Obstacle, ObstacleKind, convex, orientation, surface
 from harness.world.world import World
 from tests.support.rovers import LEO
 
@@ -145,6 +146,32 @@ def test_a_model_made_for_training_is_solved_as_far_as_others_or_as_it_asks(
         (m.opt.iterations, m.opt.ls_iterations) for m in (scene_of(copied).model, scene_of().model)
     )
     assert solver == tuple(map(max, asked, others))
+
+
+def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> None:
+    corners = np.array([(x, y, z) for x in (9.0, 10.0) for y in (0.0, 1.0) for z in (0.0, 0.5)])
+    roof = np.array([(9.0, 2.0, 3.0), (11.0, 2.0, 3.0), (9.0, 4.0, 3.0), (11.0, 4.0, 4.0)])
+    red = (1.0, 0.0, 0.0, 1.0)
+    obstacles = (
+        replace(convex(ObstacleKind.HAZARD, corners), color=red),
+        surface(ObstacleKind.DECK, roof, np.array([[0, 1, 2], [1, 3, 2]])),
+    )
+    ground = Heightfield(np.full((5, 5), -1.0), 2.0, (10.0, 2.0))
+    world = World("w", ground, obstacles, 0, None, gravity=1.62, friction=0.25)
+    model = build_scene(world, LEO, 0.002).model
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    groups, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
+    for x, y, z in ((9.5, 0.5, 0.5), (9.5, 2.5, 3.0), (13.5, 5.5, -1.0), (6.5, -1.5, -1.0)):
+        fallen = mujoco.mj_ray(
+            model, data, np.array([x, y, 9.0]), np.array([0.0, 0, -1]), groups, 1, -1, hit
+        )
+        assert 9.0 - fallen == pytest.approx(z, abs=1e-5), (x, y)
+    assert model.opt.gravity.tolist() == [0.0, 0.0, -1.62]
+    hazard, deck = model.geom("hazard_0"), model.geom("deck_1")
+    assert (hazard.contype[0], deck.contype[0], deck.conaffinity[0]) == (2, 0, 0)
+    assert model.body(int(hazard.bodyid[0])).name == "hazards"
+    assert hazard.rgba.tolist() == list(red)
 
 
 @pytest.mark.parametrize("priority", [0, 1])

@@ -42,6 +42,26 @@ def test_the_models_that_ship_are_not_changed(rover: RoverSpec) -> None:
     assert read_model(rover).to_xml() == plain
 
 
+def test_a_model_gets_what_scenes_need(tmp_path: Path) -> None:
+    rover = read_rover(brought_along(tmp_path / "car"))
+    model = read_model(rover).compile()
+    assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+    assert model.nlight == 0
+    assert mujoco.mjtGeom.mjGEOM_PLANE not in model.geom_type
+    colliding = model.geom_group == 3
+    assert colliding.sum() == 5
+    assert set(zip(model.geom_contype[colliding], model.geom_conaffinity[colliding], strict=True)) == {
+        (1, 2)
+    }
+    assert (model.geom_group == 2).sum() == 5  # something to be seen of each body, without a weight
+    water = 1000 * (0.5 * 0.2 * 0.1 + 4 * 0.06 * 0.031416)  # MuJoCo's density of what tells none
+    assert model.body_mass.sum() == pytest.approx(water, rel=1e-3)
+    assert [model.sensor(name).dim[0] for name in ("imu_accelerometer", "imu_gyro")] == [3, 3]
+    assert model.site("lidar").pos[2] == pytest.approx(0.25 + 0.05)
+    assert rover.drive.left == ("a", "b")
+    assert rover.drive.right == ("c", "d")
+
+
 def test_parts_without_a_name_scrape_too_and_every_key_may_be_left_out(tmp_path: Path) -> None:
     skid = '<body pos="-0.3 0 0.1"><geom size="0.05"/></body>'
     folder = brought_along(tmp_path / "car", skid)
@@ -83,7 +103,7 @@ def hinge(text: str) -> dict[str, str]:
 MISTAKES = {
     "two bodies": ({"</worldbody>": '<body name="x"/></worldbody>'}, "it holds car, x"),
     "a rail": ({'="car">': '="car"><joint name="s" type="slide"/>'}, "take joint 's' away"),
-    "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "actuators; it has 0; others: number 0"),
+    "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "need <velocity> actuators; it has 0"),
     "an axis": ({'name="d" axis="0 1 0"': 'name="d" axis="0 -1 0"'}, "joint 'd' must turn about +y"),
     "a gear": ({'kv="5"': 'kv="5" gear="2"'}, "the motor of 'a' has gear 2"),
     "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit ahead and back"),

@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
 from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
-from harness.robots import ROVERS, FrameRow, RoverSpec
+from harness.robots import FrameRow, RoverSpec
 from harness.sensors import table
 from harness.sensors.choice import chosen, kinds
 from harness.sensors.optional import SensorOptions
@@ -226,12 +225,3 @@ def test_cameras_have_an_optical_frame_and_hang_where_the_rover_has_a_place_for_
     assert [(frame.parent, frame.child) for frame in rows] == frames
     assert all(frame.xyz == (1.0, 2.0, 3.0) for frame in rows[:1] if "parent" in values)
     assert kind == "height_scan" or all(frame.rpy == OPTICAL for frame in rows[1:])
-
-
-@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-def test_what_nobody_mounts_is_where_the_model_has_its_lidar(rover: RoverSpec) -> None:
-    given = SensorOptions(name="eye")
-    frames = rover_frames(rover.but(lidar_height=7.0), given.frames(rover.but(lidar_height=7.0)))
-    (eye,) = (link for link in frames.links if link.name == "eye_link")
-    assert eye.in_base[:3, 3] == pytest.approx(frames.data.site("lidar").xpos, abs=1e-12)
-    assert eye.in_base[:3, :3] == pytest.approx(np.eye(3))

@@ -210,6 +210,24 @@ def test_wheels_are_round_and_as_wide_as_rover_yaml_says(
             driven(0.6, robot=str(tmp_path))
 
 
+def test_episodes_of_an_environment_begin_on_fresh_ground_unless_ruts_are_kept() -> None:
+    for keep in (False, True):
+        env = gymnasium.make(
+            "RoverHarness/PointNav-v0",
+            terrain="flat",
+            soil="dry_sand",
+            random_start=False,
+            keep_ruts=keep,
+        )
+        env.reset(seed=1)
+        for _ in range(40):
+            env.step(np.array([1.0, 0.0], np.float32))
+        env.reset()
+        bed = env.unwrapped.driven.simulation.physics.bed  # type: ignore[attr-defined]
+        far = bed.surface[:, bed.surface.shape[1] // 2 + 20 :]  # ahead of where it stands
+        assert bool(far.min() < -0.005) is keep
+
+
 def test_an_environment_names_what_it_lacks_of_soil(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="'sinkage' is of soil; give soil in all worlds"):
         gymnasium.make("RoverHarness/PointNav-v0", terrain="flat", reward={"sinkage": -1.0})

@@ -11,6 +11,7 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import check
 from harness.spec.run import Run
 from harness.spec.world import FILE_FIELDS, HEIGHTMAPS, SOLIDS
+from harness.world.files import is_heightmap, is_terrain_file
 
 GIVEN: dict[str, Any] = {"terrain_size": (10.0, 50_000.0), "terrain_height": 0.0, "terrain_cell": 0.02}
 GIVEN |= {"terrain_roughness": "C"}
@@ -41,3 +42,14 @@ def test_an_option_is_refused_beside_another_kind_of_terrain(terrain: str) -> No
 def test_what_is_not_valid_is_refused_with_what_is(fields: dict[str, Any], said: str) -> None:
     with pytest.raises(UsageError, match=said):
         check(Run.of(terrain="a.stl", **fields))
+
+
+def test_a_file_is_known_by_its_suffix_its_folder_or_that_it_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hill").touch()
+    (tmp_path / "flat").touch()  # a terrain's name is the terrain's all the same
+    names = ("a.PNG", "a.sdf", "a.OBJ", "b/a", "hill", "flat", "hole")
+    assert [is_terrain_file(name) for name in names] == [True] * 5 + [False] * 2
+    assert [is_heightmap(f"a{end}") for end in ("", ".PNG", ".SDF", ".obj")] == [True] * 2 + [False] * 2

@@ -38,6 +38,18 @@ def test_markers_are_those_of_opencv(dictionary: str) -> None:
     assert face_image(dictionary, 1)[0].all()  # the margin is white
 
 
+def test_a_face_of_20_cm_carries_a_black_square_of_15_cm_at_its_height() -> None:
+    (post,) = targets("aruco:x=3,y=1,height=0.7")
+    assert len(post.skins) == 3
+    for skin in post.skins:
+        assert np.linalg.norm(skin.vertices[1] - skin.vertices[0]) == pytest.approx(0.2)
+        assert skin.vertices[:, 2].mean() == pytest.approx(post.position[2] + 0.7)
+    towards_start = post.skins[0].vertices.mean(axis=0)[:2] - post.position[:2]
+    assert towards_start @ (-3.0, -1.0) > 0.0
+    black = (face_image("4x4_50", 0)[..., 0] == 0).any(axis=0)
+    assert black.mean() * 0.2 == pytest.approx(0.15)
+
+
 @pytest.mark.parametrize(
     "text", ["aruco", "aruco:faces=1", "aruco:faces=4", "gate", "post", "mallet", "bottle"]
 )

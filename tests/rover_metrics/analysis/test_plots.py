@@ -18,7 +18,7 @@ from rover_metrics.analysis.plots import time_series as series
 from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
-from rover_metrics.analysis.plots.style import STYLE, legend_columns, save
+from rover_metrics.analysis.plots.style import STYLE, legend_columns, look, lower_end, save
 from rover_metrics.analysis.plots.time_series import MOST_POINTS, draw_time_series, thinned
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.study import Member, Options, Study
@@ -149,6 +149,22 @@ def test_a_very_long_series_is_smoothed_over_the_means_of_runs() -> None:
     means = pd.Series(values).groupby(np.arange(40_001) // 3).mean()
     assert curve[20:30] == pytest.approx(means.rolling(9, center=True).mean()[20:30])
     assert series.smoothed(np.arange(20_000.0), values[:20_000], 0.0, "mean")[0].size == 20_000
+
+
+def test_an_axis_ends_above_the_bulk_and_begins_at_0_unless_that_hides_the_difference() -> None:
+    for values, at_least, expected in (
+        ([0.0, 0.0], 0.0, (1.0, 0, 0.0)),
+        ([1.0, 2.0], 0.0, (2.2, 0, 2.0)),
+        ([1.0, 2.0], 3.0, (3.0, 0, 2.0)),
+        ([*[1.0] * 999, 1.5], 0.0, (1.65, 0, 1.5)),
+        ([*[1.0] * 998, 1.6, 1.6], 0.0, (1.1, 2, 1.6)),
+        ([*[0.0] * 999, 5.0], 0.0, (5.5, 0, 5.0)),
+    ):
+        assert series.upper_limit(np.array(values), at_least) == pytest.approx(expected)
+    ends = {(0, 10): 0, (9, 10): 8.9, (5, 10): 0, (6, 10): 5.6, (10, 10): 0}
+    for (lowest, highest), begins in (ends | {(-1, 1): -1.2, (-3, -1): -3.2}).items():
+        assert lower_end(lowest, highest) == pytest.approx(begins)
+    assert len({str(look(i)) for i in range(30)}) == 30
 
 
 def test_an_aggregate_is_mean_and_t_interval_of_the_episodes() -> None:

@@ -34,6 +34,13 @@ def test_a_persons_name_for_a_log_comes_first(stem: str, changed: dict[str, obje
     assert labels([log_at(f"/d/{stem}.csv", {"seed": 7})]) == [stem]
 
 
+def test_drives_that_are_alike_are_told_apart_by_their_times() -> None:
+    twice = [log_at(f"/d/{TIME}{i}.csv", RUN) for i in range(2)]
+    other = log_at(f"/d/{TIME}9.csv", RUN | {"seed": 8})
+    alike = [f"leo rocky 0.5 seed 7, 20250116_12045{i}" for i in range(2)]
+    assert labels([*twice, other]) == [*alike, "leo rocky 0.5 seed 8"]
+
+
 @pytest.mark.parametrize(
     ("paths", "names"),
     [

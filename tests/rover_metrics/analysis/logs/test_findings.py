@@ -75,6 +75,19 @@ def test_a_flag_that_contradicts_its_level_is_told_with_what_would_fit(
     ]
 
 
+def test_a_collision_is_below_its_threshold_the_one_that_the_log_had() -> None:
+    assert rough([0, 1, 0, 1, np.nan, 0], [14.9, 15.1, 15.0, 15.0, 20, np.nan]) == []
+    assert told(Current_Collision_Status=[1, 0, 1], Obstacle_Clearance=[0.1, 0.3, 0.2]) == []
+    near: dict[str, Values] = {"Current_Collision_Status": [1, 0], "Obstacle_Clearance": [0.35, 0.5]}
+    (finding,) = told(DEFAULT_THRESHOLDS, **near)
+    assert "collision_threshold 0.2 m (line 2, 1 at 0.35)" in finding
+    assert finding.endswith("such as one between 0.35 and 0.5")
+    assert told(Thresholds(collision_threshold=0.4), **near) == []
+    (alone,) = told(Current_Collision_Status=[1], Obstacle_Clearance=[0.35])
+    (never,) = told(Current_Collision_Status=[0], Obstacle_Clearance=[0.15])
+    assert (alone[-23:], never[-23:]) == (" such as one above 0.35", " such as one below 0.15")
+
+
 def test_the_records_threshold_is_what_counts(
     write_log: Callable[..., Path], row: Callable[..., str]
 ) -> None:

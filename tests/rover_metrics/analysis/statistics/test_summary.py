@@ -9,6 +9,7 @@ from scipy import stats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.autocorrelation import block_length, effective_size
 from rover_metrics.analysis.statistics.summary import (
+    RESAMPLES,
     Interval,
     block_bootstrap_interval,
     summarise,
@@ -55,6 +56,20 @@ def test_a_flag_has_a_share_with_wilsons_interval(ones: int, n: int, confidence:
     assert (summary.bootstrap_interval is None) == (n < 20 or ones == 0)
 
 
+def test_constant_values_have_no_interval_and_none_have_no_number() -> None:
+    for values in (np.full(50, 3.0), np.array([3.0])):
+        summary = summarise(values, np.ones(values.size), Kind.LEVEL, 0.95)
+        assert (summary.n, summary.mean) == (values.size, 3.0)
+        assert summary.sd == (0.0 if values.size > 1 else None)
+        assert summary.interval is summary.bootstrap_interval is None
+    none = np.empty(0)
+    for summary in (
+        summarise(none, none, Kind.LEVEL, 0.95),
+        summarise_independent(none, Kind.LEVEL, 0.95),
+    ):
+        assert (summary.n, summary.mean, summary.sd, summary.interval) == (0, None, None, None)
+
+
 def test_independent_values_have_students_interval_and_a_share_none_beyond_0_and_100() -> None:
     values = np.array([0.0, 0.0, 0.0, 100.0])
     level, flag = (summarise_independent(values, kind, 0.95) for kind in (Kind.LEVEL, Kind.FLAG))
@@ -81,6 +96,17 @@ def test_the_bootstrap_resamples_whole_blocks(length: int, monkeypatch: pytest.M
     monkeypatch.setattr("rover_metrics.analysis.statistics.summary._AT_ONCE", 700)
     found = block_bootstrap_interval(values, weights, length, 0.8)
     assert found == pytest.approx(np.percentile(means, [10, 90]))
+
+
+def test_a_log_of_twenty_rows_or_more_is_resampled_in_its_best_blocks() -> None:
+    values = np.random.default_rng(3).normal(size=20).cumsum()
+    assert summarise(values[1:], np.ones(19), Kind.LEVEL, 0.95).bootstrap_interval is None
+    summary = summarise(values, np.ones(20), Kind.LEVEL, 0.9)
+    assert summary.block_length == block_length(values)
+    assert RESAMPLES == 2000
+    assert summary.bootstrap_interval == block_bootstrap_interval(
+        values, np.ones(20), block_length(values), 0.9
+    )
 
 
 def test_a_long_log_is_resampled_in_five_thousand_blocks_at_most() -> None:
