@@ -103,7 +103,7 @@ def hinge(text: str) -> dict[str, str]:
 MISTAKES = {
     "two bodies": ({"</worldbody>": '<body name="x"/></worldbody>'}, "it holds car, x"),
     "a rail": ({'="car">': '="car"><joint name="s" type="slide"/>'}, "take joint 's' away"),
-    "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "need <velocity> actuators; it has 0"),
+    "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "actuators; it has 0; others: number 0"),
     "an axis": ({'name="d" axis="0 1 0"': 'name="d" axis="0 -1 0"'}, "joint 'd' must turn about +y"),
     "a gear": ({'kv="5"': 'kv="5" gear="2"'}, "the motor of 'a' has gear 2"),
     "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit ahead and back"),
