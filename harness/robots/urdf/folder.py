@@ -23,7 +23,7 @@ from harness.robots.urdf.source import read_urdf
 
 SCHEMA = "rover.schema.json"  # for editors
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
-NAMES = "letters, digits, '_', '-' or '.'"
+NAMES = "letters, digits, '_', '-' or '.'; where it is put, --out says"
 # Keys whose derived values the file shows, so that users who know better can set them.
 SHOWN = (
     "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
