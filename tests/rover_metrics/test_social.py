@@ -1,5 +1,6 @@
 """`python -m rover_metrics.social` as its user sees it."""
 
+import csv
 import json
 import re
 import shutil
@@ -30,6 +31,16 @@ def logs(tmp_path: Path) -> Path:
             rows = [f"{n},{n}.00,{n},{run},1.00,{near[n]},{near[n]},{n // period}" for n in range(1, 41)]
             path.write_text("\n".join([HEADER, *rows, ""]))
     return tmp_path
+
+
+def test_the_numbers_are_those_of_the_logs(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert social.main([str(logs / "fast"), str(logs / "slow"), "--json", "--window", "5"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert list(result["groups"]) == ["fast", "slow"]
+    assert [run["s_per_goal"] for run in result["groups"]["fast"]["runs"]] == [2.0, 2.0]
+    assert [len(group["windows"]) for group in result["groups"].values()] == [8, 4]
+    assert result["groups"]["slow"]["runs"][0]["risk_s"] == 0
+    assert result["differences"][1]["runs"]["p"] == pytest.approx(1 / 3)
 
 
 def test_tables_and_pictures_are_as_checked(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -81,6 +92,13 @@ def test_mistakes_are_told_in_one_line(
         ["--risk-distance", "1_0"],
     ):
         assert "is not valid; give a" in complaint(social.main, ["log.csv", *wrong], capsys)
+
+
+def test_the_tables_are_rows_behind_their_titles(logs: Path, tmp_path: Path) -> None:
+    assert social.main([str(logs), "--csv", str(tmp_path / "t.csv")]) == 0
+    with (tmp_path / "t.csv").open(newline="") as file:
+        tables = [row["table"] for row in csv.DictReader(file)]
+    assert {"Runs of fast", "Runs of slow", "Groups"} <= {*tables}
 
 
 def test_a_folder_is_read_with_those_below_it(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,8 +3,9 @@
 import pytest
 
 from rover_metrics.analysis import metric as of
-from rover_metrics.analysis.metric import METRICS, Kind, choose, other_metric
-from rover_metrics.core.columns import COLUMNS
+from rover_metrics.analysis.metric import METRICS, Kind, choose, is_other, other_metric
+from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 HEADER = [*COLUMNS, "Slip", "Peak Jerk [m/s^3]", "battery [V]", "VORT [m/s]"]
 
@@ -22,6 +23,15 @@ HEADER = [*COLUMNS, "Slip", "Peak Jerk [m/s^3]", "battery [V]", "VORT [m/s]"]
 def test_any_other_column_is_a_metric_too(column: str, label: str, kind: Kind, short: str) -> None:
     metric = other_metric(column)
     assert (metric.columns, metric.label, metric.kind, metric.short) == ((column,), label, kind, short)
+
+
+def test_columns_that_only_grow_are_reported_as_rates() -> None:
+    assert tuple(column.name for column in ROBOTERRAIN_COLUMNS if column.cumulative) == of.COUNTERS
+    others = [name for name in EXTENDED_HEADER if is_other(name)]
+    rates = [name for name in others if other_metric(name).kind is Kind.COUNTER]
+    counted = ("Events", "Scans", "Collisions", "Rejected", "Lost")
+    assert rates == [name for name in EXTENDED_HEADER[12:] if name.endswith(counted)]
+    assert not any(map(is_other, (*COLUMNS, "VORT [m/s]", "")))
 
 
 @pytest.mark.parametrize(
