@@ -40,7 +40,8 @@ def run_all(
         Interrupted: Somebody stopped the command.
     """
     progress = Progress(cases, folder, compare=options.compare)
-    done = progress.read() if resume else {}
+    before = progress.read() if resume else {}
+    done = {place: one for place, one in before.items() if one.kept or not options.keep}
     if not done:
         progress.begin()
     show(len(done), len(cases))

@@ -2,6 +2,7 @@
 
 import math
 import re
+import shutil
 import signal
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Generator, Sequence
@@ -16,6 +17,7 @@ from harness import __version__
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted
 from harness.scenario.__main__ import main
+from harness.scenario.attempt import DEFAULTS, AttemptOptions
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.junit import junit_of
@@ -91,9 +93,11 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
     sand.write_text("k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
     cases = make_cases("{truth.hazard_contacts: {max: 1}}", "seeds: 3\nsoil: sand.yaml")
 
-    def run(backend: Workers, *, resume: bool = False) -> tuple[list[Attempt], list[int]]:
+    def run(
+        backend: Workers, options: AttemptOptions = DEFAULTS, *, resume: bool = False
+    ) -> tuple[list[Attempt], list[int]]:
         driven.clear()
-        found = run_all(cases, backend, out, lambda *_: None, resume=resume)
+        found = run_all(cases, backend, out, lambda *_: None, options, resume=resume)
         return [replace(one, wall_s=0.0) for one in found], sorted(config.seed for config in driven)
 
     def stop() -> Path:
@@ -125,6 +129,9 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         assert not out.exists()
     stop()
     assert run(Backwards()) == (whole, [0, 1, 2])
+    stop()
+    assert run(Backwards(), AttemptOptions(keep=True), resume=True)[1] == [0, 1, 2]  # none was kept
+    shutil.rmtree(out, ignore_errors=True)
     stop()
     cases = [replace(case, params={"collision_threshold": 9.0}) for case in cases]
     assert run(Backwards(), resume=True)[1] == [0, 1, 2]
