@@ -63,25 +63,28 @@ def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> No
         at_end.enter_context(started(args))
         # Executors outlive the node: a signal's own thread may still be at work on what wakes them.
         executors = at_end.enter_context(ExitStack())
-        try:
-            node = _made(make_node)
-            at_end.callback(node.destroy_node)
-            _spin(node, executors)
-        except (RuntimeError, AttributeError):
-            # A signal at start-up pulls the context from under whatever rclpy call is running.
-            if rclpy.ok():
-                raise
+        node = _made(make_node)
+        at_end.callback(node.destroy_node)
+        _spin(node, executors)
 
 
 @contextmanager
 def started(args: Sequence[str] | None) -> Iterator[None]:
-    """Within, ROS is up; a StartError says why it refuses these arguments, or the environment."""
+    """Within, ROS is up; what fails because a signal has shut it down ends it quietly.
+
+    Raises:
+        StartError: ROS refuses these arguments, or the environment; the message says why.
+    """
     try:
         rclpy.init(args=args)
     except RuntimeError as error:
         raise StartError(f"ROS 2 refuses to start: {refusal(error)}") from error
     try:
         yield
+    except (RuntimeError, AttributeError):
+        # A signal pulls the context from under whatever rclpy call is running.
+        if rclpy.ok():
+            raise
     finally:
         rclpy.try_shutdown()
 

@@ -146,13 +146,19 @@ def test_what_is_not_valid_is_told_in_a_line(
     assert heard.count("\n") == 1
 
 
-@pytest.mark.parametrize("end", [KeyboardInterrupt, ExternalShutdownException])
+def pull_context(_: object) -> None:
+    """What a signal does between two calls of rclpy."""
+    rclpy.shutdown()
+    raise RuntimeError("the given context is not valid")
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, ExternalShutdownException, pull_context])
 def test_a_node_that_is_stopped_ends_well(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     policy: Policy,
     ros_domain: int,
-    end: type[BaseException],
+    end: Any,  # noqa: ANN401 - an exception, or what raises one
 ) -> None:
     made = Mock(wraps=PolicyNode)
     monkeypatch.setattr("harness.gym.policy_node.spin", Mock(side_effect=end))
