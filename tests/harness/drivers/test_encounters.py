@@ -16,7 +16,7 @@ from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
 from harness.spec.run import Run
 from harness.truth.traversal import Truth
-from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from tests.support.rovers import LEO
 
 if TYPE_CHECKING:
@@ -51,6 +51,16 @@ def test_it_meets_hazards_as_its_name_says_without_tipping_over(driver: str, rob
     assert (truth.hazard_contacts >= 1) is (driver != "pass_by")
 
 
+def block(half_size: tuple[float, float], yaw: float) -> Obstacle:
+    return Obstacle(
+        kind=ObstacleKind.HAZARD,
+        shape="box",
+        half_size=(*half_size, 1.0),
+        position=(1.0, 2.0, 0.0),
+        quaternion=orientation(yaw),
+    )
+
+
 def post(x: float, y: float, kind: ObstacleKind = ObstacleKind.HAZARD) -> Obstacle:
     return Obstacle(kind=kind, shape="cylinder", half_size=(RADIUS, 1.0), position=(x, y, 0.5))
 
@@ -82,6 +92,45 @@ def test_without_a_hazard_on_the_inner_map_it_is_refused(
             made(driver, rng, *obstacles, middle=middle)
     within = made(driver, rng, post(x + 17.9, y - 17.9), middle=middle)
     assert within.command(Observation(0, x, y, 0.0, None)) != Twist()
+
+
+# Draws: heading, offset, speed; past it: heading, side, gap, speed. Widths: of block + half the rover.
+PLANS = [
+    ("ram", (1.0, 1.0, 0.0), 0.5, 0.6, 0.0, 0.25),
+    ("ram", (-2.0, 0.0, 1.0), -1.0, -0.6, 0.0, 0.9),
+    ("reverse_into", (0.0, 0.5, 1.0), 0.0, 0.0, 0.0, -0.9),
+    ("pass_by", (1.0, 1.0, 0.0, 0.0), 0.5, 1.0, 0.04, 0.25),
+    ("pass_by", (0.0, 0.0, 1.0, 1.0), 0.0, -1.0, -0.5, 0.9),
+    ("graze", (0.0, 1.0, 0.0, 1.0), 0.0, 1.0, -0.08, 0.9),
+    ("graze", (0.0, 0.0, 1.0, 1.0), 0.0, -1.0, 0.0, 0.9),
+    ("swing", (0.0, 1.0, 0.0, 1.0), 0.0, 1.0, 0.0, 0.9),
+    ("swing", (0.0, 0.0, 1.0, 1.0), 0.0, -1.0, -0.1, 0.9),
+]
+
+
+@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
+@pytest.mark.parametrize(("driver", "shares", "veer", "widths", "gap", "speed"), PLANS)
+def test_a_plan_says_from_where_how_far_beside_and_how_fast(
+    driver: str,
+    shares: tuple[float, ...],
+    veer: float,
+    widths: float,
+    gap: float,
+    speed: float,
+    rover: RoverSpec,
+    dice: MakeDice,
+) -> None:
+    """A long block that lies along the line, so that its length and its width tell themselves apart."""
+    bearing = 0.7
+    y_min, y_max = rover.footprint[2:]
+    meeting = made(driver, dice(*shares), rover=rover).plan(block((0.8, 0.1), bearing + veer), bearing)
+    assert meeting.course == pytest.approx(bearing + veer)
+    aside = widths * (0.1 + (y_max - y_min) / 2) + gap
+    assert (meeting.along((1.0, 2.0)), meeting.aside((1.0, 2.0))) == pytest.approx((0.0, -aside))
+    assert meeting.reach == pytest.approx(0.8)
+    assert meeting.speed == pytest.approx(speed * TOP_SPEED[rover.name])
+    turned = math.pi if speed < 0 else 0.0
+    assert math.remainder(meeting.heading - bearing - veer - turned, math.tau) == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.2, -0.2])
@@ -176,6 +225,18 @@ def test_it_lines_up_within_60_mrad_or_gives_up_after_6_s(dice: MakeDice) -> Non
     twists = stuck(START, 2.0, 121, dice)
     assert twists[:120] == [Twist(0.0, -1.0)] * 120
     assert twists[120].linear == pytest.approx(0.25 * TOP_SPEED["leo"])
+
+
+@pytest.mark.parametrize(("share", "chosen"), [(0.0, 4), (0.3, 1), (0.6, 3), (0.99, 0)])
+def test_it_chooses_among_the_four_nearest(share: float, chosen: int, dice: MakeDice) -> None:
+    """By the direction into which it sets off: the posts stand around it, as far as these numbers."""
+    distances = (9.0, 5.0, 11.0, 7.0, 3.0)
+    posts = [
+        post(d * math.cos(0.3 * (n - 2)), d * math.sin(0.3 * (n - 2))) for n, d in enumerate(distances)
+    ]
+    plain = made("ram", dice(share, 0.0, 0.5, 0.5), *posts)
+    twist = plain.command(Observation(0, 0.0, 0.0, 0.3 * (chosen - 2) - 0.1, None))
+    assert twist.angular == pytest.approx(0.25)
 
 
 def test_it_never_meets_the_same_hazard_twice_running_if_there_is_another(

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from harness.drivers import Observation
+from harness.drivers.scripted import Straight
 from harness.episode.episode import Episode
 from harness.robots import ROVERS
 from harness.samples import (
@@ -174,3 +176,20 @@ def test_an_event_that_lasts_at_the_end_is_told_with_the_last_batch() -> None:
     assert event.end_ns > lasting.end_ns
     assert last.open_events == ()
     assert last.truth.scrapes == 1
+
+
+def test_a_driver_is_told_the_time_since_its_drive_began_and_what_it_looks_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told: list[Observation] = []
+
+    def looks_on(_: Straight, observation: Observation) -> Twist:
+        told.append(observation)
+        return Twist(0.2)
+
+    monkeypatch.setattr(Straight, "command", looks_on)
+    monkeypatch.setattr(Straight, "senses", frozenset({Odometry}))
+    for _ in Episode(config(duration=0.3, resets=[0.15])).batches():
+        pass
+    assert [each.time_ns / 1e6 for each in told] == [0, 50, 100, 0, 50, 100]
+    assert [Odometry in each.readings for each in told] == [False, True, True] * 2

@@ -113,6 +113,21 @@ def test_a_gate_is_passed_between_its_posts_either_way(at: tuple[float, float], 
     assert crossed(at, (-1.0, 0.0), left, right) is hits
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_any_order_reaches_what_the_given_one_does_not(seed: int) -> None:
+    """A walk through all way points backwards: in their order only the last step counts."""
+    places = [tuple(p) for p in np.random.default_rng(seed).uniform(-50.0, 50.0, (4, 2)).tolist()]
+    marks = tuple(Mark((x, y), 0.5) for x, y in places)
+    given, any_order = RouteProgress(marks), RouteProgress(marks, any_order=True)
+    for second, mark in enumerate(reversed(marks)):
+        given.observe(second, mark.place)
+        any_order.observe(second, mark.place)
+    assert given.reached == [0]
+    assert any_order.reached == [3, 2, 1, 0]
+    assert any_order.done_s == 3.0
+    assert math.isnan(given.done_s)
+
+
 def test_a_way_point_that_takes_too_long_is_missed_and_the_next_one_is_next() -> None:
     far = (Mark((x, 0.0), 0.5, within=2.0) for x in (5.0, 9.0))
     progress, next_ones = RouteProgress((*far, Mark((0.0, 0.0), 0.5)), limit=9.0), list[int | None]()

@@ -9,14 +9,17 @@ import pytest
 from harness.base.sim_time import TICK_NS as TICK
 from harness.faults.injector import FaultInjector
 from harness.samples import (
+    GroundTruth,
+    Imu,
     JointStates,
     LaserScan,
     Odometry,
     Pose,
+    Sample,
     Tick,
     Twist,
 )
-from tests.harness.faults.faulty_ticks import imus, scans, sent, times
+from tests.harness.faults.faulty_ticks import UPRIGHT, imus, readings, scans, sent, times
 from tests.support.words import parse_faults
 
 
@@ -36,6 +39,26 @@ def test_spike_throws_one_value_in_ten_off_to_both_sides() -> None:
     assert hits.mean() == pytest.approx(0.1, abs=0.02)
     assert hits.sum(axis=1).var() == pytest.approx(10 * 0.1 * 0.9, abs=0.2)  # each by itself
     assert (np.ptp(off, axis=1) == 6.0).any()  # to its own side
+
+
+@pytest.mark.parametrize(
+    ("sensor", "expected"),
+    [
+        ("imu", Imu(TICK, UPRIGHT, (7.0,) * 3, (7.0,) * 3)),
+        ("pose", Pose(TICK, (7.0,) * 3, UPRIGHT)),
+        ("odometry", Odometry(TICK, 7.0, 7.0, 0.5, Twist(7.0, 7.0))),
+        ("ground_truth", GroundTruth(TICK, 7.0, 7.0, 0.5, (7.0,) * 3, (7.0,) * 3)),
+        ("joint_states", JointStates(TICK, (7.0,) * 3, (7.0,) * 3, (7.0,) * 3)),
+        ("imu.attitude", Imu(TICK, (7.0,) * 4, (1.0,) * 3, (1.0,) * 3)),
+        ("pose.attitude", Pose(TICK, (1.0,) * 3, (7.0,) * 4)),
+        ("odometry.attitude", Odometry(TICK, 1.0, 1.0, 7.0, Twist(1.0, 1.0))),
+        ("ground_truth.attitude", GroundTruth(TICK, 1.0, 1.0, 7.0, (1.0,) * 3, (1.0,) * 3)),
+    ],
+)
+def test_everything_measured_is_hit_and_no_attitude_or_that_alone(sensor: str, expected: Sample) -> None:
+    specs = (f"{sensor}:stuck=7", f"{sensor}:nan@3")
+    (found,) = readings(sent(*specs, seconds=0.01), type(expected))
+    assert found == expected
 
 
 def test_a_twist_keeps_its_axes() -> None:

@@ -32,6 +32,24 @@ def test_a_step_is_judged_by_the_goals_that_are_observed_to_the_bit(make: Make) 
     assert batch.tolist() == [0.0 if 2.0 * n / 299 < 0.75 else -1.0 for n in range(300)]
 
 
+@pytest.mark.parametrize(
+    ("ending", "terminated", "truncated"),
+    [
+        *[("", False, False), ("hazard", True, False), ("flipped", True, False), ("time", False, True)],
+        *[("edge", False, True), ("diverged", False, True)],
+        ("reached", False, False),  # of another goal
+        (None, False, False),
+    ],
+)
+def test_what_ends_an_episode_for_another_reason_still_does(
+    make: Make, ending: str | None, terminated: bool, truncated: bool
+) -> None:
+    env, here, far = make("PointNavGoal"), np.zeros(2), np.ones(2)
+    info = {} if ending is None else {"ending": ending}
+    assert env.compute_terminated(here, far, info) is terminated
+    assert env.compute_truncated(here, far, info) is truncated
+
+
 def test_the_heading_and_what_point_nav_observes_follow_one_another(make: Make) -> None:
     env, plain = make("PointNavGoal", height_scan=True), make(height_scan=True)
     options = {"start": (1.0, 0.5, 2.0), "goal": (3.0, 1.0)}

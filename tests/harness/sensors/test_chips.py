@@ -11,7 +11,7 @@ from scipy.stats import norm
 from harness.sensors.barometer import BarometerOptions, BarometerSensor
 from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
-from harness.sensors.noise import NoisePreset
+from harness.sensors.noise import HARDWARE, WHITE, NoisePreset
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
 from tests.harness.sensors.installed import installation, simulation
@@ -70,6 +70,18 @@ def test_half_of_the_fixes_are_within_the_data_sheets_circle(
     given = np.array(fix.position_covariance).reshape(3, 3)
     assert given == pytest.approx(np.diag([total, total, up]) ** 2)
     assert (fix.position_covariance_type, fix.fix) == (2, status)
+
+
+@pytest.mark.parametrize(
+    ("noise", "preset", "expected"),
+    [(None, "", 0), (WHITE, "", 0), (HARDWARE, "", 2), (HARDWARE, "none", 0)],
+)
+def test_the_runs_noise_counts_unless_the_sensor_has_a_preset(
+    noise: NoisePreset | None, preset: str, expected: int
+) -> None:
+    fix = receiver(noise=noise, preset=preset)[0].read()
+    assert fix.position_covariance_type == expected
+    assert not expected or fix == receiver(preset="consumer")[0].read()
 
 
 def compass(seed: int = 0, noise: NoisePreset | None = None, **options: Any) -> tuple[Any, Any]:  # noqa: ANN401

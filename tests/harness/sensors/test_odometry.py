@@ -6,10 +6,11 @@ from collections.abc import Callable
 import pytest
 
 from harness.physics.simulation import Simulation
-from harness.robots import RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.sensors.odometry import WheelOdometry
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
+BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 BELIEVED = {
     LEO.name: (0.0625, 0.358, 878.4),
     ROVER_ZERO4WD.name: (0.122, 0.24, 4096.0),
@@ -47,6 +48,40 @@ class Bench:
 @pytest.fixture
 def bench(simulate: MakeSimulation) -> MakeBench:
     return lambda rover, period_ticks=5: Bench(simulate(rover), rover, period_ticks)
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("left", "right", "period_ticks"),
+    [(40, 50, 5), (-30, -37, 2), (60, -60, 5), (0, 7, 1)],
+    ids=["left arc", "backwards", "turn right in place", "one side"],
+)
+def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
+    rover: RoverSpec, left: int, right: int, period_ticks: int, bench: MakeBench
+) -> None:
+    """Sums of cos and sin of (k + 1/2) a, as geometric series; the ends lie on the true circle."""
+    rig = bench(rover, period_ticks)
+    finer = max(1, round(rig.resolution / 1300))
+    left, right = finer * left, finer * right
+    distance = (left + right) / 2 * rig.count
+    turn = (right - left) * rig.count / rig.separation
+    readings = 200
+    for _ in range(readings):
+        rig.turn_by(left + 3, left - 3, right - 2, right + 2)  # a side's two wheels differ
+        reading = rig.odometry.read()
+    angle = readings * turn
+    assert abs(angle) > math.pi / 4
+    x = distance * math.sin(angle) / (2 * math.sin(turn / 2))
+    y = distance * (1 - math.cos(angle)) / (2 * math.sin(turn / 2))
+    assert (reading.x, reading.y) == pytest.approx((x, y), abs=1e-9)
+    assert -math.pi <= reading.yaw <= math.pi
+    assert math.remainder(reading.yaw - angle, math.tau) == pytest.approx(0.0, abs=1e-9)
+    radius = distance / turn
+    circle = radius * math.sin(angle), radius * (1 - math.cos(angle))
+    assert (reading.x, reading.y) == pytest.approx(circle, abs=1e-12 + turn**2 * abs(radius))
+    period = period_ticks * 0.01
+    expected = pytest.approx((distance / period, turn / period))
+    assert (reading.twist.linear, reading.twist.angular) == expected
 
 
 def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeBench) -> None:

@@ -1,5 +1,7 @@
 """Ruts in what sensors read, against the bed's own heights."""
 
+import math
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -7,7 +9,23 @@ from scipy.ndimage import map_coordinates
 
 from harness.episode.episode import Episode
 from harness.physics.simulation import Simulation
+from harness.sensors.depth import DepthOptions
+from harness.sensors.lidars import CloudLidarOptions
+from harness.sensors.ranging import RangeOptions, RangeSensor
+from harness.sensors.rays.bundle import Surroundings
 from harness.spec.run import Run
+from tests.harness.sensors.installed import installation
+
+# Over the ruts behind the rover, turned by half a turn and down: x of the lidar ahead, z of the camera.
+BEHIND = (-0.9, 0.0, 0.6)
+TURN = np.array(
+    [[-math.cos(0.6), 0.0, -math.sin(0.6)], [0.0, -1.0, 0.0], [-math.sin(0.6), 0.0, math.cos(0.6)]]
+)
+CLOUD = CloudLidarOptions.model_validate(
+    {"name": "cloud", "rings": 60, "lowest": -0.5, "highest": 0.5, "columns": 90}
+    | {"angle_min": -0.5, "angle_max": 0.5}
+)
+OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +64,28 @@ def test_what_a_camera_is_shown_of_the_ground_is_what_lies_around_it(simulation:
     )
     assert (xs.mean(), ys.mean()) == pytest.approx((x + 1.0, y - 3.0), abs=0.1)
     assert patch.ravel() == pytest.approx(heights(simulation, *map(np.ravel, np.meshgrid(xs, ys)))[0])
+
+
+@pytest.mark.parametrize(
+    ("options", "axes"),
+    [
+        (DepthOptions(name="depth", width=80, height=60), TURN @ OPTICAL),
+        (CLOUD, TURN),
+    ],
+)
+def test_points_of_depth_images_and_clouds_lie_on_the_bed(
+    simulation: Simulation, options: RangeOptions, axes: NDArray[np.float64]
+) -> None:
+    body = simulation.model.body("rover").id
+    mounted = installation(
+        options, xyz=BEHIND, axes=axes, body=body, surroundings=Surroundings(simulation.model)
+    )
+    sensor = RangeSensor(simulation, mounted, 10)
+    reading, pose = sensor.read(), sensor.pose()
+    seen = np.isfinite(reading.ranges) & ~reading.on_obstacle & (reading.ranges < 2.0)
+    points = pose[0] + (reading.ranges[:, None] * options.directions())[seen] @ pose[1:].T
+    with_ruts, terrain = heights(simulation, *points[:, :2].T)
+    assert seen.sum() > 500
+    assert np.abs(points[:, 2] - with_ruts).max() < 0.004  # of cells that are split into triangles
+    assert np.abs(points[:, 2] - with_ruts).mean() < 3e-4
+    assert (points[:, 2] < terrain - 0.005).sum() > 50
