@@ -1,5 +1,7 @@
 """Where there is room for one more rover."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from harness.world.berths import GAP, berth
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
-from tests.support.rovers import LEO
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 FLAT = Heightfield(np.zeros((81, 81)), 0.1)
 PITCH = 2 * LEO.reach + GAP
@@ -23,6 +25,21 @@ def place(*obstacles: Obstacle, ground: Heightfield = FLAT) -> tuple[float, floa
 
 def thing(x: float, y: float, kind: ObstacleKind = ObstacleKind.HAZARD, half: float = 0.05) -> Obstacle:
     return Obstacle(kind, "cylinder", (half, 0.5), (x, y, 0.0))
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_the_places_beside_are_taken_left_right_behind_ahead(yaw: float) -> None:
+    world, taken, found = World("bench", FLAT, (), 0, 0.0), [(0.3, -0.2, LEO.reach)], []
+    turn = [[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]
+    for _ in range(4):
+        one = berth((0.3, -0.2, yaw), LEO, taken, world)
+        assert one is not None
+        assert one[2] == yaw
+        found.append(np.subtract(one[:2], (0.3, -0.2)) @ turn)
+        taken.append((*one[:2], LEO.reach))
+    np.testing.assert_allclose(found, [LEFT, RIGHT, BEHIND, AHEAD], atol=1e-9)
+    wide = berth((0.0, 0.0, 0.0), LEO, [(0.0, 0.0, ROVER_ZERO4WD.reach)], world)
+    assert wide == pytest.approx((0.0, LEO.reach + ROVER_ZERO4WD.reach + GAP, 0.0))
 
 
 @pytest.mark.parametrize(("gap", "expected"), [(GAP - 0.01, RIGHT), (GAP, LEFT)])

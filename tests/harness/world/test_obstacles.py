@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import (
+    Form,
     Obstacle,
     ObstacleKind,
     Shape,
@@ -13,6 +15,7 @@ from harness.world.obstacles import (
     convex,
     half_extent,
     outline,
+    place,
     rotation_matrix,
     scatter,
     top,
@@ -29,6 +32,19 @@ def test_scattered_points_keep_their_distance_from_each_other_spawn_and_edge() -
     assert 8.0 < np.abs(points).max() <= 9.0
     assert len(np.unique(points > 0.0, axis=0)) == 4
     assert len(scatter(np.random.default_rng(1), 50, reach=1.0, spacing=1.0, keep_out=0.5)) < 10
+
+
+@pytest.mark.parametrize("kind", ObstacleKind)
+def test_a_placed_form_stands_on_the_ground_sunk_turned_and_tilted(kind: ObstacleKind) -> None:
+    y, x = np.mgrid[-2:3, -2:3]
+    ground = Heightfield(2.0 + 0.1 * x + 0.3 * y, cell=1.0)
+    form = Form(kind=kind, shape="cylinder", half_size=(0.1, 0.5), sink=0.2, yaw=0.7, tilt=0.3)
+    obstacle = place(form, ground, 1.0, -1.0)
+    assert obstacle.position == pytest.approx((1.0, -1.0, 1.8 + 0.5 - 0.2))
+    assert (obstacle.kind, obstacle.shape, obstacle.half_size) == (kind, "cylinder", (0.1, 0.5))
+    assert place(replace(form, yaw=0.0, tilt=0.0), ground, 1.0, -1.0).quaternion == (1.0, 0.0, 0.0, 0.0)
+    turn = Rotation.from_euler("ZX", (0.7, 0.3))  # about z, then about its own x
+    assert obstacle.quaternion == pytest.approx(turn.as_quat(scalar_first=True))
 
 
 COS, SIN = math.cos(0.5), math.sin(0.5)  # rolled so far about x, then turned by 0.3 rad about z

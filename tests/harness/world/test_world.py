@@ -1,14 +1,16 @@
 """Worlds as values: their hash, where a driver may wander, where a rover may start."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.world import World, build_world, terrain_hash
+from harness.world.world import World, build_world, starting_at, terrain_hash
 
 TRIANGLE = ((0.0, 0.0, 1.0), (1.0, 0.0, -1.0), (0.0, 1.0, -1.0))
 THING = Obstacle(
@@ -63,3 +65,14 @@ def test_a_driver_may_wander_over_the_whole_map_or_in_the_room_that_a_file_gives
     world = World("oblong", Heightfield(np.zeros((5, 9)), 0.5, (3.0, -7.0)), (), 0, None)
     assert world.roaming == ((3.0, -7.0), (2.0, 1.0))
     assert replace(world, room=(1.0, 4.0, -8.0, -6.0)).roaming == ((2.5, -7.0), (1.5, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "valid"),
+    [(4.49, -2.49, True), (-4.49, 2.49, True), (4.5, 0, False), (-4.51, 0, False), (0, 2.5, False)],
+)
+def test_a_start_is_on_the_map_half_a_metre_from_its_edge(x: float, y: float, *, valid: bool) -> None:
+    world = World("oblong", Heightfield(np.zeros((7, 11)), 1.0), (), 0, None)
+    said = "give x between -4.5 and 4.5 m, y between -2.5 and 2.5 m"
+    with nullcontext() if valid else pytest.raises(UsageError, match=said):
+        assert starting_at(world, (x, y, 1.0)).start == (x, y, 1.0)

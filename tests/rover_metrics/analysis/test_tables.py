@@ -2,9 +2,11 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.outcome import Result
+from rover_metrics.analysis.output import write_csv
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
@@ -57,6 +59,22 @@ def test_the_tables_of_results_are_as_somebody_has_checked() -> None:
     parts = (f"== {name}\n{described(result)}\n" for name, result in RESULTS.items())
     codes = (f"{metric}\n" for metric in METRICS.values())  # words of the command line
     check_snapshot("tables.txt", "".join([*parts, *codes]))
+
+
+def test_every_number_is_in_the_csv_files(tmp_path: Path) -> None:
+    compared = Comparison("CV", (3, 4), (0.1, None), 0.25, (0.15, 0.375), paired=True)
+    log = replace(LOG, label="=1+1", group="a")
+    result = replace(
+        RESULT,
+        logs=(log, log),
+        groups=("a", "b"),
+        across={"a": {"CV": replace(SPEED, bootstrap_interval=None)}},
+        comparisons=(compared,),
+        correlations=PAIRS[:1],
+    )
+    parts = [f"== {path.name}\n{path.read_text()}" for path in write_csv(result, tmp_path)]
+    check_snapshot("numbers.csv.txt", "\n".join(parts))
+    assert [path.name for path in write_csv(RESULT, tmp_path)] == ["logs.csv"]
 
 
 def test_json_has_every_field_and_null_for_what_is_no_number() -> None:

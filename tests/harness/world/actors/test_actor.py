@@ -120,6 +120,21 @@ def test_way_points_are_spread_evenly_over_their_disc() -> None:
         assert kstest(even, "uniform").pvalue > 1e-3
 
 
+@pytest.mark.parametrize("loops", [True, False])
+def test_a_script_waits_for_the_delay_of_the_file_and_for_the_one_that_is_given(
+    tmp_path: Path, loops: bool
+) -> None:
+    point = "<waypoint><time>{0}</time><pose>{0} {1} 0 0 0 0</pose></waypoint>".format
+    script = f"<script><loop>{loops}</loop><delay_start>2</delay_start>{{}}{{}}</script>".lower().format
+    file = tmp_path / "a.sdf"
+    file.write_text(f"<actor name='a'>{script(point(0, 2), point(4, 2))}</actor>")
+    found = places(f"{file}:delay=1,speed=2", 2.9, 5.0, 8.0)
+    assert [place.x for place in found] == pytest.approx([0.0, 2.0, 1.0 if loops else 4.0])
+    file.write_text(f"<actor name='a'>{script(point(5, 2), point(4, 2))}</actor>")
+    with pytest.raises(UsageError, match=r"^actor 'a': the times of its way points"):
+        with_actors(BARE, parse_actors([str(file)]))
+
+
 def test_way_points_are_walked_at_the_speed_and_after_the_delay_that_are_given(tmp_path: Path) -> None:
     points = "".join(f"<waypoint><pose>{x} 2 {z} 0 0 0</pose></waypoint>" for x, z in ((0, 0), (3, 4)))
     (file := tmp_path / "a.sdf").write_text(f"<trajectory>{points}</trajectory>")

@@ -30,6 +30,20 @@ def test_a_body_is_blocked_where_it_is_nearer_to_a_turned_wall_than_its_radius()
     np.testing.assert_array_equal(blocked, expected < 0.25)
 
 
+def test_the_first_point_that_is_blocked_is_reported() -> None:
+    free = [(0.0, -1.0), (2.0, 1.6), (-2.0, 0.0)]  # the last one on the rock
+    for point, radius, where in (
+        *(((2.0, 1.0), 0.1, "through hazard_1"), ((2.0, 1.4), 0.25, "through hazard_1")),
+        *(((2.6, 0.0), 0.25, "off the map"), ((math.nan, 0.0), 0.25, "off the map")),
+    ):
+        assert space(STONE, WALL).blocked(np.array(free), radius) is None
+        later = (9.0, 9.0) if where == "off the map" else (2.0, 1.1)
+        hit = space(STONE, WALL).blocked(np.array([*free, point, later]), radius)
+        assert hit is not None
+        assert hit[0] == where
+        np.testing.assert_array_equal(hit[1], point)
+
+
 def test_of_several_hazards_the_one_that_is_near_is_reported_and_seen() -> None:
     posts = [Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.1, 0.5), (x, -1.0, 0.5)) for x in (-1, 0, 1)]
     for index, post in enumerate(posts):

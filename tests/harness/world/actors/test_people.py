@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.spec.actor import parse_actor
-from harness.world.actors.people import Trajectory, read_trajectories
+from harness.episode.assembly import actor_names, people
+from harness.spec.actor import ActorOptions, parse_actor
+from harness.spec.run import Run
+from harness.world.actors.people import Trajectory, of_terrain, read_trajectories
 from tests.support.words import parse_actors
 
 FILES = "people.sdf", "anna=people.sdf", "anna=people.sdf:speed=2,radius=0.3", "people.sdf:delay=3"
@@ -28,6 +30,26 @@ def written(folder: Path, text: str, name: str = "inspect_diag.sdf") -> Path:
     path.parent.mkdir(exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return path
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "walker", "points", "options"),
+    [
+        ("g=1,-2/.5,3e0", "g", "", ((1.0, -2.0), (0.5, 3.0)), {}),
+        ("factor=+1.,-2e-1", "factor", "", ((1.0, -0.2),), {}),
+        ("g_actor=1,2:route=closed,push=1", "g", "", ((1.0, 2.0),), {"route": "closed", "push": 1}),
+        ("random", "random", "random", None, {}),
+        ("Bo=random:speed=2,speed=3", "Bo", "random", None, {"speed": 3.0}),
+        ("me_2=social:within=4,radius=.2", "me_2", "social", None, {"within": 4, "radius": 0.2}),
+    ],
+)
+def test_a_text_says_who_walks_and_how(
+    text: str, name: str, walker: str, points: object, options: dict[str, object]
+) -> None:
+    (person,) = parse_actors([text])
+    assert (person.name, person.full_name, person.walker) == (name, f"{name}_actor", walker)
+    assert (person.trajectory and person.trajectory.points) == points
+    assert person.options == ActorOptions.model_validate(options)
 
 
 def test_a_trajectory_is_called_as_its_topic(tmp_path: Path) -> None:
@@ -69,6 +91,28 @@ def test_a_file_names_its_people_unless_the_text_does(tmp_path: Path) -> None:
     assert [p.full_name for p in found] == ["diag_actor", "g_actor", "a_actor", "b_actor"]
     written(tmp_path, "<actor name='c d'/>")  # read anew, as it has changed
     assert [person.full_name for person in parse_actors([str(one)])] == ["c_d_actor"]
+
+
+def test_the_people_of_a_terrain_are_the_actors_of_its_file_and_of_what_it_includes(
+    tmp_path: Path,
+) -> None:
+    script = f"<script><trajectory>{LINE}</trajectory></script>"
+    written(tmp_path, f"<sdf><actor name='v'>{script}</actor></sdf>", "models/v.sdf")
+    include = "<include><uri>v.sdf</uri><pose>7 0 0 0 0 1.5707963267948966</pose></include>"
+    text = f"<sdf><world><actor name='a'/>{include}</world></sdf>".replace(">", ">\r\n")
+    world = tmp_path / "a.WORLD"
+    run = Run.of(terrain=str(world), resource_path=(str(tmp_path / "models"),), actors=("b=1,2",))
+    for encoding in ("utf-8", "utf-16"):
+        world.write_bytes(text.encode(encoding))
+        assert actor_names(run.world) == ("a_actor", "v_actor", "b_actor")
+        walk = people(run.world)[1].trajectory
+        assert walk is not None
+        assert walk.points[0] == pytest.approx((5.0, 1.0, 3.0))
+    empty, broken = (
+        written(tmp_path, f"<sdf>{end}", f"{len(end)}.sdf") for end in ("<world/></sdf>", "")
+    )
+    nobodys = ("rocky", str(empty), str(broken), str(tmp_path / "c.sdf"))  # the world reports mistakes
+    assert [of_terrain(name) for name in nobodys] == [()] * 4
 
 
 BAD_FILES = [

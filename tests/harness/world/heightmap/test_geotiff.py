@@ -188,6 +188,21 @@ def test_a_crs_that_is_named_by_its_number_has_the_unit_that_epsg_gives_it(
     assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
 
 
+@pytest.mark.parametrize("keys", [METRES, {MODEL_TYPE: 2}, {MODEL_TYPE: 1, LINEAR_UNIT: 9002}, None])
+@pytest.mark.parametrize(
+    ("unit", "metres"), [("ft", FOOT), ("US survey foot", US_FOOT), ("cm", 0.01), ("Metre", 1.0)]
+)
+@pytest.mark.parametrize("kind", [np.float32, np.int16])
+def test_a_bands_unit_is_that_of_its_heights(
+    tmp_path: Path, keys: Mapping[int, Any] | None, unit: str, metres: float, kind: type
+) -> None:
+    values: np.ndarray = VALUES.astype(kind)
+    raster = read(tmp_path, scale=(1, 1, 0), keys=keys, metadata=unit, values=values)
+    assert raster.in_metres
+    np.testing.assert_allclose(raster.values, VALUES * metres)
+    assert not read(tmp_path, scale=(1, 1, 0), keys=keys, metadata="smoots", values=values).in_metres
+
+
 @pytest.mark.parametrize(("latitude", "longitude"), [(61.5, -149.9), (0.0, 0.0), (-45.0, 170.0)])
 def test_web_mercators_pixels_are_as_long_as_on_the_ground(
     tmp_path: Path, latitude: float, longitude: float

@@ -11,10 +11,11 @@ from harness.base.errors import UsageError
 from harness.spec.value import made
 from harness.spec.world import WorldSpec
 from harness.world.files import file_world
+from harness.world.obstacles import ObstacleKind, top
 from harness.world.solids.assembly import BUILT
 from harness.world.solids.mesh_file import Mesh
-from harness.world.world import RoverNeeds, World
-from tests.harness.world.solids.shapes import both, box, flat, write_mesh
+from harness.world.world import ORIGIN, RoverNeeds, World
+from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
 
 WORLDS = Path(__file__).parents[5] / "shared/data/roboterrain/worlds"
 needs_worlds = pytest.mark.skipif(not WORLDS.is_dir(), reason=f"there is no {WORLDS}")
@@ -97,6 +98,35 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     assert 1.0 < np.hypot(x, y) < 2.5  # beside the box on 0,0
     paths = (tmp_path / name for name in ("a.World", "gone.sdf", "a.obj", "b.obj"))
     assert world.files == tuple((str(p), hashlib.sha256(p.read_bytes()).hexdigest()) for p in paths)
+
+
+def test_options_override_what_is_a_rock_and_what_a_hazard(tmp_path: Path) -> None:
+    """A platform above the ground and a block on it are too thick for decks, however high rocks are."""
+    write_mesh(
+        tmp_path / "m.obj", both(flat(), box((0, 0, 2.5), (12, 12, 1)), box((0, 0, 6), (2, 2, 1)))
+    )
+    body = solid("ground", PLANE) + solid("m", "<mesh><uri>m.obj</uri></mesh>")
+    body += "".join(cube(name, f"{x} 0 0 0 0 0") for name, x in (("a1", 0), ("a2", 8), ("b", 11)))
+    every = world_of(tmp_path, body, terrain_cell=0.5, rock_height=9.0)
+    assert (kinds(every), every.start == ORIGIN) == (["ROCK"] * 5, False)
+    names = {"rock": ("a?", "m"), "hazard": ("a2::l::c",)}
+    named = world_of(tmp_path, body, terrain_cell=0.5, needs_start=False, **names)
+    assert (kinds(named), named.start) == (["ROCK", *["HAZARD"] * 3, "ROCK"], ORIGIN)
+
+
+def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
+    hills = sheet(lambda x, y: 0.02 * x * y, 15.0, 12.0)
+    write_dae(tmp_path / "m.dae", both(hills, box((0, 0, 2.0), (6, 2, 0.08))))
+    mesh = "<mesh><uri>m.dae</uri><scale>1 1 1</scale></mesh>"
+    world = world_of(tmp_path, solid("t", mesh, "100 50 0 0 0 0"))
+    (deck,) = world.obstacles
+    assert deck.kind is ObstacleKind.DECK
+    assert any(note.endswith(" 0 hazards, 1 facets of decks") for note in world.notes)
+    assert top(deck) == pytest.approx(2.54)
+    assert world.ground.middle == pytest.approx((100.0, 50.0))
+    assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
+    assert world.start == (100.0, 50.0, 0.0)
+    assert [Path(name).name for name, _ in world.files] == ["a.World", "m.dae"]
 
 
 def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:

@@ -12,6 +12,22 @@ from harness.world.solids.surface import chosen_grid, surface_of
 from tests.harness.world.solids.shapes import at, both, box, flat, sheet
 
 
+def test_a_plane_is_met_exactly_and_the_error_of_a_bend_is_that_of_its_cells() -> None:
+    grid = chosen_grid((-10.0, 10.0, -5.0, 5.0), None)
+    assert (grid.columns, grid.rows, grid.cell, grid.middle) == (201, 101, 0.1, (0.0, 0.0))
+    notes: list[str] = []
+    surface = surface_of(sheet(lambda x, y: 0.2 * x + 0.1 * y, 10.0, 5.0), grid, None, notes)
+    assert surface.has_floor.all()
+    assert not surface.left_over.any()
+    assert surface.ground.height_at(3.33, -2.5) == pytest.approx(0.416, abs=2e-6)
+    (said,) = notes
+    assert float(re.findall(r"by ([\d.e-]+) m at most", said)[0]) < 2e-6
+    # A ridge between two vertices 0.1 m apart is cut off by half a cell times its slope.
+    bent = sheet(lambda x, _: np.abs(x) / 3.0, 10.05, 10.05, 10.05 / 8)
+    surface_of(bent, chosen_grid((-10.05, 10.05, -5.0, 5.0), 0.1), None, notes)
+    assert "by 0.017 m at most, 99 % of them by less than 0.017 m" in notes[-1]
+
+
 @pytest.mark.parametrize(
     ("width", "depth", "cell", "said"),
     [

@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 
 from rover_metrics.analysis.logs.findings import describe_consistency, describe_time
+from rover_metrics.analysis.logs.header import shown
+from rover_metrics.analysis.logs.parsing import Tally
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS, STAMP
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
@@ -39,6 +41,15 @@ def test_gaps_duplicates_rates_and_clocks_are_told() -> None:
         rows = pd.DataFrame({STAMP: stamps}, index=range(2, 2 + len(stamps)))
         lines += [f"{stamps}\n", *(f"  {odd}\n" for odd in describe_time(rows, 10.0))]
     check_snapshot("times_of_logs.txt", "".join(lines))
+
+
+def test_a_tally_keeps_the_first_line_and_a_piece_of_a_file_is_shown_in_sixty_characters() -> None:
+    tally = Tally()
+    for lines, example in (([], "a"), ([4, 7], "b"), ([9], "c")):
+        tally.add(pd.Index(lines, dtype="int64"), example)
+    assert (tally.count, tally.first, tally.example) == (3, 4, "b")
+    assert shown("x" * 60) == repr("x" * 60)
+    assert shown("x" * 60 + "\n") == repr("x" * 60 + "...")
 
 
 def told(thresholds: Thresholds = DEFAULT_THRESHOLDS, **columns: Values) -> list[str]:

@@ -13,6 +13,7 @@ from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS, Metric, other_metric
 from rover_metrics.core.columns import COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.log.session_record import COMPLETE, write_record
 from tests.support.snapshots import check_snapshot
 
@@ -195,6 +196,12 @@ def test_a_session_that_was_killed_is_read_with_a_finding(
     assert read_log(log).findings == ()
 
 
+def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, row: Row) -> None:
+    """Warnings are errors here: of fields that it drops, of a column that holds numbers and text."""
+    lines = [row(0) + ",7,7,7", *map(row, range(1, 70_000)), row(70_000, Current_Velocity="fast")]
+    assert len(read_log(write_log(lines=lines)).findings) == 2
+
+
 def test_what_is_no_text_or_no_file_is_refused(tmp_path: Path, write_log: WriteLog, row: Row) -> None:
     (tmp_path / "noise.csv").write_bytes(np.random.default_rng(0).bytes(10_000))
     os.mkfifo(tmp_path / "pipe")
@@ -211,3 +218,24 @@ def test_what_is_no_text_or_no_file_is_refused(tmp_path: Path, write_log: WriteL
     assert len(read_log(latin)) == 2
     (tmp_path / "little.csv").write_text("Timestamp,Current Velocity\n1,2\n")
     assert "no column for OC, VR" in described(tmp_path / "little.csv", (METRICS["OC"], METRICS["VR"]))
+
+
+def test_an_extended_log_reads_as_the_twelve(write_log: WriteLog, row: Row, tmp_path: Path) -> None:
+    header = ",".join(EXTENDED_HEADER)
+    empty = "," * (len(EXTENDED_HEADER) - len(COLUMNS))
+    lines = [row(i) + (empty if i % 2 else f",0.25{empty[1:]}") for i in range(10)]
+    path = tmp_path / "extended.csv"
+    path.write_text("\n".join([header, *lines, row(10) + ",0."]))
+    log, twelve = read_log(path), read_log(write_log(lines=10))
+    for name, column in twelve.columns.items():
+        np.testing.assert_array_equal(log.columns[name], column)
+    assert np.isfinite(log.columns["VORT [m/s]"]).tolist() == [True, False] * 5
+    findings = list(log.findings)
+    for last in (row(10, Obstacle_Clearance="") + empty, row(10) + f",rough{empty[1:]}"):
+        path.write_text("\n".join([header, *lines, last, ""]))
+        findings += read_log(path).findings
+    assert [finding.partition(" (")[0] for finding in findings] == [
+        "1 row with fewer fields than the header",
+        "1 cell without a number in Obstacle Clearance",
+        "1 cell without a number in VORT [m/s]",
+    ]
