@@ -115,7 +115,7 @@ def calm(truth: StepTruth, action: np.ndarray) -> dict[str, float]:
 
 
 def brief(truth: StepTruth) -> bool:
-    """After a second."""
+    """Ends an episode after a second."""
     return truth.time_s > 0.99
 
 

@@ -152,7 +152,8 @@ class Options(RunOptions):
         curriculum: How the worlds' difficulty follows success.
         reward_fn: Gives the reward, or its terms by name, instead of the environment, of truth and
             action (harness.gym.custom); or the name of a plug-in, or FILE.py:FUNCTION.
-        terminate_fn: Whether the episode ends too, of the truth; or the name of a plug-in.
+        terminate_fn: Whether the episode ends too, of the truth; or the name of a plug-in, or
+            FILE.py:FUNCTION.
         observe_fn: A further entry of the observation: a harness.gym.custom.Sight, or one by its name.
     """
 

@@ -178,12 +178,10 @@ def body_geoms(scene: Scene) -> set[int]:
     model = scene.model
     wheels = {int(model.joint(name).bodyid[0]) for name in scene.all_own(scene.rover.wheel_joints)}
     casters = {int(model.body(name).id) for name in scene.all_own(scene.rover.casters)}
+    carriers = wheels | casters
     colliding = (geom for geom in scene.geoms() if model.geom_group[geom] == COLLIDING_GROUP)
-    return {
-        geom
-        for geom, body in ((geom, model.geom_bodyid[geom]) for geom in colliding)
-        if model.body_weldid[body] not in wheels and body not in casters
-    }
+    bodies = {geom: int(model.geom_bodyid[geom]) for geom in colliding}
+    return {g for g, body in bodies.items() if not carriers & {body, int(model.body_weldid[body])}}
 
 
 @lru_cache(maxsize=8)

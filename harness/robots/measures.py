@@ -29,6 +29,7 @@ class Measures(Drivetrain):
         sizes = np.ptp(self._boxes, axis=1)
         self._radius, self._width = float(sizes[:, [0, 2]].max()) / 2, float(sizes[:, 1].max())
         self._lidar = self._data.site("lidar")
+        self._casters = self._carriers()
 
     def facts(self) -> dict[str, object]:
         """Returns what only the model says, by the fields of RoverSpec."""
@@ -38,7 +39,7 @@ class Measures(Drivetrain):
             "drive": self.drive,
             "passive_joints": self.passive_joints,
             "steered_wheels": self.steered_wheels,
-            "casters": self._casters(),
+            "casters": self._casters,
             "wheel_radius": self._radius,
             "wheel_friction": self._friction(),
             "wheel_speed_limit": self.wheel_speed_limit,
@@ -110,7 +111,7 @@ class Measures(Drivetrain):
     def _colliding(self) -> list[int]:
         return np.flatnonzero(self._model.geom_group == COLLIDING_GROUP).tolist()
 
-    def _casters(self) -> tuple[str, ...]:
+    def _carriers(self) -> tuple[str, ...]:
         """Bodies on the ground beside the wheels: those that roll freely, of one axle's rover all."""
         model, bodies = self._model, dict[int, list[int]]()
         for geom in self._no_wheels():
@@ -138,7 +139,7 @@ class Measures(Drivetrain):
 
     def _clearance(self, rest_height: float) -> float:
         model = self._model
-        carriers = [model.body(name).id for name in self._casters()]
+        carriers = [model.body(name).id for name in self._casters]
         rest = [geom for geom in self._no_wheels() if model.geom_bodyid[geom] not in carriers]
         if not rest:
             return self._radius
