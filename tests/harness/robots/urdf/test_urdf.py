@@ -1,5 +1,6 @@
 """URDFs as they are found in the wild become folders; what cannot be is told in one line."""
 
+import json
 import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -15,6 +16,7 @@ from harness.frames.rover_frames import rover_frames
 from harness.robots import RoverSpec, read_rover
 from harness.robots.model import read_model
 from harness.robots.urdf.folder import Written, write_folder
+from harness.run import main
 from harness.sensors.choice import chosen
 from harness.validate.checkup import check_up
 from tests.support.complaint import complaint
@@ -207,6 +209,12 @@ def test_what_slides_beside_the_wheels_of_one_axle_is_a_caster(tmp_path: Path) -
     rover = written(tmp_path, front).rover
     assert rover.wheel_joints == ("rear_left_wheel_joint", "rear_right_wheel_joint")
     assert_carried_by_casters(rover)
+    # Contacts with the ground are looked at while something else is touched: one runs into the other.
+    two = ["--rover", f"{rover.folder}:a,driver=spin", "--rover", f"{rover.folder}:b,x=-1.1,y=0"]
+    words = ["--driver", "straight", "--terrain", "flat", "--duration", "1", "--direct"]
+    assert main([*two, *words, "--log-dir", str(tmp_path / "logs")]) == 0
+    truths = [json.loads(file.read_text())["truth"] for file in tmp_path.glob("logs/*/*.json")]
+    assert [(truth["hazard_contacts"], truth["scrapes"]) for truth in truths] == [(1, 0), (1, 0)]
 
 
 def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
