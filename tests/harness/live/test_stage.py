@@ -20,7 +20,9 @@ from harness.live.watch import Sight, Watch
 from harness.robots import find_rover
 from harness.samples import Place
 from harness.spec.ros import RosOptions
+from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
+from harness.spec.world import WorldSpec
 
 
 def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is_and_a_goal_stands_on_it(
@@ -47,21 +49,25 @@ def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is_and_
     assert posts[0]["position"] == pytest.approx((4.0, 0.5, height + 0.4))
 
 
-@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])  # Leo's lidar is mounted backwards
-def test_what_a_lidar_hits_is_shown_on_the_posts_of_the_world(tmp_path: Path, robot: str) -> None:
-    run = Run.of(robot=robot, terrain="posts", duration=2.0, start="1,0.5,2.0", driver="straight")
-    watch, server = Watch(), Server("127.0.0.1", 0)
-    outputs = [Outputs(log_dir=tmp_path, observers=(watch,))]
+def test_what_each_lidar_hits_is_shown_on_the_posts_of_the_world_and_on_the_other_rover(
+    tmp_path: Path,
+) -> None:
+    leo = RoverSetup(name="a", robot="leo", start=(1.0, 0.5, 2.0), driver="straight")
+    other = leo.but(name="b", robot="rover_zero4wd", start=(-1.0, 0.5, 2.0))
+    run = Run(world=WorldSpec(terrain="posts"), rovers=(leo, other), duration=2.0)
+    watches, server = [Watch(), Watch()], Server("127.0.0.1", 0)
+    outputs = [Outputs(log_dir=tmp_path, observers=(watch,)) for watch in watches]
     run_direct(run, outputs, RosOptions(log_dir=tmp_path), StopRequest())
     try:
         stage = Stage(server.scene, run)
-        stage.draw([watch])
-        points = np.asarray(stage.hits[0].points)
+        stage.draw(watches)
+        hits = [np.asarray(each.points) for each in stage.hits]
     finally:
         server.stop()
-    posts = world_of(run).obstacles
-    middles = np.array([post.position[:2] for post in posts])
-    reach = np.array([math.hypot(*post.half_size[:2]) for post in posts])
-    beyond = (np.linalg.norm(points[:, None, :2] - middles, axis=2) - reach).min(axis=1)
-    assert len(points) > 30
-    assert beyond.max() < 0.05
+    things = [(*post.position[:2], math.hypot(*post.half_size[:2])) for post in world_of(run).obstacles]
+    for points, beside in zip(hits, reversed(watches), strict=True):  # Leo's lidar is mounted backwards
+        assert beside.sight is not None
+        x, y, reach = np.array([*things, (*beside.sight.position[:2], 0.45)]).T
+        beyond = np.hypot(points[:, :1] - x, points[:, 1:2] - y) - reach
+        assert len(points) > 30
+        assert beyond.min(axis=1).max() < 0.05
