@@ -4,8 +4,9 @@ import csv
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ from harness.episode.direct import run_direct
 from harness.episode.result import Outputs
 from harness.report.content import render
 from harness.report.recorder import RunRecorder
+from harness.robots import RoverSpec, find_rover
+from harness.run import main
 from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
@@ -155,3 +158,28 @@ def test_each_series_is_that_of_the_log_beside_the_batches(seen: Seen) -> None:
             assert other["y"] == pytest.approx(y, abs=1e-3), name
         bands = [(s["x0"], s["x1"]) for s in figure["layout"]["shapes"] if s["type"] == "rect"]
         assert np.array(bands) == pytest.approx(np.array(seen.contacts))
+
+
+def test_pages_of_a_fleet_show_each_rovers_own_scan_ruts_and_wheels(
+    tmp_path: Path, foreign: Callable[[str], RoverSpec]
+) -> None:
+    six = foreign("sojourner")  # whose lidar looks ahead; Leo's looks back
+    two = ["--rover", "leo:a", "--rover", f"{six.folder}:b,x=-1.5,y=1,yaw=2"]
+    words = ["--terrain", "posts", "--driver", "straight", "--soil", "firm", "--duration", "1"]
+    assert main([*two, *words, "--direct", "--page", "--log-dir", str(tmp_path)]) == 0
+    things = [
+        (*post.position[:2], math.hypot(*post.half_size[:2]))
+        for post in world_of(Run.of(terrain="posts")).obstacles
+    ]
+    for name, other, rover in (("a", "b", find_rover("leo")), ("b", "a", six)):
+        (page,) = (tmp_path / name).glob("*.html")
+        (text,) = re.findall(r'id="figures">(.*?)</script>', without_plotly(page.read_text()))
+        figures = json.loads(text)
+        drawn = {one["name"]: np.array([one["x"], one["y"]], float) for one in figures["map"]["data"]}
+        x, y, reach = np.array([*things, (*drawn[other][:, -1], 0.6)]).T[..., None]
+        beyond = np.hypot(drawn["last scan"][0] - x, drawn["last scan"][1] - y) - reach
+        assert beyond.shape[1] > 30
+        assert beyond.min(axis=0).max() < 0.05
+        hubs = drawn["ruts (truth)"] - drawn["end"][:, -1:]
+        assert np.hypot(*hubs).max() < rover.reach + 0.6
+        assert tuple(curve["name"] for curve in figures["soil-0"]["data"]) == rover.wheel_names
