@@ -83,6 +83,19 @@ def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
             assert bool(np.ptp(heights) > 1e-6) is (keep or back < count)  # ruts and heaps
 
 
+def test_a_drive_of_a_fleet_that_was_put_back_on_fresh_ground_is_the_one_before() -> None:
+    run = Run.of(terrain="rolling", soil="dry_sand", driver="spin", duration=4.1)
+    episodes = episodes_of(fleet(run, parse_rovers(("leo:a", "jackal:b"), run.rover)))
+    driven, ways, bed = together(episodes), list[list[object]](), episodes[0].simulation.physics.bed
+    assert bed is not None
+    for _ in range(2):
+        felt = [(next(driven), bed.felt.tolist())[1] for _ in range(40)]
+        ways.append([*felt, *(episode.simulation.position for episode in episodes)])
+        for episode in episodes:
+            episode.reset()
+    assert ways[0] == ways[1]
+
+
 @pytest.mark.parametrize("robot", ["leo", "jackal"])
 def test_firm_soil_drives_and_turns_as_rigid_ground_and_no_wheel_trembles(robot: str) -> None:
     def went(soil: str) -> Episode:
