@@ -32,10 +32,11 @@ def reached(batches: list[Batch], run: Run) -> RouteProgress:
 
 
 def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
-    targets = ("gate:x=3,y=0.5", "aruco:x=6,y=1.5")
-    run = Run.of(terrain="flat", targets=targets, route="1.5,0/gate/aruco:radius=1")
-    batches = driven(targets=targets, route="1.5,0/gate/aruco:radius=1", duration=40.0)
-    progress = reached(batches, run)
+    given: dict[str, object] = {"targets": ("gate:x=3,y=0.5", "aruco:x=6,y=1.5"), "datum": "0,0,0"}
+    east = math.degrees(1.5 / 6378137.0)  # by the equator's radius
+    given["route"] = f"@0,{east:.12f}/gate/aruco:radius=1"
+    batches = driven(**given, duration=40.0)
+    progress = reached(batches, Run.of(terrain="flat", **given))
     begun, (last,) = next((b.truth.position[:2], b.goals) for b in reversed(batches) if b.goals)
     assert math.dist(begun, (last.x, last.y)) == pytest.approx(
         math.dist(begun, (6.0, 1.5)) - 0.7, abs=0.05
