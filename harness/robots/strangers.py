@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
+from harness.base.xml import parse_xml
 
 MOST_BYTES = 20_000_000  # of a URDF, a model, or what it includes
 MOST_CELLS = 4_194_304  # rows x columns of a heightfield, pixels of a texture
@@ -54,12 +55,10 @@ def read_text(path: Path) -> str:
 
 def parsed(text: str, path: Path) -> ET.Element:
     """Returns the root of an XML text of that file; UsageError if it declares entities or is no XML."""
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise UsageError(f"{path} declares entities, which no robot needs; take <!DOCTYPE ...> out")
     try:
-        return ET.fromstring(COMMENT.sub("", text).lstrip())  # noqa: S314 - without entities
-    except ET.ParseError as error:
-        raise UsageError(f"{path} is not valid XML: {error}") from error
+        return parse_xml(COMMENT.sub("", text).lstrip().encode(), "utf-8")
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
 
 
 def inside(file: Path, folder: Path, where: str) -> Path:

@@ -87,7 +87,7 @@ class WorldSpec(Value):
     )
     mesh_up: Annotated[str, Option("AXIS")] = Field(
         default="",
-        description=f"axis of meshes that is up: {', '.join(MESH_AXES)}; default: as their files say",
+        description=f"axis of meshes that is up: {', '.join(MESH_AXES)}; default: z in worlds, else as files say",
     )
     rock_height: Annotated[Relief | None, Option("M")] = Field(
         default=None,

@@ -4,11 +4,11 @@ import os
 from pathlib import Path
 
 from harness.base.errors import UsageError, find_named
+from harness.base.mesh_file import SUFFIXES as MESHES
+from harness.base.mesh_file import UP, is_mesh
 from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, MESH_UNITS, SOLIDS, WorldSpec
 from harness.world.heightmap.cloud import SUFFIXES as CLOUDS
 from harness.world.heightmap.cloud import is_cloud
-from harness.world.solids.mesh_file import SUFFIXES as MESHES
-from harness.world.solids.mesh_file import UP, is_mesh
 from harness.world.terrains import TERRAINS
 from harness.world.world import RoverNeeds, World
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from harness.base.documents import read_json, read_mapping
+from harness.base.mesh_file import read_mesh
 from harness.drivers.policy import read_policy
 from harness.robots.strangers import read_xml
 from harness.run import main as run
 from harness.validate.single_wheel import read_trials
 from harness.world.actors.people import read_trajectories
 from harness.world.heightmap.raster import read_raster
-from harness.world.solids.mesh_file import read_mesh
 from rover_metrics import analyze
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.bag.bag_reader import Bag

@@ -109,7 +109,7 @@ def write_folder(
             try:
                 rover = _write(half_made, name, spec, joints, equipment, urdf)
             except UsageError as error:  # of a file that is gone by then
-                reason = str(error).removeprefix(f"{half_made.resolve()}/rover.yaml: ")
+                reason = str(error).replace(f"{half_made.resolve()}/", "").removeprefix("rover.yaml: ")
                 raise UsageError(f"{urdf} becomes no rover: {reason}") from error
             half_made.rename(folder)
             rover = rover.but(folder=folder.resolve())

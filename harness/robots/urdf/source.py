@@ -4,7 +4,6 @@ A URDF is data. xacro is a program: it evaluates Python expressions of its autho
 is only expanded where the user says that it is trusted.
 """
 
-import io
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -15,15 +14,15 @@ from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
-import trimesh
 
-from harness.base.documents import FETCH, LFS, POINTER, read_bytes
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
+from harness.base.mesh_file import FACE, HEAD, SIMPLER, SUFFIXES, Mesh, read_mesh
+from harness.base.mesh_file import MOST_BYTES as LARGEST
 from harness.robots.model import keep_mujoco_quiet
-from harness.robots.strangers import COMMENT, MOST_BYTES, parsed, read_text
+from harness.robots.strangers import COMMENT, parsed, read_text
 
-READABLE = (".stl", ".obj", ".msh")
-HEAD, FACE, LAST_LINE = 84, 50, 1000  # bytes of a binary STL's head and triangle; of a text's last line
+MUJOCO = (".stl", ".obj", ".msh")  # what its own decoders read
 MOST_FACES = 200_000  # that MuJoCo's decoder reads
 XACRO = re.compile(r"<xacro:|\$[({]")  # it leaves its namespace, and comments as they were, in a URDF
 
@@ -65,8 +64,11 @@ def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Sour
         raise UsageError(
             f"{path} is no URDF that MuJoCo reads: {' '.join(str(error).split())}"
         ) from error
-    for mesh in filter(_is_other, spec.meshes):
-        _take_in(mesh, path)
+    for mesh in spec.meshes:
+        if not _taken_by_mujoco(file := Path(mesh.file)):
+            triangles = _triangles(file)
+            mesh.uservert, mesh.userface = triangles.vertices.ravel(), triangles.faces.ravel()
+            mesh.file = ""
     without = {link.get("name") for link in robot.iter("link") if link.find("inertial") is None}
     for body in spec.bodies:
         if body.name in without:  # MuJoCo would give its shapes the density of water
@@ -94,40 +96,21 @@ def _check_content(robot: ET.Element, path: Path) -> None:
             raise UsageError(f"{path}: a joint mimics '{name}', which is not there; take <mimic> out")
 
 
-def _is_other(mesh: mujoco.MjsMesh) -> bool:
-    """Whether it is an STL that MuJoCo does not read: in text, cut short, with more behind."""
-    if not mesh.file.lower().endswith(".stl"):
-        return False
-    faces, data = _stl(mesh)
-    return len(data) != HEAD + FACE * faces or faces > MOST_FACES
+def _taken_by_mujoco(file: Path) -> bool:
+    """Whether MuJoCo's own decoders read a mesh: not STL in text, cut short, or with more behind."""
+    data = read_bytes(file, LARGEST)
+    if file.suffix.lower() != ".stl":
+        return file.suffix.lower() in MUJOCO
+    faces = int.from_bytes(data[HEAD - 4 : HEAD], "little")
+    return len(data) == HEAD + FACE * faces and faces <= MOST_FACES
 
 
-def _stl(mesh: mujoco.MjsMesh) -> tuple[int, bytes]:
-    """How many triangles a binary STL has by its head, and its bytes."""
-    data = read_bytes(Path(mesh.file), MOST_BYTES)
-    return int.from_bytes(data[HEAD - 4 : HEAD], "little"), data
-
-
-def _take_in(mesh: mujoco.MjsMesh, path: Path) -> None:
-    """Puts the triangles of such a file into the model."""
-    (faces, data), why = _stl(mesh), ""
-    end = HEAD + FACE * faces
-    if data.lstrip().startswith(b"solid") and len(data) != end:
-        faces, is_whole = data.count(b"endfacet"), b"endsolid" in data[-LAST_LINE:]
-    else:
-        is_whole, data = len(data) >= end, data[:end]
-    if not is_whole:
-        why = "is cut short; export it anew"
-    elif faces > MOST_FACES:
-        why = f"has {faces:,} triangles, more than {MOST_FACES:,}; simplify it"
-    if why:
-        raise UsageError(f"{path}: mesh {mesh.file} {why}")
-    try:
-        triangles = trimesh.load_mesh(io.BytesIO(data), file_type="stl")
-        mesh.uservert, mesh.userface = triangles.vertices.ravel(), triangles.faces.ravel()
-    except Exception as error:  # whatever a damaged file brings about
-        raise UsageError(f"{path}: mesh {mesh.file} cannot be read: {error}; export it anew") from error
-    mesh.file = ""
+def _triangles(file: Path) -> Mesh:
+    """What another file holds, of COLLADA whatever axis it says is up: RViz and Gazebo skip that."""
+    mesh, _ = read_mesh(file, up="z")
+    if len(mesh.faces) > MOST_FACES:
+        raise UsageError(f"it has {len(mesh.faces):,} triangles, more than {MOST_FACES:,}; {SIMPLER}")
+    return mesh
 
 
 def _text(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> str:
@@ -205,11 +188,15 @@ def _file(name_in_file: str, path: Path, folders: Sequence[Path]) -> tuple[Path 
     )
     if (file := next(inside, None)) is None:
         return None, "is outside of the URDF's folder", "name its folder by --resource-path"
-    if file.suffix.lower() not in READABLE:
-        return None, f"is no {' or '.join(READABLE)}", "convert it"
-    with file.open("rb") as mesh:
-        if mesh.read(len(LFS)) == LFS:
-            return None, POINTER, FETCH
+    if file.suffix.lower() not in (*SUFFIXES, *MUJOCO):
+        return None, f"is no {', '.join(SUFFIXES)} or {MUJOCO[-1]}", "convert it"
+    try:
+        if not _taken_by_mujoco(file):
+            _triangles(file)
+    except UsageError as error:
+        text = str(error).replace(f"mesh {file}: ", "").replace(f"{file} ", "")
+        why, _, mend = text.removeprefix("it ").partition("; ")
+        return None, why, mend or "export it anew"
     return file, "", ""
 
 

@@ -10,12 +10,13 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
+from harness.base.xml import read_xml
 from harness.robots.spec import GRAVITY
 from harness.world.obstacles import Color
 from harness.world.sdf.document import Document, Person
 from harness.world.sdf.geometry import color_of, read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
-from harness.world.sdf.reader import is_true, numbers, read_list, read_xml, text_of
+from harness.world.sdf.reader import is_true, numbers, read_list, text_of
 from harness.world.sdf.resources import Missing, Resources, model_file, of_gazebo
 from harness.world.sdf.saved import restore
 from harness.world.solid import Primitive, Solid

@@ -13,7 +13,7 @@ from urllib.parse import unquote
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
-from harness.world.sdf.reader import parse_xml, read_xml
+from harness.base.xml import parse_xml, read_xml
 
 VARIABLES = (
     *("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"),

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from harness.base.errors import UsageError
+from harness.base.mesh_file import SUFFIXES, Mesh, joined
 from harness.spec.world import WorldSpec
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -20,7 +21,6 @@ from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.kinds import Kinds
-from harness.world.solids.mesh_file import SUFFIXES, Mesh, joined
 from harness.world.solids.pieces import obstacle_of, obstacles_of
 from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
@@ -53,6 +53,8 @@ def solid_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> World:
         notes = [*document.notes]
         if document.actors:
             notes.append(f"actors: {', '.join(person.name for person in document.actors)}")
+        # Gazebo reads the unit of COLLADA, not its up_axis: gz-common, graphics/src/ColladaLoader.cc.
+        spec = spec.but(mesh_up=spec.mesh_up or "z")
         world = assembled(document.solids, spec, rover, seed, notes, is_loose=document.is_loose)
     except UsageError as error:
         message = str(error)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from harness.base.mesh_file import Mesh
 from harness.world.heightfield import Field
-from harness.world.solids.mesh_file import Mesh
 
 THICKNESS = 0.02  # [m]
 FIT = 0.03  # [m] by which a piece may differ from its triangles

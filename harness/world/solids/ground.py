@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.spec.world import SMALLEST_MAP
+from harness.base.mesh_file import Mesh, areas_and_normals, read_mesh
+from harness.spec.world import MESH_UNITS, SMALLEST_MAP
 from harness.world.heightfield import resampled
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
-from harness.world.solids.mesh_file import Mesh, areas_and_normals, read_mesh
 from harness.world.solids.pieces import bodies
 from harness.world.solids.surface import ROUNDING, Bounds
 
@@ -196,7 +196,7 @@ def _add_plane(parts: Partition, solid: Solid, plane: Plane) -> None:
 
 
 def _of_file(parts: Partition, solid: Solid, file: MeshFile, unit: str, up: str) -> Mesh:
-    mesh, parts.hashes[file.path] = read_mesh(file.path, file.submesh, unit, up)
+    mesh, parts.hashes[file.path] = read_mesh(file.path, file.submesh, MESH_UNITS.get(unit, 0.0), up)
     if file.centred:
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         mesh = Mesh(mesh.vertices - 0.5 * (low + high), mesh.faces)

@@ -19,12 +19,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
+from harness.base.mesh_file import SIMPLER, Mesh, areas_and_normals
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import HEADROOM, Obstacle, ObstacleKind, convex, outline, surface, top
 from harness.world.solid import Primitive, Solid
 from harness.world.solids.convex import FEWEST, Points, convex_pieces, own_hull, slab
 from harness.world.solids.kinds import Kind
-from harness.world.solids.mesh_file import SIMPLER, Mesh, areas_and_normals
 from harness.world.solids.surface import SAMPLES, on_map
 
 STANDING_AREA = 1.0  # [m2]

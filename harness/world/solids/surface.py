@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import label, maximum_filter
 
 from harness.base.errors import UsageError
+from harness.base.mesh_file import Mesh, areas_and_normals
 from harness.spec.world import LARGEST_MAP, SMALLEST_MAP
 from harness.world.heightfield import Field, Heightfield, filled, finest_cell
 from harness.world.solids.columns import Crossings, Grid, crossings, floors
-from harness.world.solids.mesh_file import Mesh, areas_and_normals
 from harness.world.terrain import HEIGHT_DECIMALS
 
 CELL = 0.1  # [m], as the named terrains have

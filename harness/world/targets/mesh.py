@@ -11,10 +11,10 @@ from PIL import Image
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
+from harness.base.mesh_file import MOST_BYTES, UP, read_mesh
 from harness.spec.target import TargetSpec
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.solids.mesh_file import MOST_BYTES, UP, read_mesh
 from harness.world.solids.pieces import obstacles_of
 from harness.world.targets.forms import Place, Points, Skin
 

@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from harness.base.errors import UsageError
+from harness.base.mesh_file import read_mesh
 from harness.drivers import find_driver
 from harness.episode.assembly import check, world_of
 from harness.scenario.case import cases_of
@@ -24,7 +25,6 @@ from harness.world.heightmap.raster import read_raster
 from harness.world.sdf import reader
 from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
-from harness.world.solids.mesh_file import read_mesh
 from harness.world.targets.placing import target_names
 from harness.world.world import World, with_actors
 from rover_metrics.log.documents import DocumentError, read_bytes
@@ -184,7 +184,7 @@ def four_runs(folder: Path) -> None:
     ("bound", "amount", "take"),
     [
         ("harness.world.sdf.reading.MOST_SOLIDS", 2, two_solids),
-        ("harness.world.solids.mesh_file.MOST_TRIANGLES", 12, twelve_triangles),
+        ("harness.base.mesh_file.MOST_TRIANGLES", 12, twelve_triangles),
         ("harness.scenario.case.MOST_RUNS", 4, four_runs),
         ("harness.spec.rover.LONGEST_NAMESPACE", 5, lambda _: namespace_of("a/b_c")),
         ("harness.sensors.ranging.MOST_RAYS", 160 * 120, lambda _: DepthOptions(name="d")),

@@ -12,6 +12,7 @@ import trimesh
 
 from harness import robot as command
 from harness.base.errors import UsageError
+from harness.base.mesh_file import Mesh
 from harness.frames.rover_frames import rover_frames
 from harness.robots import RoverSpec, read_rover
 from harness.robots.model import read_model
@@ -19,6 +20,7 @@ from harness.robots.urdf.folder import Written, write_folder
 from harness.run import main
 from harness.sensors.choice import chosen
 from harness.validate.checkup import check_up
+from tests.harness.world.solids.shapes import write_dae
 from tests.support.complaint import complaint
 from tests.support.foreign_rovers import (
     BUGGY,
@@ -273,10 +275,10 @@ def test_meshes_that_cannot_be_had_are_noted_and_those_of_other_folders_are_name
         (tmp_path / "there" / folder).mkdir(parents=True)
         trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "there" / folder / "a.stl")
     (here := tmp_path / "here").mkdir()
-    (here / "a.dae").touch()
+    (here / "a.glb").touch()
     mesh = '<{0}><geometry><mesh filename="{1}"/></geometry></{0}>'
     meshes = mesh.format("collision", "package://one/a.stl") + mesh.format("collision", "two/a.stl")
-    meshes += mesh.format("visual", "a.dae")
+    meshes += mesh.format("visual", "a.glb")
     arm = link("arm", 1.0, "", (0.1, 0.1, 0.1)) + joint(
         "arm", "continuous", "base_link", "arm", (0, 0, 1)
     )
@@ -290,23 +292,31 @@ def test_meshes_that_cannot_be_had_are_noted_and_those_of_other_folders_are_name
     assert kept == ["0_a.stl", "1_a.stl"]
     again = write_folder("made", here / "robot.urdf", tmp_path / "b", folders=(tmp_path / "there",))
     assert again.notes == (
-        "link 'base_link': visual mesh a.dae is no .stl or .obj or .msh; dropped",
+        "link 'base_link': visual mesh a.glb is no .dae, .obj, .stl, .ply or .msh; dropped",
         "joint 'arm' has no motor and moves freely",
     )
     assert 'model="made"' in (tmp_path / "b" / "made.xml").read_text()
 
 
-@pytest.mark.parametrize("form", ["stl", "stl_ascii"])
+@pytest.mark.parametrize("form", ["stl", "stl_ascii", "dae", "ply"])
 def test_a_wheel_of_a_mesh_that_is_not_closed_is_as_large_as_its_corners(
     form: str, tmp_path: Path
 ) -> None:
-    """As scans and exports are; the principal axes, along which MuJoCo lays a mesh's box, lean then."""
+    """As scans and exports are; the principal axes, along which MuJoCo lays a mesh's box, lean then.
+
+    COLLADA is read as RViz and Gazebo read it: by its unit, whatever axis it says is up.
+    """
     radius, width = HUSKY.wheel_radius, 0.1143
     tyre = trimesh.creation.cylinder(radius, width, sections=48)
     tyre.update_faces(np.arange(len(tyre.faces)) % 9 > 0)
-    tyre.export(tmp_path / "tyre.stl", file_type=form)
+    name = f"tyre.{form.removesuffix('_ascii')}"
+    if form == "dae":
+        inches = Mesh(tyre.vertices / 0.0254, tyre.faces)
+        write_dae(tmp_path / name, inches, "<unit meter='0.0254'/><up_axis>Y_UP</up_axis>")
+    else:
+        tyre.export(tmp_path / name, file_type=form)
     cylinder = f'<cylinder radius="{radius}" length="{width}"/>'
-    rover = written(tmp_path, HUSKY.urdf.replace(cylinder, '<mesh filename="tyre.stl"/>')).rover
+    rover = written(tmp_path, HUSKY.urdf.replace(cylinder, f'<mesh filename="{name}"/>')).rover
     assert rover.controller_radius == pytest.approx(radius, rel=1e-4)
     assert (rover.track, rover.wheelbase) == pytest.approx((HUSKY.track, HUSKY.wheelbase), rel=1e-4)
 
@@ -389,10 +399,10 @@ def of_wheel(old: str, new: str) -> str:
 
 MASS, AXIS = 'mass value="2.637"', '<axis xyz="0 1 0"/>'
 MISTAKES = {
-    "not XML": ("<robot", "is not valid XML"),
+    "not XML": ("<robot", "is not XML"),
     "not URDF": ("<sdf/>", "is not URDF: it holds <sdf>"),
     "empty": ("<robot/>", "holds no <link>"),
-    "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares entities"),
+    "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares a document type or entities"),
     "no wheels": (HUSKY.urdf.replace("continuous", "fixed"), "no wheels were found on both sides"),
     "bare wheels": (
         re.sub(r"<collision>.*?</collision>", "", HUSKY.urdf),
@@ -426,10 +436,10 @@ MISTAKES = {
         HUSKY.urdf.replace("front_left_wheel_joint", "a").replace('"continuous"', '"fixed"', 1),
         "name as many on either side",
     ),
-    "DAE": (with_mesh("a.dae"), "is no .stl or .obj or .msh; convert it"),
+    "DAE": (with_mesh("a.dae"), "p/a.dae is not XML: no element found"),
     "no STL": (with_mesh("a.stl"), "a.stl is only Git LFS's pointer to it; git lfs pull fetches it"),
-    "half an STL": (with_mesh("c.stl"), "c.stl is cut short; export it anew"),
-    "half an STL in text": (with_mesh("d.stl"), "d.stl is cut short; export it anew"),
+    "half an STL": (with_mesh("c.stl"), "c.stl is damaged or cut short; export it anew"),
+    "half an STL in text": (with_mesh("d.stl"), "d.stl is damaged or cut short; export it anew"),
     "a floating root": (
         of_wheel('type="continuous"', 'type="floating"'),
         "is floating; take it and all above it out",

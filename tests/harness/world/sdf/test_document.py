@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.xml import read_xml
 from harness.world.sdf import reading as module
 from harness.world.sdf.document import Document
-from harness.world.sdf.reader import read_xml
 from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Plane, Primitive, Relief

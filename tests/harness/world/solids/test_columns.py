@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from harness.base.mesh_file import Mesh
 from harness.world.solids.columns import Grid, crossings, floors
-from harness.world.solids.mesh_file import Mesh
 from tests.harness.world.solids.shapes import both, box, flat
 
 GRID = Grid(-2.0, -2.0, 1.0, 5, 5)

@@ -10,9 +10,9 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
+from harness.base.mesh_file import Mesh
 from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
-from harness.world.solids.mesh_file import Mesh
 from tests.harness.world.solids.shapes import at, box, flat, write_mesh
 
 UP = (0.0, 0.0, 1.0)

@@ -10,6 +10,7 @@ from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
+from harness.base.mesh_file import Mesh
 from harness.spec.value import made as checked_of
 from harness.spec.world import WorldSpec
 from harness.world.heightfield import Heightfield
@@ -17,7 +18,6 @@ from harness.world.obstacles import Obstacle, ObstacleKind, Shape, bottom, top
 from harness.world.solid import Primitive, Solid
 from harness.world.solids import pieces
 from harness.world.solids.kinds import Kinds
-from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.pieces import obstacle_of, obstacles_of
 from tests.harness.world.solids.shapes import at, both, box
 

@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError, find_named, told
 from harness.base.made_of_files import Files, made_of_files
-from harness.spec.world import MESH_UNITS
-from harness.world.sdf.reader import DEEPEST, parse_xml
+from harness.base.xml import DEEPEST, parse_xml
 from rover_metrics.number import number
 
 SUFFIXES = (".dae", ".obj", ".stl", ".ply")
 MOST_BYTES = 128 * 2**20
 MOST_TRIANGLES = 500_000
 PLY_HEADER = 4096  # bytes that hold its counts
+HEAD, FACE, LAST_LINE = 84, 50, 1000  # bytes of a binary STL's head and triangle; of a text's last line
 MOST_SHAPES = 5_000  # of a scene, each as often as it stands there
 # What axis is up in a file -> R_world_file, as COLLADA defines its three.
 UP = {
@@ -96,21 +96,22 @@ def joined(meshes: "list[Mesh]") -> Mesh:
 
 @made_of_files(8)  # a world names a file many times
 def read_mesh(
-    path: Path, submesh: str = "", unit: str = "", up: str = ""
+    path: Path, submesh: str = "", unit: float = 0.0, up: str = ""
 ) -> tuple[tuple[Mesh, str], Files]:
     """Returns the triangles of a file and the SHA-256 of what was read; UsageError if it is unusable.
 
     Args:
         path: The file, whose name tells what it is.
         submesh: The name of the only part that is meant; "" for all.
-        unit: One of MESH_UNITS; "" is as the file says, else metres.
+        unit: Its length [m]; 0 is as the file says, else 1.
         up: One of UP; "" is as the file says, else z.
     """
     if path.suffix.lower() not in SUFFIXES:
         kinds = ", ".join(SUFFIXES)
         raise UsageError(f"mesh {path}: meshes of that kind are not read; readable are {kinds}")
-    data = read_bytes(path, MOST_BYTES)
+    content = read_bytes(path, MOST_BYTES)
     try:
+        data = _without_more(content) if path.suffix.lower() == ".stl" else content
         _check_coded(data, path.suffix.lower())
         scale, axis = _unit_and_axis(data) if path.suffix.lower() == ".dae" else (1.0, "z")
         parts = _loaded(data, path.suffix.lower())
@@ -120,13 +121,23 @@ def read_mesh(
         raise UsageError(f"mesh {path}: {error}") from error
     turned = np.eye(4)
     turned[:3, :3] = UP[up or axis]
-    metres = mesh.moved(turned, (MESH_UNITS[unit] if unit else scale,) * 3)
-    return (metres, hashlib.sha256(data).hexdigest()), [path]
+    metres = mesh.moved(turned, (unit or scale,) * 3)
+    return (metres, hashlib.sha256(content).hexdigest()), [path]
+
+
+def _without_more(data: bytes) -> bytes:
+    """An STL file as far as its triangles go; UsageError if there are fewer than it says."""
+    end = HEAD + FACE * int.from_bytes(data[HEAD - 4 : HEAD], "little")
+    is_text = data.lstrip().startswith(b"solid") and len(data) != end
+    if b"endsolid" not in data[-LAST_LINE:] if is_text else len(data) < end:
+        raise UsageError("it is damaged or cut short; export it anew")
+    return data if is_text else data[:end]
 
 
 def _check_coded(data: bytes, suffix: str) -> None:
-    binary_stl = len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
-    counts = {".obj": data.count(b"\nf "), ".stl": (len(data) - 84) // 50 if binary_stl else 0}
+    faces = int.from_bytes(data[HEAD - 4 : HEAD], "little")
+    stl = faces if len(data) == HEAD + FACE * faces else data.count(b"endfacet")
+    counts = {".obj": data.count(b"\nf "), ".stl": stl}
     _check_count(counts.get(suffix, 0))  # before anything is decoded
 
 
