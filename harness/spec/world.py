@@ -87,7 +87,8 @@ class WorldSpec(Value):
     )
     mesh_up: Annotated[str, Option("AXIS")] = Field(
         default="",
-        description=f"axis of meshes that is up: {', '.join(MESH_AXES)}; default: z in worlds, else as files say",
+        description=f"axis of meshes that is up: {', '.join(MESH_AXES)}; default: as a lone file says, "
+        "z in worlds",
     )
     rock_height: Annotated[Relief | None, Option("M")] = Field(
         default=None,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from harness.base import xml
 from harness.base.errors import UsageError
 from harness.base.mesh_file import read_mesh
 from harness.drivers import find_driver
@@ -22,7 +23,6 @@ from harness.spec.target import parse_target
 from harness.world.actors.people import read_trajectories
 from harness.world.heightfield import Heightfield
 from harness.world.heightmap.raster import read_raster
-from harness.world.sdf import reader
 from harness.world.sdf.reading import read_document
 from harness.world.sdf.resources import Resources
 from harness.world.targets.placing import target_names
@@ -140,7 +140,7 @@ def test_names_of_strangers_neither_begin_lines_nor_move_the_cursor(tmp_path: Pa
 
 def test_files_of_too_many_elements_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = walk(tmp_path / "a.sdf", "0 0 0")
-    monkeypatch.setattr(reader, "MOST_ELEMENTS", 3)
+    monkeypatch.setattr(xml, "MOST_ELEMENTS", 3)
     assert len(read_trajectories(path)) == 1
     walk(path, "0 0 0", "0 0 0")
     one_line("has more than 3 elements; take some out", lambda: read_trajectories(path))
