@@ -2,20 +2,24 @@
 
 import math
 from pathlib import Path
+from typing import ClassVar
 
 import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.base.errors import RunFailed
+from harness.course.attempt import drive_with
 from harness.course.planner import Planner
 from harness.course.task import Case
 from harness.course.tracks import find_track
 from harness.course.tracks.dynabarn import key_frames
 from harness.course.tracks.grounds import BLIND
+from harness.drivers.base import DriverContext, Observation
 from harness.episode.assembly import world_of
 from harness.robots import find_rover
-from harness.samples import ActorPoses, JointStates, Pose
+from harness.samples import ActorPoses, JointStates, LaserScan, Pose, Sample, Twist
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
 from harness.world.obstacles import ObstacleKind, outline
@@ -175,3 +179,35 @@ def test_the_one_who_looks_gets_farther_on_a_mission() -> None:
     assert (looking.of_goals, looking.goals, looking.is_success) == (3, 3, True)
     assert looking.score > blind.score == 0.0
     assert blind.goals < 3
+
+
+class Looking:
+    """Keeps what it is made for, and the first scan with where that was."""
+
+    summary: ClassVar[str] = ""
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
+
+    def __init__(self, context: DriverContext) -> None:
+        self.context = context
+
+    def command(self, observation: Observation) -> Twist:
+        if observation.ranges is None:
+            return Twist(0.0, 0.0)
+        self.first = observation
+        raise RunFailed("it has seen enough")
+
+
+@pytest.mark.parametrize("track", ["blind", "mission"])  # Leo's lidar looks back, Jackal's ahead
+def test_a_scan_along_the_bearings_that_an_entry_is_given_ends_at_what_stands_there(
+    track: str, tmp_path: Path
+) -> None:
+    case = find_track(track).cases(1)[0]
+    _, entry = drive_with(case, Looking)
+    seen, rover = entry.first, entry.context.rover
+    world = world_of(find_track(track).task(case, tmp_path).run)
+    assert seen.ranges is not None
+    hit = np.isfinite(seen.ranges)
+    lidar = complex(rover.lidar_x, rover.lidar_y)
+    points = lidar + seen.ranges[hit] * np.exp(1j * entry.context.bearings[hit])
+    places = complex(seen.x, seen.y) + points * np.exp(1j * seen.yaw)
+    assert np.median(gaps(world, np.array([places.real, places.imag]).T)) < 0.05
