@@ -15,13 +15,14 @@ from harness.episode.episode import Episode, episodes_of
 from harness.episode.together import together
 from harness.physics.scene import build_scene
 from harness.physics.world_geoms import TERRAIN
+from harness.samples import LaserScan
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
 from harness.view import picture
 from harness.view.camera import View, best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import drawn
-from harness.view.marks import PATH_COLOR, beam_marks, path_marks, track_marks
+from harness.view.marks import HIT_COLOR, PATH_COLOR, beam_marks, path_marks, track_marks
 from harness.view.states import States, StateWriter, read_states
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
@@ -107,11 +108,11 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
         for batches in together(episodes):
             for writer, batch in zip(writers, batches, strict=True):
                 writer.take(batch)
-            stamp_ns = batches[0].ticks[-1].stamp_ns
+            stamp_ns, scans = batches[0].ticks[-1].stamp_ns, [b.ticks[-1].of(LaserScan) for b in batches]
             there[stamp_ns] = data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy()
     monkeypatch.setattr(mujoco, "Renderer", MagicMock())
     monkeypatch.setattr(picture, "add_marks", marked := Mock())
-    with picture.Studio(files, picture.VIDEO_QUALITY, lidar=False) as studio:
+    with picture.Studio(files, picture.VIDEO_QUALITY, lidar=True) as studio:
         placed = mujoco.MjData(studio.model)
         for index in range(4, 25, 5):
             state = there[round(1e9 * studio.recording.times[index])]
@@ -122,6 +123,11 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
             assert studio.data.xmat == pytest.approx(placed.xmat, abs=1e-6)
         studio.image(24, chase_view(np.zeros(3), 0.0))
     marks = [mark for mark in marked.call_args.args[1] if mark.color == PATH_COLOR]
+    hits = [mark.position for mark in marked.call_args.args[1] if mark.color == HIT_COLOR]
+    sites = [studio.data.site(name).xpos for name in ("lidar", "/b/lidar")]
+    ranges = [scan.ranges[np.isfinite(scan.ranges)] for scan in scans if scan is not None]
+    origins = np.repeat(sites, [*map(len, ranges)], axis=0)
+    assert np.linalg.norm(hits - origins, axis=1) == pytest.approx(np.concatenate(ranges), abs=1e-6)
     for file in files:  # the path of each lies where it has been
         x, y, _ = read_states(file).path[-1]
         assert min(math.dist(mark.end[:2], (x, y)) for mark in marks) < 0.1
