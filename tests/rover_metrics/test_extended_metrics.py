@@ -188,8 +188,10 @@ def ride(history: History, row: int) -> Cells:
     samples = [(t, value) for t, value in history.of("IMU") if usable(value)]
     first = sum(usable(value) for n, _, value in history.heard.get("IMU", []) if n < row)
     gravity, shakes, jerks = np.zeros(3), [], []
-    for i, (step, (_, (a, rotation))) in enumerate(zip(steps(samples), samples, strict=True)):
-        gravity = a if math.isnan(step) else a + (gravity - a) * math.exp(-step)
+    for i, (step, (t, (a, rotation))) in enumerate(zip(steps(samples), samples, strict=True)):
+        repeats = i > 0 and t == samples[i - 1][0]  # nothing has passed in which it could settle
+        settled = a if math.isnan(step) else a + (gravity - a) * math.exp(-step)
+        gravity = gravity if repeats else settled
         up = gravity if rotation is None else rotation.inv().apply((0.0, 0.0, GRAVITY))
         if i >= first:
             shakes.append(((a - up) ** 2).sum())

@@ -32,6 +32,7 @@ MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 ROS1_MAGIC = b"#ROSBAG"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+PACKERS = {b"\x1f\x8b": "gzip", b"\x04\x22\x4d\x18": "lz4", b"BZh": "bzip2", b"PK": "zip"}
 
 
 class SqliteFile:
@@ -183,6 +184,8 @@ class Bag(ExitStack):
             return SqliteFile(path)
         if start.startswith(ROS1_MAGIC):
             raise BagError("a ROS 1 bag; convert it: rosbags-convert --src FILE --dst FOLDER")
+        if packer := next((p for magic, p in PACKERS.items() if start.startswith(magic)), ""):
+            raise BagError(f"it is packed by {packer}; unpack it first")
         raise BagError("neither MCAP nor sqlite3" if start else "the file is empty")
 
     def _decompressed_file(self, path: Path) -> Path:

@@ -5,16 +5,18 @@ by itself.
 """
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from typing import Any
 
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.health.rejections import ZERO_OR_LESS
+from rover_metrics.health.watches import StampWatch
 from rover_metrics.session import Remark
 from rover_metrics.timing import NANOSECONDS
 from rover_metrics.topics import Source, stamp_ns, vector
 
+BATTERY = "sensor_msgs/msg/BatteryState"
 ABOUT = 0.1  # of 1 g
 NO_GRAVITY = 0.5  # [m/s^2]: less than a third of the Moon's
 MOST_ANGLES = 7.0  # [rad] of a scan, a little more than a turn
@@ -28,8 +30,15 @@ class Oddities:
 
     def __init__(self) -> None:
         self._counted = Counter[tuple[str, str]]()  # by topic and finding
+        self._stamps = defaultdict[str, StampWatch](StampWatch)  # by topic
         self._imu, self._accelerations, self._rates, self._samples = "", 0.0, 0.0, 0
         self._odometry, self._way, self._latest, self._has_poses = "", 0.0, 0, False
+        self._battery, self._powers, self._states = "", 0.0, 0
+
+    def stamped(self, topic: str, stamp_ns: int) -> None:
+        """Takes the stamp of a message [ns], once for each."""
+        if (finding := self._stamps[topic].take(stamp_ns)) is not None:
+            self._counted[topic, finding[0]] += 1
 
     def add(self, source: Source, topic: str, parsed: Any, remark: Remark | None) -> None:  # noqa: ANN401
         """Takes a message, and what the session said of it."""
@@ -45,10 +54,14 @@ class Oddities:
             stamp = stamp_ns(parsed)
             if 0 < stamp - self._latest <= LONGEST_STEP:
                 speed = math.hypot(*vector(parsed.twist.twist.linear))
+                self._odometry = topic
                 self._way += speed * (stamp - self._latest) / NANOSECONDS
-            self._odometry, self._latest = topic, stamp
+            self._latest = stamp
         elif source.topic is POSE:
             self._has_poses = True
+        elif source.message_type == BATTERY and math.isfinite(parsed.voltage * parsed.current):
+            self._battery, self._states = topic, self._states + 1
+            self._powers -= parsed.voltage * parsed.current
         elif source.topic is SCAN and abs(parsed.angle_increment) * len(parsed.ranges) > MOST_ANGLES:
             self._counted[topic, "angles of more than a turn, as if in degrees"] += 1
 
@@ -60,6 +73,11 @@ class Oddities:
             notes.append(f"{topic}: {count:,} messages: {finding}{mend}")
         if self._samples:
             notes += self._of_imu(self._accelerations / self._samples, self._rates / self._samples)
+        if self._powers < 0.0:
+            notes.append(
+                f"{self._battery}: {self._powers / self._states:.1f} W on average, as of one that is "
+                "charged; a current is negative while it discharges (sensor_msgs/BatteryState)"
+            )
         shorter, longer = sorted((self._way, metrics.total_distance))
         if self._odometry and self._has_poses and longer > max(LEAST_WAY, MOST_RATIO * shorter):
             notes.append(

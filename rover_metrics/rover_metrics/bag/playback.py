@@ -124,6 +124,8 @@ class Playback:
 
     def _take(self, message: Message, parsed: Any) -> None:  # noqa: ANN401
         count, is_used = self.counts[message.topic], False
+        if hasattr(parsed, "header"):
+            self._oddities.stamped(message.topic, stamp_ns(parsed))
         for source in self._sources[message.topic]:
             remark = source.take(self._session, parsed, stamp_ns(parsed) if source.has_stamp else 0)
             self._oddities.add(source, message.topic, parsed, remark)

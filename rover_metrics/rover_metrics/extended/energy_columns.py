@@ -45,7 +45,7 @@ class EnergyColumns:
             current: Negative while it discharges [A].
         """
         power = -voltage * current
-        if self._last is not None:
+        if self._last is not None and stamp_ns:
             elapsed = (stamp_ns - self._last[0]) / NANOSECONDS
             counts = 0.0 < elapsed <= LONGEST_PAUSE
             gained = (power + self._last[1]) / 2 * elapsed / HOUR if counts else 0.0

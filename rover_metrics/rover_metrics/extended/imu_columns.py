@@ -48,13 +48,14 @@ class ImuColumns:
     def add(self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None) -> None:
         """Takes a sample that the metrics have used; arguments as of `MetricsSession.take_imu`."""
         step = self._step(stamp_ns)
-        if step is not None and self._last is not None:
+        if step and self._last is not None:
             self._jerk = max(self._jerk or 0.0, math.dist(acceleration, self._last[1]) / step)
         self._settle(step, acceleration)
         vertical = up(orientation)
         gravity = self._lasting if vertical is None else [self.gravity * each for each in vertical]
-        self._squares += math.dist(acceleration, gravity) ** 2
-        self._count += 1
+        if stamp_ns or vertical is not None:  # without a stamp nothing tells what lasts
+            self._squares += math.dist(acceleration, gravity) ** 2
+            self._count += 1
         self._last = (stamp_ns, acceleration)
 
     def cells(self) -> tuple[Cell, ...]:
@@ -68,7 +69,7 @@ class ImuColumns:
         if self._last is None:
             return None
         step = (stamp_ns - self._last[0]) / 1e9
-        return step if 0.0 < step <= LONGEST_STEP else None
+        return step if 0.0 <= step <= LONGEST_STEP else None
 
     def _settle(self, step: float | None, acceleration: Vector3) -> None:
         """Lets the estimate of gravity follow; after a gap it starts from the sample."""

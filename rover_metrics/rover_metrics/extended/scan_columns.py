@@ -73,11 +73,12 @@ class ScanColumns:
     ) -> None:
         """Takes a scan, as `MetricsSession.take_scan`, and whether it counts as a collision."""
         values = np.asarray(ranges, dtype=np.float32)
-        self._events = self._events or 0
-        if collides:
-            last, self._collision_ns = self._collision_ns, stamp_ns
-            # A clock that is set back parts events too.
-            self._events += last is None or abs(stamp_ns - last) >= EVENT_GAP_NS
+        if stamp_ns:  # without one nothing tells whether a collision lasts
+            self._events = self._events or 0
+            if collides:
+                last, self._collision_ns = self._collision_ns, stamp_ns
+                # A clock that is set back parts events too.
+                self._events += last is None or abs(stamp_ns - last) >= EVENT_GAP_NS
         self._near_returns = (self._near_returns or 0) + bool(np.isneginf(values).any())
         footprint = self._settings.footprint
         if footprint is not None:
