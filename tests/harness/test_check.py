@@ -78,6 +78,8 @@ def test_check_without_ros_on_request_says_so_and_passes(capsys: pytest.CaptureF
         f"{sum(counts):,} samples was lost"
     )
     assert len(counts) == 4
+    run = Run.of(terrain="flat", duration=5.0, noise="white")  # so that every generator takes part
+    assert told.count(in_this_process(run).stream[:8]) == 3
 
 
 @pytest.mark.usefixtures("_each_config_runs_once")

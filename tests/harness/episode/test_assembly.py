@@ -2,6 +2,7 @@
 
 import math
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +146,7 @@ def test_goals_and_the_timeout_of_commands_are_for_those_who_heed_them() -> None
 
 
 def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> None:
-    texts = ("leo", "rover_zero4wd", f"leo:near,x=0,y={LEO.reach * 2 + GAP:.3f}", "leo", "leo")
+    texts = ("leo", "husky", f"leo:near,x=0,y={LEO.reach * 2 + GAP:.3f}", *["leo"] * 5)
     run = several(*texts)
     world, members = scenery(run)
     assert members[0].start == world.start
@@ -237,7 +238,11 @@ def test_people_walk_about_where_the_rover_starts() -> None:
     assert world_of(run).people[0].centre == (9.0, -9.0)
 
 
-def test_each_rover_of_a_fleet_counts_the_energy_of_its_own_battery() -> None:
-    run = fleet(Run(), parse_rovers(("husky:a,actuators=real,sensors=battery", "husky:b"), Run().rover))
-    settings = [metric_settings(run, {}, number, extended=True) for number in range(2)]
-    assert [each.extended.energy for each in settings] == [True, False]
+def test_each_rover_of_a_fleet_counts_the_energy_of_its_own_battery(tmp_path: Path) -> None:
+    spare = shutil.copytree(ROVERS["husky"].folder, tmp_path / "spare")  # not on /battery/battery_state
+    with (spare / "rover.yaml").open("a") as file:
+        file.write("sensors: [{kind: battery, name: spare}]\n")
+    texts = "husky:a,actuators=real,sensors=battery", "husky:b", f"{spare}:c,actuators=real"
+    run = fleet(Run(), parse_rovers(texts, Run().rover))
+    settings = [metric_settings(run, {}, number, extended=True) for number in range(3)]
+    assert [each.extended.energy for each in settings] == [True, False, False]

@@ -59,6 +59,7 @@ def test_a_recorded_run_tells_its_rover(robot: str, tmp_path: Path) -> None:
     times = np.arange(1.5, 10.0, 0.1)
     joints, odometry = (at(one.wheels, times) for one in (told, turned))
     assert np.abs(joints - odometry).mean(axis=0) == pytest.approx(0.0, abs=0.02)
+    assert np.abs(joints).sum() == pytest.approx(np.abs(odometry).sum(), rel=0.005)
     assert np.ptp(joints[:, 1] - joints[:, 0]) > 0.2
     (t, x, y, yaw), felt = told.poses.T, told.imu
     assert np.ptp(yaw) > 0.3

@@ -159,8 +159,10 @@ def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it(
     with picture.Studio(files, picture.VIDEO_QUALITY, lidar=False) as studio:
         heights, view = studio.model.hfield_data, chase_view(end.path[-1], 0.0)
         studio.image(0, view)
+        assert given.scene.ngeom <= 2  # of the paths nothing but what is driven
         before, terrain = heights.copy(), studio.model.geom(TERRAIN)
         studio.image(-1, view)
+        assert given.scene.ngeom > 10
         _, _, relief, _ = studio.model.hfield_size[terrain.dataid[0]]
         assert terrain.pos[2] + relief * np.median(before) == pytest.approx(0.0, abs=1e-3)
         columns = int(studio.model.hfield_ncol[studio.model.geom("ruts").dataid[0]])
