@@ -77,9 +77,10 @@ class Studio(AbstractContextManager["Studio"]):
         self._rovers, self.model = list(zip(scenes, recordings, strict=True)), scenes[0].model
         self._posing = Posing(scenes)
         self.data = self._posing.data
-        spec = LidarSpec(beams=run.rover.lidar_beams)
         self._lidars = [
-            Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
+            Lidar(self.model, LidarSpec(beams=setup.lidar_beams), scene.own("lidar"), scene.others())
+            for scene, setup in zip(scenes, run.rovers, strict=True)
+            if lidar
         ]
         self.scale = scale_of(scenes[0].rover)
         self._marks, self._ruts, self._pressed = list[Mark](), PressedRuts(self._ground, scenes), 0

@@ -100,7 +100,8 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
 ) -> None:
     """By MuJoCo's own state, of two rovers and two people, at each state that ends a control period."""
     run = Run.of(terrain="rocky", driver="straight", duration=1.0, actors=["a=2,2/4,2", "b=-2,2/-4,3"])
-    run = fleet(run, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=2.5"), run.rover))
+    one, other = parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=3,yaw=2.5"), run.rover)
+    run = fleet(run, (one, other.but(lidar_beams=500)))
     episodes, files = episodes_of(run), [tmp_path / "a", tmp_path / "b"]
     data, there = episodes[0].simulation.data, dict[int, tuple[np.ndarray, ...]]()
     with ExitStack() as at_end:
