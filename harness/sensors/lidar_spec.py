@@ -29,7 +29,7 @@ class LidarSpec:
         """Returns every beam's azimuth in the lidar's frame [rad], counter-clockwise, shape (beams,)."""
         return np.linspace(-self.angle_max, self.angle_max, self.beams)
 
-    def bearings(self, yaw: float = math.pi) -> NDArray[np.float64]:
+    def bearings(self, yaw: float) -> NDArray[np.float64]:
         """Returns the azimuths in the frame of a rover whose lidar has that yaw [rad]."""
         return np.remainder(self.angles + (yaw + math.pi), math.tau) - math.pi
 

@@ -23,7 +23,6 @@ from harness.episode.loop import Route
 from harness.episode.metrics_feed import SampleFeed
 from harness.episode.together import together
 from harness.faults.injector import FaultInjector
-from harness.robots import find_rover
 from harness.samples import LaserScan, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
@@ -117,7 +116,9 @@ def drive(run: Run) -> Log:
     feed, rng = SampleFeed(session, lidar), np.random.default_rng([run.seed, VALIDATION_AGENT])
     width, depth = episode.info.map_size
     half_size = width / 2, depth / 2
-    agent = RecordedAgent(DriverContext(find_rover(run.rover.robot), half_size, lidar.bearings(), rng))
+    rover = episode.simulation.scene.rover
+    bearings = lidar.bearings(rover.lidar_yaw)
+    agent = RecordedAgent(DriverContext(rover, half_size, bearings, rng))
 
     def sink(_: Tick, sent: Tick) -> None:
         for sample in sent.samples:

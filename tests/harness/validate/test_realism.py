@@ -47,6 +47,10 @@ def test_a_run_lies_at_most_twice_as_far_from_the_recorded_logs_as_those_from_ea
     assert all(ratio <= WITHIN for ratio in ratios.values()), ratios
 
 
+def test_an_agent_keeps_off_posts_also_with_a_lidar_that_looks_ahead() -> None:
+    assert drive(RUN.alone(robot="jackal", duration=30.0))["Obstacle Clearance"].min() > 0.5
+
+
 def test_a_run_repeats_itself_and_another_seed_has_other_speeds(
     shaken: Log, monkeypatch: pytest.MonkeyPatch
 ) -> None:
