@@ -303,6 +303,7 @@ def test_worked_example_passes_as_a_user_runs_it(tmp_path: Path) -> None:
     (copy / "test_failing.py").write_text(FAILING)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(copy)]
     command += ["--rover-artifacts", str(tmp_path / "kept")]
+    command += ["--import-mode=importlib"]  # as in a clone, whose pyproject.toml says so
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
         command,
