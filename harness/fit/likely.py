@@ -19,7 +19,9 @@ LATEST = 30  # ticks that wheels may be late by
 
 
 def likely(recording: Recording, rover: RoverSpec) -> Recording:
-    """Returns a recording without poses that do not go with the wheels, which its problems then say.
+    """Returns a recording without what cannot be of it, which its problems then say.
+
+    That are poses that do not go with the wheels, and the power of a battery that is charged.
 
     Args:
         recording: Has commands and wheels on one clock.
@@ -37,6 +39,10 @@ def likely(recording: Recording, rover: RoverSpec) -> Recording:
     v, w = at(recording.commands, times).T
     problems = _unlike_commands(recording, "commanded speed", "m/s", v, ahead)
     problems += _unlike_commands(recording, "commanded yaw rate", "rad/s", w, turned)
+    if len(recording.power) and (mean := float(recording.power[:, 1].mean())) < 0.0:
+        reason = f"the battery gives {mean:.0f} W on average, as if its currents had another sign"
+        problems += (f"{recording.name}: {reason} (negative: it discharges); the power is left out",)
+        recording = _without(recording, "power")
     if len(recording.poses):
         x, y, yaw = (values[WINDOW:] - values[:-WINDOW] for values in at(recording.poses, times).T)
         straight = np.abs(turned) < MOVES  # poses may be of a place beside the middle
@@ -48,9 +54,14 @@ def likely(recording: Recording, rover: RoverSpec) -> Recording:
             if _likeness(_moved(w), yaw, LATEST) > max(ALIKE, _likeness(turned, yaw, LATEST)):
                 raise _refused(recording, "wheels turn otherwise than commands and poses, as if swapped")
             problems += (f"{recording.name}: {reason}; the poses are left out",)
-            sources = {name: topic for name, topic in recording.sources.items() if name != "poses"}
-            recording = replace(recording, poses=empty(4), sources=sources)
+            recording = _without(recording, "poses")
     return replace(recording, problems=recording.problems + problems)
+
+
+def _without(recording: Recording, name: str) -> Recording:
+    sources = {one: topic for one, topic in recording.sources.items() if one != name}
+    nothing = empty(recording.series[name].shape[1])
+    return replace(recording, sources=sources, **{name: nothing})  # type: ignore[arg-type]  # of a series
 
 
 def _moved(rates: Series) -> Series:

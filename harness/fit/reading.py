@@ -10,6 +10,7 @@ from scipy.ndimage import median_filter
 from harness.base.errors import UsageError
 from harness.fit.likely import likely
 from harness.recordings.bags import recording_of_bag
+from harness.recordings.delimited import read_csv
 from harness.recordings.recording import APART, Recording, in_order, lag, moved
 from harness.recordings.tables import recording_of
 from harness.robots import RoverSpec
@@ -23,6 +24,8 @@ SLOWED = 0.2  # and slower than this share of the speed that the last command br
 PERIOD = 0.05  # [s] for which a command counts at least
 SINCE = 0.3  # [s] before the next command for which wheels stand, where a rover stops without commands
 TIMEOUT = 0.5  # [s] until a rover stops without commands, where its folder names no time
+COLUMNS = "a CSV file says it by columns t, cmd_v, cmd_w, left_speed, right_speed (docs/real_rovers.md)"
+MOST_NAMED = 8  # columns
 FASTEST = 50.0  # [m/s] of wheels that are in the units that they are said to be
 
 
@@ -47,6 +50,12 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
         if topics:
             raise UsageError("--topic is for bags; a CSV file's columns go by their names")
         recording = recording_of(paths, name.split(".csv")[0], rover.controller_radius)
+        if not recording.series:
+            names = ", ".join(read_csv(paths[0]).columns[:MOST_NAMED])
+            raise UsageError(
+                f"{name} has no commands and no wheels; no series is made of its columns {names}; "
+                f"{COLUMNS}"
+            )
     elif len(paths) > 1:
         raise UsageError("several recordings must be CSV files of one drive; give one bag")
     else:
@@ -63,8 +72,7 @@ def _check(recording: Recording, rover: RoverSpec) -> None:
         present = ", ".join(there) or "nothing that a rover's model is fitted to"
         joints = f"; wheels are a JointState with {', '.join(rover.wheel_joints)}, or an Odometry"
         if not recording.sources:
-            columns = "columns t, cmd_v, cmd_w, left_speed, right_speed (docs/real_rovers.md)"
-            hint = f"; a CSV file says it by {columns}, a bag by its types"
+            hint = f"; {COLUMNS}, a bag by its types"
         else:
             hint = joints if "wheels" in missing else ""
         raise UsageError(f"{name} has no {' and no '.join(missing)}; it has {present}{hint}")

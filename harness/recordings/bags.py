@@ -16,6 +16,7 @@ from rover_metrics.bag.mcap_stream import BagError
 from rover_metrics.bag.playback import deserialised
 from rover_metrics.core.rotation import yaw
 from rover_metrics.timing import NANOSECONDS
+from rover_metrics.topics import UNKNOWN, vector
 
 Row = tuple[float, ...]
 Take = Callable[[Any, RoverSpec], dict[str, Row]]
@@ -49,8 +50,11 @@ def _joints(message: Any, rover: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
 
 
 def _imu(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401
-    w, a = message.angular_velocity, message.linear_acceleration
-    return {"imu": (w.x, w.y, w.z, a.x, a.y, a.z)}
+    """Nothing of one that says of either that it does not measure it (sensor_msgs/Imu)."""
+    w, a = vector(message.angular_velocity), vector(message.linear_acceleration)
+    covariances = message.angular_velocity_covariance, message.linear_acceleration_covariance
+    is_told = all(any(v) or c[0] != UNKNOWN for v, c in zip((w, a), covariances, strict=True))
+    return {"imu": (*w, *a)} if is_told else {}
 
 
 def _poses(message: Any, _: RoverSpec) -> dict[str, Row]:  # noqa: ANN401

@@ -143,7 +143,11 @@ def _dates(times: pd.Series) -> pd.Series:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of a form that is no standard's
         try:
-            dates = pd.to_datetime(times, errors="coerce", utc=True)
+            # Python leaves out fractions of 0, so that not all have the form of the first.
+            forms = (
+                pd.to_datetime(times, errors="coerce", utc=True, format=f) for f in (None, "ISO8601")
+            )
+            dates = max(forms, key=pd.Series.count)
         except (OverflowError, ValueError):  # of what is no date at all
             return pd.Series(math.nan, times.index)
     return (dates - pd.Timestamp(0, tz="UTC")).dt.total_seconds()

@@ -17,7 +17,9 @@ from rover_metrics.analysis.logs.header import comma_in_cells
 
 MOST_BYTES = 2**30
 SEPARATORS = (",", ";", "\t", "|")
+BLANKS = r"\s+"  # where there are none of these, as of numpy
 COMMENTS = "#", "%", "sep="  # the last is Excel's
+GZIP_MAGIC = b"\x1f\x8b"
 MINUS = "\u2212"  # as programs write it in the languages of the north
 
 
@@ -28,13 +30,18 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
         path: Of a file, which may be compressed (.gz).
         largest: How many bytes it may have.
         how: What else pandas is told.
+
+    Of columns of one name the first is given.
     """
     try:
         content = read_bytes(path, largest)
-        content = gzip.decompress(content) if path.suffix == ".gz" else content
+        content = gzip.decompress(content) if content.startswith(GZIP_MAGIC) else content
         text = _below_comments(_text(content))
-        separator = max(SEPARATORS, key=text.partition("\n")[0].count)
-        commas_are_decimal = comma_in_cells(text.encode().splitlines()[1:], re.escape(separator)) == "."
+        header, _, rows = text.partition("\n")
+        mark = max(SEPARATORS, key=header.count)
+        separator = mark if mark in header else BLANKS
+        between = re.escape(mark) if mark in header else BLANKS
+        commas_are_decimal = comma_in_cells(rows.encode().splitlines(), between) == "."
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table: pd.DataFrame = pd.read_csv(
@@ -54,7 +61,7 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
     except (OSError, EOFError, ValueError, zlib.error) as error:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     table.columns = [str(name).strip() for name in table.columns]
-    return table
+    return table.loc[:, ~table.columns.duplicated()]
 
 
 def _text(content: bytes) -> str:
@@ -74,5 +81,6 @@ def _below_comments(text: str) -> str:
     lines = text.split("\n")
     first = next((n for n, line in enumerate(lines) if not line.startswith(COMMENTS)), 1)
     header = lines[first - 1].lstrip("#% ")
-    is_header = any(0 < header.count(mark) == lines[first].count(mark) for mark in SEPARATORS)
+    marks = [mark for mark in SEPARATORS if mark in lines[first]] or [" "]
+    is_header = any(0 < header.count(mark) == lines[first].count(mark) for mark in marks)
     return "\n".join([header, *lines[first:]] if is_header else lines[first:])

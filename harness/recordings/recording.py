@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 Series = NDArray[np.float64]
 APART = 1.0  # [s] of wheels and IMU against each other: their clocks differ
 ALIGNED_RATE = 20.0  # [Hz] at which they are compared
+ROUNDED = 1e-3  # [s], more than what times of day lose as floats
 TURNING = 0.05  # [rad/s] sd, from which on series of turning can be compared
 
 
@@ -89,7 +90,8 @@ def lag(recording: Recording, track: float) -> float | None:
     begin, end = max(wheels[0, 0], imu[0, 0]), min(wheels[-1, 0], imu[-1, 0])
     if end - begin < 5 * APART:
         return None
-    times = np.arange(begin, end, 1 / ALIGNED_RATE)
+    # Where samples are as far apart, times of day are too coarse to tell each from the one before.
+    times = np.arange(begin + ROUNDED, end, 1 / ALIGNED_RATE)
     sides, felt = at(wheels, times), at(imu, times)[:, 2]
     rolled = (sides[:, 1] - sides[:, 0]) / track
     if not min(rolled.std(), felt.std()) >= TURNING or np.isnan(felt).any():

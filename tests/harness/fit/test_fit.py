@@ -248,18 +248,19 @@ def noisy_and_late(table: pd.DataFrame) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "series", "said"),
     [
-        (noisy_and_late, "the poses' yaw rate is"),
-        (lambda t: t.assign(yaw=-t.yaw), "the poses' yaw rate and the wheels'"),
-        (lambda t: t.assign(x=1000 * t.x, y=1000 * t.y), "the poses' speed is"),
+        (noisy_and_late, "poses", "the poses' yaw rate is"),
+        (lambda t: t.assign(yaw=-t.yaw), "poses", "the poses' yaw rate and the wheels'"),
+        (lambda t: t.assign(x=1000 * t.x, y=1000 * t.y), "poses", "the poses' speed is"),
+        (lambda t: t.assign(power=-50.0), "power", "-50 W on average"),
     ],
 )
-def test_poses_that_do_not_go_with_the_wheels_are_left_out(
-    change: Callable[[pd.DataFrame], pd.DataFrame], said: str, tmp_path: Path
+def test_poses_and_power_that_cannot_be_of_the_drive_are_left_out(
+    change: Callable[[pd.DataFrame], pd.DataFrame], series: str, said: str, tmp_path: Path
 ) -> None:
     found = read([write(driven(HUSKY), tmp_path / "drive.csv", change)], HUSKY, {})
-    assert "poses" not in found.series
+    assert series not in found.series
     (problem,) = found.problems
     assert said in problem
 
@@ -294,7 +295,7 @@ def test_commands_above_a_limit_of_the_rover_are_not_of_other_units(tmp_path: Pa
     [
         (lacking("cmd_v"), "has no commands; it has"),
         (lacking("left_speed"), "has no wheels"),
-        (lacking("t"), "has no commands and no wheels"),
+        (lacking("t"), "has no commands and no wheels; no series is made of its columns cmd_v, "),
         (lambda table: table.head(1), "has no commands and no wheels"),
         (lambda table: table.head(90).assign(t=table.t + 1e4), "too short"),  # whenever it began
         (lambda table: table[(table.t < 4) | (table.t > 20)], "gaps of 16 s"),
@@ -477,7 +478,8 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
         kinds = {"/cmd_vel": "geometry_msgs/msg/Twist", "/other/cmd_vel": "geometry_msgs/msg/Twist",
                  "/joint_states": "sensor_msgs/msg/JointState",
                  "/goal_pose": "geometry_msgs/msg/PoseStamped",
-                 "/localisation": "geometry_msgs/msg/PoseStamped"}  # fmt: skip
+                 "/localisation": "geometry_msgs/msg/PoseStamped",
+                 "/camera/imu": "sensor_msgs/msg/Imu"}  # fmt: skip
         to = {
             topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()
         }
@@ -495,7 +497,13 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
                 )
                 for x in (9.0, 0.01 * n)
             )
+            nothing, unknown = vector(0.0, 0.0, 0.0), np.array([-1.0, *np.zeros(8)])
+            gyroscope = types["sensor_msgs/msg/Imu"](
+                header(time(*divmod(stamp, 10**9)), ""), level(0.0, 0.0, 0.0, 1.0), unknown,
+                turn, np.zeros(9), nothing, unknown,
+            )  # fmt: skip
             said = {"/cmd_vel": twist(vector(0.5, 0.0, 0.0), turn), "/joint_states": joints,
+                    "/camera/imu": gyroscope,
                     "/goal_pose": goal, "/localisation": pose,
                     "/other/cmd_vel": twist(vector(0.7, 0.0, 0.0), turn)}  # fmt: skip
             for topic, message in said.items():
@@ -508,6 +516,7 @@ def test_a_bag_holds_the_series_of_its_topics(tmp_path: Path) -> None:
     assert found.commands[0] == pytest.approx([0.05, 0.5, 0.2])
     assert found.wheels[0] == pytest.approx([0.05, *[2.0 * HUSKY.controller_radius] * 2])
     assert found.torques[0, 1:] == pytest.approx([6.0, 6.0])
+    assert "imu" not in found.series, "what it does not measure is no acceleration of 0"
     assert found.torques[-1, 1:] == pytest.approx([0.0, 0.0]), "wheels are dragged against their motors"
     other = recording_of_bag(tmp_path / "bag", HUSKY, {"commands": "/other/cmd_vel"})
     assert other.commands[0, 1] == pytest.approx(0.7)

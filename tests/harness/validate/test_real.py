@@ -3,6 +3,7 @@
 import gzip
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -143,13 +144,15 @@ def test_commanded_steps_of_two_rovers_in_closed_form(monkeypatch: pytest.Monkey
     assert step_ends(driver, larger) == pytest.approx(expected, rel=0.03, abs=0.01)
 
 
-@pytest.mark.parametrize("late", [-0.6, 0.35])
-def test_an_imu_on_another_clock_is_put_on_that_of_the_wheels(late: float) -> None:
-    t = np.arange(0.0, 40.0, 0.02)
-    half, imu = 0.3 * np.sin(t) * np.sin(0.37 * t), np.zeros((t.size, 7))
-    imu[:, 0], imu[:, 3] = t + late, 2.0 * half / 1.1
-    drove = Recording("made", wheels=np.column_stack([t, -half, half]), imu=imu)
-    assert aligned(drove, 1.1).imu[:, 0] == pytest.approx(t, abs=0.051)
+@pytest.mark.parametrize(("late", "begin"), [(-0.6, 0.0), (0.35, 0.0), (0.0, 1.7e9)])
+def test_an_imu_on_another_clock_is_put_on_that_of_the_wheels(late: float, begin: float) -> None:
+    t, felt = np.arange(0.02, 40.0, 0.02), np.arange(0.05, 40.0, 0.05)
+    half, turn = (0.3 * np.sin(one) * np.sin(0.37 * one) for one in (t, felt))
+    imu = np.zeros((felt.size, 7))
+    imu[:, 0], imu[:, 3] = begin + felt + late, 2.0 * turn / 1.1
+    drove = Recording("made", wheels=np.column_stack([begin + t, -half, half]), imu=imu)
+    most = 0.051 if late else 1e-6
+    assert aligned(drove, 1.1).imu[:, 0] - begin == pytest.approx(felt, abs=most)
 
 
 def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) -> None:
@@ -246,6 +249,9 @@ def with_apart_stamps(text: str) -> str:
         (lambda text: f"# of a rover, 2026\n# {text}", "utf-8"),
         (lambda text: f"# of a rover, 2026\n{text}", "utf-8"),
         (lambda text: f"sep=,\n{text}", "utf-8"),
+        (lambda text: text.replace(",", " "), "utf-8"),
+        (lambda text: f"# of a rover\n# {text.replace(',', '  ')}", "utf-8"),  # as of numpy
+        (lambda text: text.replace("\n", ",7\n").replace(",7", ",t ", 1), "utf-8"),
         (quoted, "utf-8"),
         (with_apart_stamps, "utf-8"),
     ],
@@ -276,7 +282,8 @@ def test_commas_beside_decimal_points_are_of_thousands(separator: str, tmp_path:
 def test_slow_rows_without_a_unit_are_seconds_or_dates(hertz: float, tmp_path: Path) -> None:
     t = 1.7e9 + np.arange(0.0, 300.0, 1 / hertz)
     dates = pd.to_datetime(t, unit="s").astype(str)
-    for times in (t, t - 1.7e9, dates):
+    of_python = [datetime.fromtimestamp(one, UTC).isoformat() for one in t]
+    for times in (t, t - 1.7e9, dates, of_python):
         pd.DataFrame({"t": times, "wz": 0.1}).to_csv(tmp_path / "ice_1.csv", index=False)
         (one,) = recordings_of(tmp_path, 0.1)
         assert one.imu[:, 0] - one.imu[0, 0] == pytest.approx(t - t[0], abs=1e-5)
