@@ -1,5 +1,6 @@
 """What is left of a log after a full disk, a power cut or a kill is read as far as it is whole."""
 
+import gzip
 import json
 from datetime import datetime
 from itertools import permutations
@@ -53,10 +54,12 @@ def test_lines_of_another_length_are_skipped_with_their_numbers(log: Path) -> No
 
 
 def test_a_bad_log_harms_no_other(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    wide, missing = tmp_path / "wide.csv", tmp_path / "missing.csv"
+    wide, missing, packed = (tmp_path / f"{name}.csv" for name in ("wide", "missing", "packed"))
+    packed.write_bytes(gzip.compress(log.read_bytes()))
     wide.write_bytes(log.read_text().encode("utf-16"))
     for bad, reason, code in (
         (wide, "it is no text in UTF-8, perhaps UTF-16; save it as CSV in UTF-8", 1),
+        (packed, "it is packed by gzip; unpack it first", 1),
         (Path("/proc/self/mem"), "cannot be read: Input/output error", 1),
         (missing, "there is no such file", 2),
     ):

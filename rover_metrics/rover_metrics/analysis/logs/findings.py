@@ -35,6 +35,7 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
     findings = [*_absent(header, metrics), *(["spaces before numbers"] if table.spaces else [])]
     too_long = " with more fields than the header, so which is which is unclear"
     findings += table.long.describe("row", too_long)
+    findings += table.blank.describe("blank line")
     findings += table.short.describe("row", " with fewer fields than the header")
     findings += table.untimed.describe("row", " without a number for a Timestamp")
     for name in filter(asked.__contains__, table.cells):

@@ -78,6 +78,7 @@ class Table:
     long: Tally = field(default_factory=Tally)  # rows with more fields than the header
     short: Tally = field(default_factory=Tally)  # with fewer, of the last one's being cut short too
     untimed: Tally = field(default_factory=Tally)  # other rows without a finite time
+    blank: Tally = field(default_factory=Tally)  # lines with nothing in them, as of Python on Windows
     spaces: bool = False  # whether cells of the first row begin with a space
 
 
@@ -165,12 +166,13 @@ def _usable(chunk: pd.DataFrame, table: Table) -> pd.DataFrame:
     numbers = numbers.astype(np.float64)
     # Columns after the notes are extended ones, which may well be empty.
     last = chunk[NOTES] if NOTES in chunk.columns else chunk.iloc[:, -2]
-    long = _has_extra_field(chunk)
-    short = ~long & last.isna() & numbers[twelve].isna().any(axis=1)
-    untimed = ~long & ~short & ~np.isfinite(numbers[STAMP])
-    for tally, rows in ((table.long, long), (table.short, short), (table.untimed, untimed)):
+    long, blank = _has_extra_field(chunk), chunk.isna().all(axis=1)
+    short = ~long & ~blank & last.isna() & numbers[twelve].isna().any(axis=1)
+    untimed = ~long & ~blank & ~short & ~np.isfinite(numbers[STAMP])
+    tallies = (table.long, long), (table.blank, blank), (table.short, short), (table.untimed, untimed)
+    for tally, rows in tallies:
         tally.add(chunk.index[rows])
-    keep = ~(long | short | untimed)
+    keep = ~(long | blank | short | untimed)
     numbers = numbers.loc[keep, [STAMP, *table.cells]]
     for name in table.cells:
         _tally_cells(chunk[name][keep], numbers[name], table)

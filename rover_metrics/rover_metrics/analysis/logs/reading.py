@@ -62,7 +62,9 @@ def _check_usable(table: Table, header: Sequence[str]) -> None:
                 f"{table.total} rows have {how_many} fields (first on line {tally.first})"
             )
     if table.rows.empty:
-        raise UnreadableLog(f"no usable row among {counted(table.total, 'row')} (line 2 is the first)")
+        why = " with a number for a Timestamp" if table.untimed.count == table.total else ""
+        rows = counted(table.total, "row")
+        raise UnreadableLog(f"no usable row{why} among {rows} (line 2 is the first)")
 
 
 def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFrame:

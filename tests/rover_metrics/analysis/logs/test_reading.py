@@ -43,6 +43,7 @@ def logs(row: Row) -> Iterator[tuple[str, list[str], tuple[Metric, ...]]]:
     yield "a flag of 3", [good[0], row(1, Is_Rough_Terrain=3), good[2]], EVERY
     yield "a stamp twice", [good[0], good[1], row(1, Distance_Traveled=0.7), good[2]], EVERY
     yield "a blank line", [good[0], "", odd["fast"]], EVERY
+    yield "a blank line after each", ["", *(line for one in good for line in (one, ""))], speed
     yield "a header among the rows", [good[0], HEADER, good[1], row(2, Timestamp="inf")], EVERY
     halves = [row(i, Timestamp=1.7e9 + 0.5 * i).replace(",", ", ") for i in range(3)]
     yield "spaces, half seconds, wall clock", halves, EVERY
