@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -19,12 +20,13 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.episode.episode import Episode
 from harness.fit.__main__ import main
-from harness.fit.estimate import CERTAIN, Estimate, deviations, of, with_values
+from harness.fit.estimate import CERTAIN, Estimate, deviations, fitted, of, with_values
 from harness.fit.folder import write_folder
 from harness.fit.ground import UNITS, differences
 from harness.fit.motors import motors
 from harness.fit.mount import mount, placed
 from harness.fit.outcome import split
+from harness.fit.page import render
 from harness.fit.reading import read
 from harness.fit.response import controlled, response
 from harness.fit.steady import Steady, kinds, window
@@ -87,7 +89,10 @@ def test_a_fit_recovers_the_rover_as_a_folder_that_runs(
     true = with_values(HUSKY, HIDDEN.items())
     csv, out = write(driven(true), tmp_path / "drive.csv", lambda t: t), tmp_path / "fitted"
     words = [str(csv), "--robot", "husky", "--surface", "mud", "--out", str(out), "--jobs", "1"]
+    monkeypatch.setattr("harness.fit.page.render", drawn := Mock(side_effect=render))
     assert main(words) == 0
+    outcome = drawn.call_args.args[0]  # what is held back would be judged by the rover that is written
+    assert outcome.fitted == fitted(outcome.rover, outcome.estimates)
     found = equipped(find_rover(str(out)), REAL, "mud")
     assert {key: of(found, key) for key in TRUE} == pytest.approx(TRUE, rel=0.05)
     grown = found.wheel_radius - HUSKY.wheel_radius

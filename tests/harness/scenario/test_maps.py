@@ -27,17 +27,18 @@ from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.occupancy import OCCUPIED, occupancy
 from harness.world.world import World
 
+Where = tuple[float, float]
 LIMITS = Limits(slope=0.5, step=0.1, tip=0.8, span=0.5)
 
 
-def ramp(angle: float, *obstacles: Obstacle) -> World:
+def ramp(angle: float, *obstacles: Obstacle, middle: Where = (0.0, 0.0)) -> World:
     x = np.linspace(-5.0, 5.0, 101)
     heights = np.broadcast_to(x * math.tan(angle), (101, 101)).copy()
-    return World("ramp", Heightfield(heights, 0.1), obstacles, 0, None)
+    return World("ramp", Heightfield(heights, 0.1, middle), obstacles, 0, None)
 
 
-def box(kind: ObstacleKind, height: float) -> Obstacle:
-    return Obstacle(kind, "box", (0.5, 0.5, height / 2), (0.0, 0.0, height / 2))
+def box(kind: ObstacleKind, height: float, middle: Where = (0.0, 0.0)) -> Obstacle:
+    return Obstacle(kind, "box", (0.5, 0.5, height / 2), (*middle, height / 2))
 
 
 def near(grades: GradedMap, layer: str, x: float, y: float) -> float:
@@ -58,9 +59,10 @@ def test_a_ramp_has_its_slope_no_step_no_roughness_and_its_share_of_the_limit(an
 
 
 @pytest.mark.parametrize(
-    ("kind", "height", "danger"), [("ROCK", 0.05, 0.5), ("ROCK", 0.2, 2.0), ("HAZARD", 0.05, 1.0)]
+    ("kind", "height", "danger"),
+    [("ROCK", 0.05, 0.5), ("ROCK", 0.2, 2.0), ("HAZARD", 0.05, 1.0), ("DECK", 0.2, 0.0)],
 )
-def test_a_rock_takes_a_share_of_the_step_and_a_hazard_all_of_it(
+def test_a_rock_takes_a_share_of_the_step_a_hazard_all_of_it_and_a_deck_none(
     kind: str, height: float, danger: float
 ) -> None:
     grades = graded(ramp(0.0, box(ObstacleKind[kind], height)), LIMITS)
@@ -87,19 +89,20 @@ def test_what_navigation_cannot_pass_is_dangerous() -> None:
     assert dangerous.mean() < 1.2 * (cells == OCCUPIED).mean() + 0.01
 
 
-def heard(truth: GradedMap, turn: float = 0.0) -> Grid:
+def heard(truth: GradedMap, turn: float = 0.0, middle: Where = (0.0, 0.0)) -> Grid:
     """A map of 4 m around the middle that says the truth, in a frame that is turned."""
     grid = Grid(0, np.zeros((80, 80), np.float32), 0.05, (0.0, 0.0, turn))
     x, y = grid.places()
-    shift = (-float(x.mean()), -float(y.mean()), turn)
+    shift = (middle[0] - float(x.mean()), middle[1] - float(y.mean()), turn)
     grid = replace(grid, origin=shift)
     return replace(grid, costs=(truth.danger_at(*grid.places()) >= 1.0).astype(np.float32))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7])
 def test_shares_count_the_mistakes_that_a_map_has(turn: float) -> None:
-    truth = graded(ramp(0.0, box(ObstacleKind.HAZARD, 1.0)), LIMITS)
-    grid = heard(truth, turn)
+    middle = 10.0 * turn, -9.0 * turn
+    truth = graded(ramp(0.0, box(ObstacleKind.HAZARD, 1.0, middle), middle=middle), LIMITS)
+    grid = heard(truth, turn, middle)
     dangers = int(grid.costs.sum())
     assert dangers == pytest.approx(400, rel=0.12)
     assert [share(w, grid, truth) for w in ("false_safe", "false_danger", "coverage")] == [0, 0, 1]
