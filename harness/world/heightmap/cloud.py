@@ -1,7 +1,6 @@
 """A cloud of points becomes heights on a grid: PLY, LAS and LAZ (extra [cloud]), N x 3 arrays."""
 
 import math
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
-from harness.world.heightmap.units import UNITS, height_unit, horizontal_unit, wkt_units
+from harness.world.heightmap.units import MERCATORS, UNITS, height_unit, horizontal_unit, wkt_units
 
 SUFFIXES = (".ply", ".las", ".laz")
 MOST_POINTS = 50_000_000
@@ -22,7 +21,6 @@ A_CELL = 4.0  # points that a cell is to have
 # Classes of ASPRS (LAS 1.4 R15): vegetation, buildings, wires and their like, and noise.
 NO_GROUND = (3, 4, 5, 6, 7, 13, 14, 15, 16, 18)
 WKT, GEO_KEYS, GEO_TEXTS = 2112, 34735, 34737  # records of LAS
-MERCATORS = re.compile(r'Pseudo-Mercator|(PROJECTION|METHOD)\["Mercator')
 Points = NDArray[np.float64]  # x, y, z [m], shape (n, 3)
 
 

@@ -22,6 +22,7 @@ from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
 MOST_MISSING = 0.5  # share of heights that may be filled in
+DOUBTED = (0, -1, -99, -999, -9999, -32767, -32768, 9999, 32767, 65535)  # if they stand apart
 SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is noted
 START_REACH = 0.4  # [m] around the start that must not be steeper
 START_SEARCH = 0.25  # of the map's shorter side, from its middle
@@ -57,7 +58,7 @@ def heightmap_world(spec: WorldSpec, seed: int, rover: RoverNeeds) -> World:
 def _ground(raster: Raster, spec: WorldSpec, seed: int, notes: list[str]) -> Heightfield:
     pixel = _pixel(raster, spec.terrain_size)
     values = _complete(raster.values, notes)
-    _doubt_zeros(values, notes)
+    _doubt(values, notes)
     heights = _in_metres(values, raster, spec.terrain_height, notes)
     heights, cell = _on_cells(heights, pixel, notes)
     ground = Heightfield(np.ascontiguousarray(heights[::-1]), cell)
@@ -105,18 +106,20 @@ def _complete(values: Field, notes: list[str]) -> Field:
     return filled(values)
 
 
-def _doubt_zeros(values: Field, notes: list[str]) -> None:
-    """Notes a few zeros that are further from all other values than these from each other.
+def _doubt(values: Field, notes: list[str]) -> None:
+    """Notes a few of DOUBTED that are further from all other values than these from each other.
 
     They often mean no data; of a plane with a step on it zeros are the greater part.
     """
-    rest = values[values != 0.0]
-    count = values.size - rest.size
-    if 0 < count < rest.size and np.abs(rest).min() > np.ptp(rest):
-        notes.append(
-            f"{count} of its values ({count / values.size:.2%}) are 0, all others {rest.min():g} to "
-            f"{rest.max():g}: if 0 means that there are none, gdal_translate -a_nodata 0 tells so"
-        )
+    for doubted in DOUBTED:
+        rest = values[values != doubted]
+        count = values.size - rest.size
+        if 0 < count < rest.size and np.abs(rest - doubted).min() > np.ptp(rest):
+            notes.append(
+                f"{count} of its values ({count / values.size:.2%}) are {doubted:g}, all others "
+                f"{rest.min():g} to {rest.max():g}: if {doubted:g} means that there are none, "
+                f"gdal_translate -a_nodata {doubted:g} tells so"
+            )
 
 
 def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[str]) -> Field:

@@ -1,5 +1,6 @@
 """ESRI's grids in text (.asc): keys with numbers, then heights; a .prj beside one tells its units."""
 
+import codecs
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -9,21 +10,24 @@ import numpy as np
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
 from harness.world.heightmap.geotiff import MOST_DEGREES, SIZE_UNKNOWN
-from harness.world.heightmap.units import NAMED, WKT_VERTICAL, wkt_units
+from harness.world.heightmap.units import MERCATORS, NAMED, WKT_VERTICAL, wkt_units
 from rover_metrics.number import number
 
-BEGINS = (b"ncols", b"nrows")
+BEGINS = (b"ncols", b"nrows", b"xllco", b"yllco", b"xllce", b"yllce", b"cells")
 KEY = re.compile(
     r"\s*(ncols|nrows|[xy]ll(?:corner|center)|cellsize|d[xy]|nodata_value)\s+(\S+)", re.IGNORECASE
 )
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)
 NODATA = -9999.0  # ESRI's default
 OLD_UNIT = re.compile(r"^\s*units\s+(\S+)", re.IGNORECASE | re.MULTILINE)  # of ARC/INFO, before WKT
+STRETCHED = "its cells are Mercator's, longer than the ground (gdalwarp -t_srs EPSG:... gives metres)"
+MOST_SHOWN = 20  # letters of what is no number
 DEGREES = "its cells are degrees (gdalwarp -t_srs EPSG:... gives metres)"
 
 
 def is_esri(start: bytes) -> bool:
     """Returns whether a file that begins so is such a grid."""
-    return start.lstrip()[:5].lower() in BEGINS
+    return start.removeprefix(codecs.BOM_UTF8).lstrip()[:5].lower() in BEGINS
 
 
 def read_grid_in_text(
@@ -36,15 +40,18 @@ def read_grid_in_text(
         check_size: Is given columns and rows before the heights are read.
 
     Raises:
-        UsageError: There are more or fewer heights than it says, or they are depths.
-        ValueError, KeyError: Its keys are damaged.
+        UsageError: There are more or fewer heights than it says, or they are depths or no numbers.
+        ValueError: Its keys are damaged.
     """
-    text, at, header = path.read_bytes().decode("ascii", "replace").replace(",", "."), 0, {}
+    content, at, header = path.read_bytes().removeprefix(codecs.BOM_UTF8), 0, {}
+    text = content.decode("ascii", "replace").replace(",", ".")
     while (match := KEY.match(text, at)) is not None:
         header[match[1].lower()], at = number(match[2]), match.end()
+    if lacks := [key for key in ("ncols", "nrows") if key not in header]:
+        raise UsageError(f"its header has no {lacks[0]} with a number")
     rows, columns = int(header["nrows"]), int(header["ncols"])
     check_size(columns, rows)
-    values = np.fromstring(text[at:], sep=" ")
+    values = _numbers(text[at:])
     if values.size != rows * columns:
         raise UsageError(f"it has {values.size} heights, not {columns} x {rows}; is it whole?")
     values[values == header.get("nodata_value", NODATA)] = np.nan
@@ -55,10 +62,26 @@ def read_grid_in_text(
     if not min(width, depth) > 0.0:
         return values, SIZE_UNKNOWN, True
     old = OLD_UNIT.search(said)
-    if said.startswith("GEOG") or (old and old[1].upper() == "DD") or max(width, depth) < MOST_DEGREES:
+    if MERCATORS.search(said):
+        return values, STRETCHED, True
+    if (
+        said.startswith(("GEOG", "GEOD"))
+        or (old and old[1].upper() == "DD")
+        or max(width, depth) < MOST_DEGREES
+    ):
         return values, DEGREES, True
     ground, height = wkt_units(said) if old is None else (NAMED.get(old[1].lower(), np.nan), 1.0)
     if np.isnan(ground):
         return values, SIZE_UNKNOWN, True
     in_metres = ground == 1.0 or WKT_VERTICAL.search(said) is not None
     return values * (height if in_metres else 1.0), (width * ground, depth * ground), in_metres
+
+
+def _numbers(text: str) -> Field:
+    try:
+        return np.fromstring(text, sep=" ")
+    except ValueError:
+        odd = next((word for word in text.split() if not NUMBER.fullmatch(word)), "")[:MOST_SHOWN]
+        raise UsageError(
+            f"'{odd}' is no height; give numbers apart by blanks, and no comments"
+        ) from None

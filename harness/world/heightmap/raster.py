@@ -75,7 +75,9 @@ def read_raster(path: Path, cell: float | None = None) -> Raster:
     missing |= raster.in_metres & (raster.values == UNTAGGED)
     raster.values[missing] = np.nan
     if missing.all():
-        raise UsageError(f"terrain {path} holds no height at all: every value is NaN or no-data")
+        raise UsageError(
+            f"terrain {path} holds no height at all: every value is NaN, no-data or beyond 20 km"
+        )
     return raster
 
 
@@ -169,8 +171,11 @@ def _read_png(path: Path) -> Raster:
                 raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
             pixels = pixels[..., 0]
         values = pixels.astype(np.float64)
-        if "A" in image.getbands():  # what is transparent is not there
-            values[np.asarray(image.getchannel("A")) == 0] = np.nan
+        clear = image.info.get("transparency")  # what is transparent is not there
+        if not is_grey:
+            values[np.asarray(image.convert("RGBA").getchannel("A")) == 0] = np.nan
+        elif clear is not None:
+            values[values == clear] = np.nan
         return Raster(values, SIZE_UNKNOWN, in_metres=False)
 
 

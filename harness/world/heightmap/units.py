@@ -72,6 +72,7 @@ MARK = re.compile(r"\(ft(US)?\)")  # in EPSG's names of CRSs
 WKT_UNIT = re.compile(r'UNIT\["[^"]*", *([0-9.eE+-]+)')
 WKT_DOWN = re.compile(r'AXIS\["[^"]*", *DOWN', re.IGNORECASE)
 TURN = "(gdal_calc --calc=-A turns them round)"
+MERCATORS = re.compile(r'Pseudo-Mercator|(PROJECTION|METHOD)\["Mercator')  # in WKT
 WKT_VERTICAL = re.compile(r"VERT_?CR?S|VERTICALCRS")
 
 

@@ -173,15 +173,16 @@ def test_missing_is_what_the_tag_says_and_what_is_beyond_any_mountain(
 
 @pytest.mark.parametrize(
     ("above", "hole", "doubted"),
-    [(1500.0, 0.0, True), (-4500.0, 0.0, True), (0.3, 0.0, False), (1500.0, 1.0, False)],
-)
-def test_zeros_far_from_all_other_heights_are_doubted(
+    [(1500.0, 0.0, True), (-4500.0, 0.0, True), (0.3, 0.0, False), (1500.0, 1.0, False),
+     (1500.0, -999.0, True), (1500.0, 9999.0, True), (-998.7, -999.0, False)],
+)  # fmt: skip
+def test_marks_of_no_data_far_from_all_other_heights_are_doubted(
     tmp_path: Path, above: float, hole: float, *, doubted: bool
 ) -> None:
     heights = above + hills()
     heights[:10] = hole
     notes = world_of(saved(tmp_path / "dem.npy", heights)).notes
-    assert any("nodata 0" in note and "1010 of its" in note for note in notes) is doubted
+    assert any(f"nodata {hole:g} " in note and "1010 of its" in note for note in notes) is doubted
 
 
 def test_zeros_of_a_plane_with_a_step_are_not_doubted(tmp_path: Path) -> None:
@@ -307,6 +308,7 @@ def _cut(path: Path) -> None:
         ("cellsize 0.01", "Projection  GEOGRAPHIC\nUnits  DD\n", "its cells are degrees", 1.0),
         ("cellsize -1", "", "it does not say how large it is", 1.0),
         ("cellsize 0.00001", "", "its cells are degrees", 1.0),
+        ("cellsize 1", 'PROJCS["a",PROJECTION["Mercator_Auxiliary_Sphere"]', "its cells are Merc", 1.0),
         ("cellsize 1", 'GEOGCS["a",UNIT["Degree",0.0174532925199433]]', "its cells are degrees", 1.0),
     ],
 )
@@ -320,8 +322,8 @@ def test_a_grid_of_esri_is_read_with_its_units(
 ) -> None:
     heights = np.arange(90.0).reshape(9, 10) / 4
     rows = "\n".join(" ".join(f"{height:.2f}" for height in row) for row in heights)
-    text = f"ncols 10\nnrows 9\nxllcorner 500.5\nyllcorner 7\n{keys}\nNODATA_value 3.5\n{rows}\n"
-    (tmp_path / "a.asc").write_text(text.replace(".", decimal))
+    text = f"xllcorner 500.5\nncols 10\nnrows 9\nyllcorner 7\n{keys}\nNODATA_value 3.5\n{rows}\n"
+    (tmp_path / "a.asc").write_text(text.replace(".", decimal), "utf-8-sig" if crs else "ascii")
     if crs:
         (tmp_path / "a.prj").write_text(crs)
     raster = read_raster(tmp_path / "a.asc")
@@ -371,7 +373,11 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda path: path.write_text("ncols 9\nnrows 9\ncellsize 1\n1 2 3"),
         "it has 3 heights, not 9 x 9",
     ),
-    "keyless.asc": (lambda path: path.write_text("ncols 9\n1 2 3"), "damaged or cut short"),
+    "keyless.asc": (lambda path: path.write_text("ncols 9\n1 2 3"), "its header has no nrows with a"),
+    "comment.asc": (
+        lambda path: path.write_text(f"ncols 9\nnrows 9\ncellsize 1\n{'-1.5e0 nan ' * 40} #1"),
+        "'#1' is no height; give numbers apart by blanks",
+    ),
     "wide.asc": (lambda path: path.write_text("ncols 9999\nnrows 9999\n1"), "too many"),
     "narrow.tif": (_tiff(np.zeros((9, 7))), "7 x 9 pixels are too few"),
     "low.npy": (_array(np.zeros((7, 9))), "9 x 7 pixels are too few"),
@@ -442,3 +448,7 @@ def test_what_is_transparent_in_a_picture_is_missing(tmp_path: Path) -> None:
     alpha[:2] = 0
     Image.fromarray(np.dstack([heights, alpha])).save(tmp_path / "a.png")
     assert np.isnan(read_raster(tmp_path / "a.png").values).sum() == 24
+    for kind in (np.uint8, np.uint16):
+        grey = Image.fromarray(np.arange(144, dtype=kind).reshape(12, 12))
+        grey.save(tmp_path / "grey.png", transparency=100)
+        assert np.argwhere(np.isnan(read_raster(tmp_path / "grey.png").values)).tolist() == [[8, 4]]
