@@ -103,7 +103,8 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]], ABC):
         if "final_obs" in first or any(info.keys() != first.keys() for info in infos):
             return reduce(lambda all_, one: self._add_info(all_, one[1], one[0]), enumerate(infos), {})
         batched: Info = {}  # the same in a tenth of the time
-        for key, value in first.items():
+        everybody = np.ones((len(first), len(infos)), np.bool_)
+        for (key, value), known in zip(first.items(), everybody, strict=True):
             values = [info[key] for info in infos]
             if isinstance(value, dict):
                 batched[key] = self._batched(values)
@@ -113,7 +114,7 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]], ABC):
                 batched[key] = np.array(values, value.dtype)
             else:
                 batched[key] = np.fromiter(values, object, len(values))
-            batched[f"_{key}"] = np.ones(len(values), np.bool_)
+            batched[f"_{key}"] = known
         return batched
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:

@@ -1,12 +1,12 @@
 """Many environments in processes that own a part of them each, and write what it saw into shared memory.
 
+Who asks is one of them: it steps its part while the others do theirs, and has waited for nobody then.
 Threads share the interpreter's lock, processes do not. What the environments do is the same, to the bit.
 The memory has no name: nothing of it is left, whichever way the processes end.
 """
 
 import contextlib
 import multiprocessing
-import os
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from multiprocessing.connection import Connection
@@ -25,7 +25,7 @@ from harness.base.interrupt import held_back
 from harness.gym.env import Info, RoverEnv
 from harness.gym.many import Flags, ManyRovers
 from harness.gym.observation import Observation
-from harness.gym.shared import Shared, serve
+from harness.gym.shared import Shared, answered, serve
 from harness.gym.vector import RoverVectorEnv
 
 EXIT_PATIENCE = 0.5  # [s] for a process to leave before it is killed
@@ -62,7 +62,7 @@ class ProcessVectorEnv(ManyRovers):
     Args:
         make: Makes one environment from a render mode and options; can be pickled.
         num_envs: Number of environments.
-        processes: Number of processes.
+        processes: Number of processes, this one among them.
         autoreset_mode: As of RoverVectorEnv.
         threads: Of each process, as RoverVectorEnv has it.
         render_mode: Render mode of each environment.
@@ -84,26 +84,26 @@ class ProcessVectorEnv(ManyRovers):
         **options: object,
     ) -> None:
         settings: dict[str, Any] = {"threads": threads, "render_mode": render_mode, **options}
-        (one,) = RoverVectorEnv(make, **settings).envs  # or a UsageError that needs no process
-        super().__init__(one, num_envs, autoreset_mode)
+        ends = np.linspace(0, num_envs, max(1, min(processes, num_envs)) + 1).astype(int).tolist()
+        self._parts = [slice(*part) for part in pairwise(ends)]
+        given = {"autoreset_mode": autoreset_mode, **settings}
+        self._own = RoverVectorEnv(make, num_envs=ends[1], **given)
+        super().__init__(self._own.envs[0], num_envs, autoreset_mode)
         try:
             ForkingPickler.dumps((make, settings))
         except Exception as error:  # whatever a user's object raises
             mend = "give functions of a module, or the names of plug-ins or FILE.py:NAME"
             raise UsageError(f"an option cannot be sent to processes ({error}); {mend}") from error
-        context, sizes = multiprocessing.get_context("spawn"), _sizes(one.observation_space)
+        context = multiprocessing.get_context("spawn")
+        sizes = _sizes(self._own.envs[0].observation_space)
         memory = context.RawArray("b", Shared.size(sizes, num_envs))
         self._shared = Shared.of(memory, sizes, num_envs)
-        ends = np.linspace(0, num_envs, min(processes, num_envs) + 1).astype(int).tolist()
-        self._parts = [slice(*part) for part in pairwise(ends)]
         self._children: list[tuple[Connection, Any]] = []
-        given = {"autoreset_mode": self._mode, **settings}
         try:
             with held_back():
-                cores = _cores(len(self._parts), threads)
-                for part, core in zip(self._parts, cores, strict=True):
+                for part in self._parts[1:]:
                     here, there = context.Pipe()
-                    args = there, make, (memory, sizes, num_envs, part), given, core
+                    args = there, make, (memory, sizes, num_envs, part), given
                     child = context.Process(target=serve, args=args, daemon=True)
                     child.start()
                     there.close()
@@ -138,7 +138,7 @@ class ProcessVectorEnv(ManyRovers):
         return tuple(self._ask("render", [()] * len(self._parts)))
 
     def close_extras(self, **_: Any) -> None:  # noqa: ANN401 - gymnasium's signature
-        """Ends the processes."""
+        """Ends the other processes."""
         for connection, _child in self._children:
             connection.close()
         for _connection, child in self._children:
@@ -147,16 +147,20 @@ class ProcessVectorEnv(ManyRovers):
                 child.kill()
                 child.join()
         self._children.clear()
+        self._own.close()
 
     def _ask(self, request: str, args: Sequence[tuple[Any, ...]]) -> list[Any]:
         """Asks all processes at once; returns their answers, one after the other, or raises an error."""
-        if not self._children:
+        if self.closed:
             raise RuntimeError("the environments are closed")
+        own, *others = args
         try:
-            for (connection, _), given in zip(self._children, args, strict=True):
+            for (connection, _), given in zip(self._children, others, strict=True):
                 with contextlib.suppress(ConnectionError):  # the answer says why
                     connection.send((request, *given))
-            answers = [_received(*child) for child in self._children]
+            rows = self._shared.rows(self._parts[0])
+            answers: list[Any] = [answered(self._own, rows, request, own)]
+            answers += [_received(*child) for child in self._children]
         except BaseException:  # of a signal too: an answer would come too late
             self.close()
             raise
@@ -176,17 +180,6 @@ def _received(connection: Connection, child: Any) -> Any:  # noqa: ANN401 - what
         child.join(EXIT_PATIENCE)
         message = f"a process of the environments died (exit code {child.exitcode})"
         raise RunFailed(message) from error
-
-
-def _cores(processes: int, threads: int) -> Sequence[int | None]:
-    """A processor for each of some processes, if they are as many as may be used; else None for any.
-
-    Free ones at times wait for a processor in the midst of a step, though all together ask for no more
-    than there are. Threads of a process need several.
-    """
-    usable = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-    is_one_each = threads == 1 and len(usable) == cpu_count() == processes
-    return usable if is_one_each else [None] * processes
 
 
 def _sizes(space: spaces.Dict) -> dict[str, int]:

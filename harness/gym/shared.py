@@ -1,7 +1,6 @@
 """What a process of environments does, and the memory that it shares with who asks."""
 
 import contextlib
-import os
 import signal
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
@@ -62,7 +61,6 @@ def serve(
     make: Callable[..., RoverEnv[Any]],
     place: tuple[Any, dict[str, int], int, slice],
     given: dict[str, Any],
-    core: int | None,
 ) -> None:
     """Steps environments in a process of their own, as it is asked, until nobody listens.
 
@@ -72,11 +70,7 @@ def serve(
         place: The memory, the lengths of the parts of an observation, how many environments there are in
             all, and which of them are here.
         given: Options of RoverVectorEnv.
-        core: The processor that it stays on; None for any.
     """
-    if core is not None:
-        with contextlib.suppress(OSError):  # it may be forbidden, or switched off
-            os.sched_setaffinity(0, {core})
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for the parent
     if hasattr(signal, "pthread_sigmask"):  # a parent that ends without closing sends it, and waits
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
@@ -86,14 +80,30 @@ def serve(
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
             request, *args = connection.recv()
-            try:
-                answer: object = _answer(envs, shared, request, args)
-            except Exception as error:  # noqa: BLE001 - it is raised where it was asked for
-                answer = error
-            connection.send(answer)
+            connection.send(answered(envs, shared, request, args))
 
 
-def _answer(envs: RoverVectorEnv, shared: Shared, request: str, args: list[Any]) -> Sequence[Any]:
+def answered(
+    envs: RoverVectorEnv, shared: Shared, request: str, args: Sequence[Any]
+) -> "Sequence[Any] | Exception":
+    """Does what is asked of the environments of a process.
+
+    Args:
+        envs: They themselves.
+        shared: Their rows of the memory.
+        request: "reset", "accept", "step" or "render".
+        args: Of a reset, as `reset_each` has them.
+
+    Returns:
+        The info of each, or what each draws; an error that is to be raised where it was asked for.
+    """
+    try:
+        return _answer(envs, shared, request, args)
+    except Exception as error:  # noqa: BLE001 - it is raised when all have answered
+        return error
+
+
+def _answer(envs: RoverVectorEnv, shared: Shared, request: str, args: Sequence[Any]) -> Sequence[Any]:
     if request == "render":
         return envs.render()
     if request != "reset":
