@@ -6,8 +6,10 @@ from typing import Any
 from harness.drivers import DRIVERS
 from harness.episode.result import RunResult
 from harness.faults.kinds import FAULTS
+from harness.robots import find_rover
 from harness.sensors.table import OPTIONAL
 from harness.soil.soils import SOILS
+from harness.spec.rover import RoverSetup
 from harness.world.terrains import TERRAINS
 from rover_metrics.extended.further import FURTHER
 from rover_metrics.plugins import Table
@@ -28,6 +30,15 @@ def _asked(result: RunResult) -> Iterator[tuple[Table[Any], str]]:
     yield TERRAINS, world.terrain
     yield SOILS, world.soil
     yield DRIVERS, rover.driver
-    yield from ((OPTIONAL, choice.name) for choice in rover.sensors or ())
+    yield from ((OPTIONAL, kind) for kind in _sensors(rover))
     yield from ((FAULTS, fault.kind) for fault in rover.faults)
     yield from ((FURTHER, name) for name in result.columns)
+
+
+def _sensors(rover: RoverSetup) -> Iterator[str]:
+    """The kinds of the optional sensors that a rover carries, those of its rover.yaml too."""
+    listed = {
+        str(each.get("name", each["kind"])): each["kind"] for each in find_rover(rover.robot).sensors
+    }
+    names = listed if rover.sensors is None else [choice.name for choice in rover.sensors]
+    yield from (str(listed.get(name, name)) for name in names)

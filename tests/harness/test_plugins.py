@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -15,6 +16,7 @@ from rover_metrics.plugins import KINDS, PluginError, Table
 from tests.support.complaint import complaint
 from tests.support.documents import ROOT
 from tests.support.once import made_once
+from tests.support.rovers import LEO
 
 PACKAGE = ROOT / "examples/plugin"
 PARTS = PACKAGE / "my_rover_parts.py"
@@ -97,6 +99,16 @@ def test_an_installed_package_adds_to_each_table_and_a_file_gives_the_same_bytes
     assert {source["from"] for source in sources.values()} == {"my-rover-parts 0.1"}
     hashes = [source["sha256"] for source in (*sources.values(), *of_file.values())]
     assert len(set(hashes)) == 1
+    robot, sensor = shutil.copytree(LEO.folder, tmp_path / "mine"), f"{PARTS}:INCLINOMETER"
+    with (robot / "rover.yaml").open("a") as rover:
+        rover.write(f"sensors: [{{kind: '{sensor}', name: lean}}]\n")
+    for number, more in enumerate(([], ["--sensors", "lean"])):
+        folder = tmp_path / f"carried{number}"
+        assert (
+            main(["--robot", str(robot), *more, "--direct", "--duration", "1", "--log-dir", str(folder)])
+            == 0
+        )
+        assert logged(folder)[1][f"sensors {sensor}"]["sha256"] == hashes[0]
 
 
 def test_scenarios_and_environments_take_plugins(
