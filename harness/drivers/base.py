@@ -52,6 +52,7 @@ class DriverContext:
     obstacles: tuple[Obstacle, ...] = ()
     command_timeout_ns: int | None = None  # after which a command of /cmd_vel ends; None for never
     middle: tuple[float, float] = (0.0, 0.0)  # of the map, in the world: x, y [m]
+    reach: float = math.inf  # how near to its goals an area or a route wants the rover [m]
 
 
 class Driver(Protocol):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from harness.samples import Place, Quaternion
 from harness.spec.rover import Area
 from harness.world.actors.free_space import FreeSpace
 from harness.world.heightfield import EDGE_MARGIN
-from rover_metrics.core.goals import GoalAccount
+from rover_metrics.core.goals import REACHED, GoalAccount
 
 TRIES = 1000
 
@@ -23,6 +24,7 @@ class GoalCourse:
     space: FreeSpace  # keeps them off hazards and on the map
     clearance: float  # to hazards and the map's edge [m]
     rng: np.random.Generator  # source of randomness
+    reach: ClassVar[float] = REACHED  # how near a driver has to come to a goal [m]
     _account: GoalAccount = field(default_factory=GoalAccount, init=False)
     _goal: Place = field(init=False)
     _is_given: bool = field(default=False, init=False)

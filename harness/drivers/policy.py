@@ -26,6 +26,7 @@ from rover_metrics.errors import reason_of
 
 LIMITS = point_nav.limits(LIDAR_RANGE_MAX)
 MOST_BYTES = 2**26  # unpacked
+SAFELY = 0.9  # of how near an area or a route wants it: where it stands it is near enough
 BESIDE_LIDAR = sum(len(low) for name, (low, _) in LIMITS.items() if name != "lidar")
 
 Floats = NDArray[np.float32]
@@ -66,18 +67,23 @@ class Policy:
         return point_nav.clipped(values, -1.0, 1.0)
 
     def command(
-        self, readings: Mapping[type[Sample], Sample], goal: point_nav.Point, rover: RoverSpec
+        self,
+        readings: Mapping[type[Sample], Sample],
+        goal: point_nav.Point,
+        rover: RoverSpec,
+        stands_within: float = point_nav.GOAL_RADIUS,
     ) -> Twist:
-        """Returns the command for what was read: to stand at the goal, where PointNav ends.
+        """Returns the command for what was read: to stand at the goal.
 
         Args:
             readings: The last of each of point_nav.SENSED.
             goal: In the world [m].
             rover: Whose largest speeds an action is a share of.
+            stands_within: How near to the goal [m]; PointNav ends where it does if left out.
         """
         values = point_nav.observed(readings, goal, LIDAR_RANGE_MAX)
         arrays = {name: point_nav.clipped(values[name], *ends) for name, ends in LIMITS.items()}
-        if arrays["goal"][0] < point_nav.GOAL_RADIUS:
+        if arrays["goal"][0] < stands_within:
             return Twist()
         return point_nav.commanded(self.act(arrays).tolist(), rover)
 
@@ -156,6 +162,7 @@ class PolicyDriver(Beeline):
     def __init__(self, context: DriverContext) -> None:
         super().__init__(context)
         self._policy = read_policy(self.file)
+        self._stands_within = min(point_nav.GOAL_RADIUS, SAFELY * context.reach)
         beams = len(context.bearings)
         if beams != self._policy.beams:
             raise UsageError(
@@ -167,7 +174,7 @@ class PolicyDriver(Beeline):
         """Returns the policy's command."""
         if self._goal is None or not observation.readings.keys() >= point_nav.SENSED:
             return Twist()
-        return self._policy.command(observation.readings, self._goal, self.rover)
+        return self._policy.command(observation.readings, self._goal, self.rover, self._stands_within)
 
 
 @lru_cache(maxsize=4)

@@ -4,10 +4,11 @@ import math
 from dataclasses import dataclass, field
 
 from harness.samples import Place, Quaternion
-from harness.world.route import RouteProgress
+from harness.world.route import Mark, RouteProgress
 from harness.world.targets.placing import Where
 
 STAND_OFF = 0.7  # of the radius, before what stands at a way point
+SPARE = 0.3  # [m] of the radius at least, behind the goal before it: drivers stop 0.25 m short
 BEYOND = 1.0  # [m] behind a gate, so that a driver which stops before its goal has passed it
 
 
@@ -17,6 +18,12 @@ class RouteCourse:
 
     progress: RouteProgress
     _given: int | None = field(default=None, init=False)
+
+    @property
+    def reach(self) -> float:
+        """How near a driver has to come to each of its goals [m]; gates are passed, however near."""
+        marks = (mark for mark in self.progress.marks if mark.gate is None)
+        return min((mark.radius - _stand_off(mark) for mark in marks), default=math.inf)
 
     def next(self, time_s: float, place: Where, orientation: Quaternion) -> Place | None:  # noqa: ARG002
         """Returns the goal that is due at a pose; None while it stays.
@@ -37,12 +44,17 @@ class RouteCourse:
             across = math.atan2(right_x - left_x, left_y - right_y)  # either way through
             yaw = across if math.cos(across - yaw) > 0.0 else across + math.pi
             x, y = x + BEYOND * math.cos(yaw), y + BEYOND * math.sin(yaw)
-        elif mark.is_solid:
-            x -= STAND_OFF * mark.radius * math.cos(yaw)
-            y -= STAND_OFF * mark.radius * math.sin(yaw)
+        else:
+            x -= _stand_off(mark) * math.cos(yaw)
+            y -= _stand_off(mark) * math.sin(yaw)
         return Place(x, y, math.remainder(yaw, math.tau))
 
     def again(self) -> None:
         """Has `next` give the present goal once more: the driver is new, or was put elsewhere."""
         self._given = None
         self.progress.carried_away()
+
+
+def _stand_off(mark: Mark) -> float:
+    """How far before a way point the goal is [m]: where something stands, nobody can be."""
+    return min(STAND_OFF * mark.radius, max(0.0, mark.radius - SPARE)) if mark.is_solid else 0.0

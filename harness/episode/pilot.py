@@ -125,6 +125,7 @@ class Pilot:
             obstacles=scene.world.obstacles,
             command_timeout_ns=timeout_ns,
             middle=middle,
+            reach=math.inf if self._course is None else self._course.reach,
         )
         self.hand_over("")
 

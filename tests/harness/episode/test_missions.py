@@ -1,11 +1,13 @@
 """Missions: routes driven and counted, across resets, aborts and losses of the link."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
+from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
 from harness.episode.assembly import check, fleet, graded_world, route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
@@ -45,6 +47,24 @@ def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
     assert progress.done_s < 40.0
     assert 0.3 < math.dist(batches[-1].truth.position[:2], (6.0, 1.5)) < 1.0
     assert batches[-1].truth.hazard_contacts == 0
+
+
+def towards_goals(file: Path) -> str:
+    """Writes the policy that turns by the sine of the bearing and drives by its cosine."""
+    weights = np.zeros((64 + BESIDE_LIDAR, 2), np.float32)
+    weights[1], weights[2] = (0.0, 1.0), (0.5, 0.0)
+    write_policy(file, Policy(((weights, np.zeros(2, np.float32)),)))
+    return f"policy:{file}"
+
+
+def test_drivers_come_as_near_as_a_route_or_an_area_wants(tmp_path: Path) -> None:
+    policy = towards_goals(tmp_path / "towards.npz")
+    for driver, route in (("goal", "post:radius=0.5"), (policy, "post"), (policy, "2,0:radius=0.3")):
+        given: dict[str, object] = {"targets": ("post:x=4,y=0.3",), "route": route}
+        batches = driven(**given, driver=driver)
+        assert reached(batches, Run.of(terrain="flat", **given)).reached == [0], (driver, route)
+    batches = driven(driver=policy, goal_area=(-3.0, 3.0, -3.0, 3.0), duration=40.0)
+    assert sum(len(batch.goals) for batch in batches) > 3
 
 
 def test_a_reset_gives_the_way_point_in_hand_again() -> None:
