@@ -16,13 +16,16 @@ from harness.episode.assembly import world_of
 from harness.robots import find_rover
 from harness.ros.navigation import Navigation
 from harness.samples import Place
+from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
+from harness.spec.world import WorldSpec
 from harness.world.obstacles import ObstacleKind
 from harness.world.occupancy import occupancy
 from rover_metrics.ros.subscriptions import keep_last
 from tests.support.ros import Ros
 
-RUN = Run.of(terrain="posts", driver="goal", robot="husky")
+GOAL = RoverSetup(name="b", robot="husky", driver="goal", start=(3.0, 3.0, 0.0))
+RUN = Run(world=WorldSpec(terrain="posts"), rovers=(RoverSetup(name="a"), GOAL))  # it is the second
 KINDS = {"initialpose": PoseWithCovarianceStamped, "goal_pose": PoseStamped}
 
 
@@ -32,7 +35,7 @@ class Scene:
     def __init__(self, ros: Ros, run: Run = RUN) -> None:
         self.ros, self.ordered, self.at_ns = ros, list[tuple[str, Place]](), 1_250_000_000
         self.bridge, self.stack = ros.bridge(), ros.node("stack")
-        self.navigation = Navigation(self.bridge, run, 0, self)  # type: ignore[arg-type]  # two of its orders
+        self.navigation = Navigation(self.bridge, run, len(run.rovers) - 1, self)  # type: ignore[arg-type]  # two of its orders
         self._publishers = {
             topic: self.stack.create_publisher(KINDS[topic], topic, 1) for topic in KINDS
         }

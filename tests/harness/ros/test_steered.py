@@ -58,7 +58,7 @@ class Stranger:
     """An observer that sends commands to a rover whose own driver obeys none."""
 
     def __init__(self, ros: Ros) -> None:
-        from geometry_msgs.msg import Twist as Message  # noqa: PLC0415 - there may be no ROS
+        from geometry_msgs.msg import TwistStamped as Message  # noqa: PLC0415 - there may be no ROS
 
         self._sent, self._publisher = (
             Message(),
@@ -79,9 +79,9 @@ def test_a_rover_of_a_fleet_that_is_steered_drives_through_ros_as_without(
         helm, folder = Helm(None, StopRequest()), tmp_path / way
         watching: tuple[tuple[Observer, ...], ...] = (Steering(helm, 1), Stranger(ros)), ()
         outputs = [Outputs(log_dir=folder / str(n), observers=some) for n, some in enumerate(watching)]
-        options = RosOptions(log_dir=folder, cmd_vel="twist")
+        options = RosOptions(log_dir=folder, cmd_vel="stamped")
         results = drive(two, outputs, options, StopRequest(), None, helm)
-        heard = [bool(result.commands.taken) for result in results]
+        heard = [bool(result.commands.older) for result in results]  # their stamps are 0
         assert heard == [False, way == "ros"]
         assert [each.number for each in helm.given] == [1, 1, 1]
         logs.append([result.log_path.read_bytes() for result in results])

@@ -184,7 +184,10 @@ def test_another_column_keeps_all_its_digits(write_log: WriteLog, row: Row, tmp_
     np.testing.assert_array_equal(log.columns["ms"], [1_700_000_000_123, np.nan])
     assert log.findings == ()
     jumps = [row(i, Timestamp=stamp) for i, stamp in enumerate((50, 51, 52, 3, 4, 40, 41))]
-    assert list(read_log(write_log(lines=jumps), gap=100.0).starts) == [0, 3]
+    for gap, starts in ((100.0, [0, 3]), (10.0, [0, 3, 5])):  # what is told of a gap is what was done
+        log = read_log(write_log(lines=jumps), gap=gap)
+        assert log.starts.tolist() == starts
+        assert any("long gap" in finding for finding in log.findings) == (gap < 36.0)
 
 
 def test_a_session_that_was_killed_is_read_with_a_finding(
