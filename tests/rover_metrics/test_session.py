@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -112,3 +114,22 @@ def test_energy_is_power_over_time_but_over_pauses_and_back_in_time() -> None:
         watt_hours.append(cells["Energy [Wh]"])
     joules = (48.0, 48.0, 48.0, 60.0)
     assert watt_hours == ["", *(round(each / 3600, 4) for each in joules)]
+
+
+def test_columns_of_others_go_by_the_settings_that_hold(tmp_path: Path) -> None:
+    file = tmp_path / "weight.py"
+    file.write_text(
+        "from rover_metrics.core.columns import Column\n"
+        "from rover_metrics.extended.further import Columns\n"
+        "class Weight(Columns):\n"
+        "    COLUMNS = (Column(name='Weight', meaning='m', formula='f', source='s'),)\n"
+        "    def cells(self):\n"
+        "        return (self.settings.gravity,)\n"
+    )
+    settings = ExtendedSettings(columns=f"{file}:Weight", gravity=1.6)
+    session, weights = MetricsSession(settings=settings), list[object]()
+    assert session.extended is not None
+    for gravity in (1.6, 3.7):
+        session.extended.use(replace(settings, gravity=gravity))
+        weights.append(dict(zip(session.columns, session.row(0).as_fields(), strict=True))["Weight"])
+    assert weights == [1.6, 3.7]

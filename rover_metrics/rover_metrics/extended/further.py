@@ -18,6 +18,7 @@ class Columns:
 
     Attributes:
         COLUMNS: What they are called and mean, in their order.
+        settings: Those that hold now: others, once a parameter of the node has been changed.
 
     Args:
         settings: Of the extended columns: footprint, gravity, wheels.

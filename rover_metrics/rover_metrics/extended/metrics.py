@@ -83,6 +83,8 @@ class ExtendedMetrics:
         """Measures by other settings from now on."""
         self._scans.use(settings)
         self._imu.gravity = settings.gravity
+        for each in self._further:
+            each.settings = settings
 
     def add_scan(
         self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float], *, used: bool
