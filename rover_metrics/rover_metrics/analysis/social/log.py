@@ -14,7 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from rover_metrics.analysis.logs.header import UnreadableLog, first_line, shown
+from rover_metrics.analysis.logs.header import (
+    UnreadableLog,
+    as_logged,
+    comma_in_cells,
+    first_line,
+    separator_of,
+    shown,
+)
 from rover_metrics.analysis.logs.log import Floats, Integers
 from rover_metrics.errors import counted, reason_of
 
@@ -50,20 +57,28 @@ def read_social_log(path: Path) -> SocialLog:
     Raises:
         UnreadableLog: It is none; the message says why, without the path.
     """
-    names = [name.strip() for name in next(csv.reader([first_line(path)[0]], strict=False), [])]
+    header = first_line(path)[0]
+    separator = separator_of(header)
+    names = [name.strip() for name in next(csv.reader([header], delimiter=separator), [])]
     _check_header(names)
     findings: list[str] = []
     try:
+        with path.open("rb") as content:
+            content.readline()
+            comma = comma_in_cells(content, separator)
         with path.open(encoding="utf-8", errors="replace", newline="") as file:
             file.readline()
-            rows = list(_rows(csv.reader(file, strict=False), len(names), findings))
+            lines = csv.reader(as_logged(line, separator, comma) for line in file)
+            rows = list(_rows(lines, len(names), findings))
     except (OSError, csv.Error) as error:
         raise UnreadableLog(f"cannot be read: {reason_of(error)}") from error
     if not rows:
         raise UnreadableLog("there is a header but no whole row")
     table = np.array(rows)
     column = {name: table[:, index] for index, name in enumerate(names)}
-    period = float(np.nanmedian(np.diff(column[TIME]))) if len(rows) > 1 else PERIOD
+    steps = np.diff(column[TIME])
+    known = steps[np.isfinite(steps)] if steps.size else np.array([PERIOD])
+    period = float(np.median(known)) if known.size else np.nan
     if not abs(period - PERIOD) < MOST_OFF:
         findings.append(f"its rows are {period:.3g} s apart, not {PERIOD:g} s; each counts as a second")
     people = {name: match for name in names if (match := DISTANCE.fullmatch(name))}

@@ -12,10 +12,14 @@ NEW = "step,time_s,robot_x,robot_y,speed_mps,diag_actor_dist,guide_dist,dmin,goa
 OLD = "step,time_s,rx,ry,speed_mps,d1_linear,d2_diag,dmin,goals"
 
 
+@pytest.mark.parametrize("separators", ["", ",;.,", ",\t"])  # as it is, or as programs write it anew
 @pytest.mark.parametrize(("header", "actors"), [(NEW, ("diag", "guide")), (OLD, ("linear", "diag"))])
-def test_both_forms_give_the_same(header: str, actors: tuple[str, ...], tmp_path: Path) -> None:
+def test_both_forms_give_the_same(
+    header: str, actors: tuple[str, ...], separators: str, tmp_path: Path
+) -> None:
     path = tmp_path / "log.csv"
-    path.write_text(f"{header}\n1,1.00,-2,3.5,nan,4,0.3,0.25,0\n2,2.00,-1,3,0.1,nan,5,5,2\n")
+    text = f"{header}\n1,1.00,-2,3.5,nan,4,0.3,0.25,0\n2,2.00,-1,3,0.1,nan,5,5,2\n"
+    path.write_text(text.translate(str.maketrans(separators[::2], separators[1::2])))
     log = read_social_log(path)
     assert (log.actors, log.path, log.findings, len(log)) == (actors, path, (), 2)
     np.testing.assert_array_equal(log.time_s, [1.0, 2.0])
@@ -38,6 +42,10 @@ def test_what_a_log_may_lack_and_what_is_left_out(tmp_path: Path) -> None:
     assert log.goals.tolist() == [3, 0, 7]
     told = [f"line {number} is not 5 numbers and is left out" for number in (3, 4, 6)]
     assert list(log.findings) == [*told, "2 more lines left out"]
+    path.write_text("time_s,d1_a,goals\n,2,0\n,3,0\n")
+    assert read_social_log(path).findings == (
+        "its rows are nan s apart, not 1 s; each counts as a second",
+    )
 
 
 @pytest.mark.parametrize(
