@@ -138,13 +138,21 @@ class Own:
 
 
 def terms_of(given: object) -> dict[str, float]:
-    """Returns the terms of what a reward gave, a number being one; TypeError if it is neither."""
+    """Returns the terms of what a reward gave, a number being one.
+
+    Raises:
+        TypeError: It is neither.
+        ValueError: One is nan or infinite: an agent would learn nothing from then on.
+    """
     try:
         terms: Mapping[str, Any] = given if isinstance(given, Mapping) else {OWN: given}
-        return {name: float(value) for name, value in terms.items()}
+        numbers = {name: float(value) for name, value in terms.items()}
     except (TypeError, ValueError):
         message = f"reward_fn gave {given!r}; it has to return a number, or numbers by name"
         raise TypeError(message) from None
+    if not all(map(math.isfinite, numbers.values())):
+        raise ValueError(f"reward_fn gave {given!r}; it has to return finite numbers")
+    return numbers
 
 
 def own_of(reward: object, terminate: object, observe: object) -> Own:

@@ -1,6 +1,7 @@
 """Rewards, endings and observations of one's own, images, and the steps of an episode."""
 
 import math
+import re
 from typing import Any
 
 import gymnasium
@@ -80,10 +81,11 @@ def test_a_reward_is_a_number_or_the_sum_of_its_terms(given: object, reward: flo
     assert told == reward == sum(info["reward_terms"].values())
 
 
-def test_what_is_no_reward_is_named_with_its_value() -> None:
-    env = gymnasium.make(ID, **FLAT, reward_fn=lambda *_: None)
+@pytest.mark.parametrize(("given", "kind"), [(None, TypeError), ({"a": 1.0, "b": np.nan}, ValueError)])
+def test_what_is_no_reward_is_named_with_its_value(given: object, kind: type[Exception]) -> None:
+    env = gymnasium.make(ID, **FLAT, reward_fn=lambda *_: given)
     env.reset(seed=1)
-    with pytest.raises(TypeError, match="reward_fn gave None"):
+    with pytest.raises(kind, match=re.escape(f"reward_fn gave {given!r}")):
         env.step(np.zeros(2, np.float32))
 
 
