@@ -9,15 +9,13 @@ from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs
 from harness.live import watched
-from harness.scenario.case import Case
+from harness.scenario.case import SCRATCH, Case
 from harness.scenario.quantities import quantity_of
 from harness.scenario.series import SAMPLES
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
 from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import RosOptions
-
-SCRATCH = "rover-scenario-"
 
 
 @dataclass(frozen=True, kw_only=True)

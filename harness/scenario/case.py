@@ -32,6 +32,7 @@ from rover_metrics.extended.parameter_file import read_values
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
 Selected = tuple[tuple[str, str], ...]  # names and values of the matrix, as text
+SCRATCH = "rover-scenario-"  # how folders begin for the logs of runs
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.base.interrupt import Interrupted
-from harness.scenario.attempt import DEFAULTS, SCRATCH, AttemptOptions, attempt
-from harness.scenario.case import Case
+from harness.scenario.attempt import DEFAULTS, AttemptOptions, attempt
+from harness.scenario.case import SCRATCH, Case
 from harness.scenario.progress import Progress
 from harness.scenario.verdict import Attempt
 from harness.workers import Show, Workers, work_off

@@ -27,8 +27,7 @@ from harness.episode.result import RunResult, TopicCount
 from harness.ros.context import QUIET, spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
-from harness.scenario.attempt import SCRATCH
-from harness.scenario.case import Case, plan
+from harness.scenario.case import SCRATCH, Case, plan
 from harness.scenario.judged import heard_series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
