@@ -7,6 +7,7 @@ those name the units (OGC GeoTIFF 1.1). Without them the unit is taken to be the
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,10 @@ from numpy.typing import NDArray
 from pymap3d import Ellipsoid, rcurve
 from pymap3d.latitude import isometric2geodetic
 
+from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.world.heightmap.units import METRE, UNITS, height_unit, horizontal_unit
+from rover_metrics.number import number
 
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION = 33550, 33922, 34264  # tags
 GEOGRAPHIC, GEOCENTRIC = 2, 3  # model types
@@ -40,6 +43,7 @@ NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
 MOST_DEGREES = 1e-3  # of a pixel, if nothing says what its unit is: metres so small are no ground
 MOST_SKEW = math.radians(0.5)  # of rows and columns that count as at right angles
 SMALLEST_TURN = 0.05  # [deg] that is noted
+WORLD_FILES, LARGEST_WORLD_FILE = (".tfw", ".tifw", ".wld", ".TFW"), 4096  # [bytes]
 SQUEEZED = "its map squeezes the ground (gdalwarp -t_srs EPSG:..., of a UTM zone, gives metres)"
 SIZE_UNKNOWN = "it does not say how large it is"
 Affine = NDArray[np.float64]  # (2, 3): columns, rows, 1 -> coordinates
@@ -198,10 +202,24 @@ def _affine(page: tifffile.TiffPage) -> Affine | None:
         affine = np.array([[width, 0.0, x - width * column], [0.0, -depth, y + depth * row]])
     elif full is not None:
         affine = np.array(full, np.float64).reshape(4, 4)[:2, [0, 1, 3]]
+    elif (beside := _world_file(page)) is not None:
+        affine = beside
     else:
         return None
     usable = np.isfinite(affine).all() and np.abs(affine[:, :2]).max(axis=0).all()
     return affine if usable else None
+
+
+def _world_file(page: tifffile.TiffPage) -> Affine | None:
+    """What a file beside a page's says of its pixels, of which it places the middle of the first."""
+    path = Path(page.parent.filehandle.path)
+    files = (path.with_suffix(suffix) for suffix in WORLD_FILES)
+    file = next((file for file in files if file.is_file()), None)
+    words = [] if file is None else read_bytes(file, LARGEST_WORLD_FILE).decode("ascii").split()
+    if len(words) != 6:
+        return None
+    a, d, b, e, x, y = map(number, words)
+    return np.array([[a, b, x - (a + b) / 2], [d, e, y - (d + e) / 2]])
 
 
 def _numbers(page: tifffile.TiffPage, tag: int, count: int) -> tuple[float, ...] | None:

@@ -35,6 +35,7 @@ UNTAGGED = -9999.0  # [m]: marks it too, even if no tag says so
 METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
+MAPS = (".yaml", ".yml", ".pgm")  # of ROS
 REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
 
@@ -116,6 +117,11 @@ def _kind(path: Path) -> str:
             return kind
     if is_esri(start):
         return "esri"
+    if path.suffix.lower() in MAPS:
+        raise UsageError(
+            f"terrain {path} is a map of where walls are, not of heights, if map_server reads it; make "
+            "the walls boxes of an SDF world"
+        )
     raise UsageError(
         f"terrain {path} is not a heightmap; readable: TIFF, PNG, .npy, .asc, PLY, LAS, LAZ, meshes as "
         ".obj, .stl, .dae, .ply; gdal_translate IN OUT.tif makes a TIFF of other grids (.hgt, .xyz), "

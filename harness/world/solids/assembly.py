@@ -25,6 +25,7 @@ from harness.world.solids.pieces import obstacle_of, obstacles_of
 from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
 
+LONG = 2000.0  # [m] of a mesh whose unit is doubted
 START_ROOM = 0.7  # [m] around the start that is free
 START_RESOLUTION = 0.1  # [m], or that of the heights
 BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the rocks of the named terrains
@@ -93,6 +94,9 @@ def assembled(
     relief = np.ptp(ground.heights[surface.has_floor])
     middle = f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
     notes.append(f"{ground.describe()}, relief {relief:.4g} m, {middle}")
+    is_of_file = any(isinstance(solid.shape, MeshFile) for solid in parts.grounds)
+    if is_of_file and not spec.mesh_unit and 2 * max(ground.half_size) > LONG:
+        notes.append(f"its ground is taken to be in metres, more than {LONG:g} of them; --mesh-unit mm?")
     obstacles = _obstacles(parts, whole, surface, kinds, notes)
     friction = min((s.friction for s in parts.grounds if s.friction is not None), default=None)
     if friction is not None and friction < 1.0:

@@ -322,7 +322,8 @@ def test_wheels_that_turn_roll_and_the_ground_is_what_a_file_says(tmp_path: Path
 @pytest.mark.parametrize("gravity", [9.80665, 1.0, 1e3])
 def test_gravity_tells_the_unit_and_a_pose_that_repeats_is_one(gravity: float, tmp_path: Path) -> None:
     t = np.arange(200) / 20
-    table = {"t": t, "az": gravity, "x": np.floor(4 * t) / 10, "y": 0.0, "yaw": 0.0}
+    table = {"t": t, "az": gravity, "x": np.floor(4 * t) / 10, "yaw": 0.0}
+    table["field.pose.position.y"] = 0.0  # as rostopic names it
     pd.DataFrame(table).to_csv(tmp_path / "ice_1.csv", index=False)
     (one,) = recordings_of(tmp_path, 0.1)
     assert one.imu[:, 6] == pytest.approx(9.80665)

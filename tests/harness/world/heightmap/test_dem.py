@@ -387,6 +387,7 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "text.npy": (_array(np.full((9, 9), "a")), "heights are numbers"),
     "pickle.npy": (_array(np.full((9, 9), print, object), allow_pickle=True), "damaged or cut short: "),
     "color.png": (lambda path: Image.new("RGB", (50, 50), "red").save(path), "a colour picture"),
+    "map.yaml": (lambda path: path.write_text("image: map.pgm"), "is a map of where walls are"),
     "deep.png": (lambda path: _png_header(path, 50, 50, 16, 2), "colours of 16 bits (gdal_translate"),
     "bands.tif": (_tiff(np.zeros((64, 64, 3), np.uint8), photometric="rgb"), "it has 3 bands"),
     "palette.tif": (
