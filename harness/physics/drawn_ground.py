@@ -91,6 +91,10 @@ class DrawnGround:
         self._data(self._terrain)[:] = self._shares(self._world.ground.heights)
         return scenes
 
+    def smooth(self) -> None:
+        """Takes all ruts out."""
+        self.heights[:] = self._fresh
+
     def take(self, patch: Patch) -> None:
         """Takes heights from a row and a column on, and none elsewhere."""
         row, column, heights = patch

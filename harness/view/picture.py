@@ -120,7 +120,11 @@ class Studio(AbstractContextManager["Studio"]):
         if not self._ground.leaves_ruts:
             return
         end = range(len(self.recording.times))[index] + 1
+        run, times = self.recording.run, self.recording.times.tolist()
+        resets = () if run.world.keep_ruts else run.plan.resets
         for state in range(self._pressed, end):
+            if any(times[max(state - 1, 0)] <= reset < times[state] for reset in resets):
+                self._ground.smooth()
             self.pose(state)
             self._ruts.press(self.data)
         self._pressed = end

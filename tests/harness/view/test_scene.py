@@ -146,11 +146,19 @@ def driven(folder: Path, run: Run) -> list[Path]:
     return files
 
 
-def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("resets", "keep", "is_whole"), [((), False, True), ((1.6,), True, True), ((1.6,), False, False)]
+)
+def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it_or_since_the_last_reset(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    resets: tuple[float, ...],
+    keep: bool,
+    is_whole: bool,
 ) -> None:
     """By the heights that OpenGL is given where the rover has come from."""
-    run = Run.of(terrain="flat", soil="dry_sand", driver="straight", duration=2.0, start=(1.0, 0.0, 0.0))
+    words = {"terrain": "flat", "soil": "dry_sand", "driver": "straight", "start": (1.0, 0.0, 0.0)}
+    run = Run.of(**words, duration=2.0, resets=resets, keep_ruts=keep)
     run = fleet(run, parse_rovers(("leo:a", "leo:b,x=1,y=1.5"), run.rover))
     files, given = driven(tmp_path, run), Mock()
     end = read_states(files[0])
@@ -170,6 +178,8 @@ def test_the_end_of_a_run_is_drawn_with_the_ruts_of_all_of_it(
     pressed = np.flatnonzero(heights < before - 1e-6)
     assert len(pressed) > 50
     assert np.ptp(pressed // columns) * 0.025 > 1.5  # [m] across: of both rovers
+    along = np.ptp(pressed % columns) * 0.025  # [m] of which axles and tyres are 0.45
+    assert along > 0.7 if is_whole else along < 0.6
 
 
 def test_each_frame_of_a_video_looks_from_behind_at_where_the_rover_is_then(
