@@ -120,7 +120,9 @@ def test_sides_that_turn_roll_by_the_radius_and_an_attitude_is_a_heading(tmp_pat
     x, y, z, w = Rotation.from_euler("ZYX", np.column_stack([yaw, at_all])).as_quat().T
     table = {"secs": t, "left [rpm]": left / 0.25 * MINUTE / TURN, "omega_right": right / 0.25}
     turned = {"x": drive.poses[:, 1], "y": drive.poses[:, 2], "qx": x, "qy": y, "qz": z, "qw": w}
-    pd.DataFrame(table | turned).to_csv(file, index=False)
+    rows = pd.DataFrame(table | turned)  # of a time that comes twice the first counts
+    rows = pd.concat([rows, rows[50:90].assign(omega_right=9.0)]).sort_values("secs", kind="stable")
+    rows.to_csv(file, index=False)
     read = recording_of([file], "drive", 0.25)
     assert read.wheels == pytest.approx(drive.wheels, abs=1e-6)
     assert read.poses == pytest.approx(drive.poses, abs=1e-6)
