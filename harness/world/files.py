@@ -3,9 +3,10 @@
 import os
 from pathlib import Path
 
+from harness.base.collada import UP
 from harness.base.errors import UsageError, find_named
 from harness.base.mesh_file import SUFFIXES as MESHES
-from harness.base.mesh_file import UP, is_mesh
+from harness.base.mesh_file import is_mesh
 from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, HEIGHTMAPS, MESH_UNITS, SOLIDS, WorldSpec
 from harness.world.heightmap.cloud import SUFFIXES as CLOUDS
 from harness.world.heightmap.cloud import is_cloud

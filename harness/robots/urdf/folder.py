@@ -74,33 +74,56 @@ def write_folder(
     if folder.exists():
         raise UsageError(f"{folder} exists already, not overwriting; choose another NAME or --out")
     source = read_urdf(urdf, folders, trust_xacro=trust_xacro)
-    spec, notes = source.spec, list(source.notes)
+    spec = source.spec
     free_root(spec, urdf)
     sort_geoms(spec)
     model = compiled(spec.copy(), urdf)
     joints = find_joints(model, left, right, str(urdf))
-    notes += [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
+    show_what_collides(spec)
+    equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
+    notes = (
+        *source.notes,
+        *_mended(joints, model),
+        *_of_sizes(joints, equipment),
+        *_loose(spec, joints),
+    )
+    spec.modelname = name
+    rover = _placed(folder, name, spec, joints, equipment, urdf)
+    guesses = tuple(f"{key}: {guess}" for key, guess in equipment.guesses.items())
+    return Written(folder, rover, notes, guesses)
+
+
+def _mended(joints: Joints, model: mujoco.MjModel) -> list[str]:
+    """What is otherwise than the joints of the URDF say."""
+    notes = [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
     notes += [f"joint '{joint}' steers; held straight" for joint in joints.held]
-    notes += [
+    return notes + [
         f"joint '{name}': its limits are left out, so that the wheel rolls on"
         for name in joints.wheels
         if model.jnt_limited[model.joint(name).id]
     ]
-    smallest, largest = min(joints.radius.values()), max(joints.radius.values())
+
+
+def _of_sizes(joints: Joints, equipment: Equipment) -> list[str]:
+    """What is odd about the wheels' radii, and about those that a plugin believes."""
+    smallest, largest, notes = min(joints.radius.values()), max(joints.radius.values()), list[str]()
     if smallest < ALIKE * largest:
         notes.append(
             f"wheels of {smallest:.3g} to {largest:.3g} m: all are turned as those of {largest:.3g}"
         )
-    show_what_collides(spec)
-    equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
     believed = equipment.beliefs.get("controller_radius", largest)
     if not ALIKE < believed / largest < 1 / ALIKE:
         notes.append(
             f"a plugin takes its wheels for {believed:.3g} m, not {largest:.3g}: it drives "
             f"{largest / believed:.3g} times as fast as it is told"
         )
-    notes += _loose(spec, joints)
-    spec.modelname = name
+    return notes
+
+
+def _placed(
+    folder: Path, name: str, spec: mujoco.MjSpec, joints: Joints, equipment: Equipment, urdf: Path
+) -> RoverSpec:
+    """Makes the folder, whole or not at all."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{name}-") as made:
@@ -112,11 +135,9 @@ def write_folder(
                 reason = str(error).replace(f"{half_made.resolve()}/", "").removeprefix("rover.yaml: ")
                 raise UsageError(f"{urdf} becomes no rover: {reason}") from error
             half_made.rename(folder)
-            rover = rover.but(folder=folder.resolve())
     except OSError as error:
         raise UsageError(f"cannot write {folder}: {error.strerror}") from error
-    guesses = tuple(f"{key}: {guess}" for key, guess in equipment.guesses.items())
-    return Written(folder, rover, tuple(notes), guesses)
+    return rover.but(folder=folder.resolve())
 
 
 def _write(

@@ -17,7 +17,8 @@ import numpy as np
 
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
-from harness.base.mesh_file import FACE, HEAD, SIMPLER, SUFFIXES, Mesh, read_mesh
+from harness.base.mesh import Mesh
+from harness.base.mesh_file import FACE, HEAD, SIMPLER, SUFFIXES, read_mesh
 from harness.base.mesh_file import MOST_BYTES as LARGEST
 from harness.robots.model import keep_mujoco_quiet
 from harness.robots.strangers import COMMENT, parsed, read_text

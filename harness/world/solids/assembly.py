@@ -10,7 +10,8 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import SUFFIXES, Mesh, joined
+from harness.base.mesh import Mesh, joined
+from harness.base.mesh_file import SUFFIXES
 from harness.spec.world import WorldSpec
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.obstacles import Obstacle, ObstacleKind

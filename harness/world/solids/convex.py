@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.world.heightfield import Field
 
 THICKNESS = 0.02  # [m]

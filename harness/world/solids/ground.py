@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh, areas_and_normals, read_mesh
+from harness.base.mesh import Mesh, areas_and_normals
+from harness.base.mesh_file import read_mesh
 from harness.spec.world import MESH_UNITS, SMALLEST_MAP
 from harness.world.heightfield import resampled
 from harness.world.heightmap.raster import Raster, read_raster

@@ -19,7 +19,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import SIMPLER, Mesh, areas_and_normals
+from harness.base.mesh import Mesh, areas_and_normals
+from harness.base.mesh_file import SIMPLER
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import HEADROOM, Obstacle, ObstacleKind, convex, outline, surface, top
 from harness.world.solid import Primitive, Solid

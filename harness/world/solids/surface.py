@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import label, maximum_filter
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh, areas_and_normals
+from harness.base.mesh import Mesh, areas_and_normals
 from harness.spec.world import LARGEST_MAP, SMALLEST_MAP
 from harness.world.heightfield import Field, Heightfield, filled, finest_cell
 from harness.world.solids.columns import Crossings, Grid, crossings, floors

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from harness.base.collada import UP
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
-from harness.base.mesh_file import MOST_BYTES, UP, read_mesh
+from harness.base.mesh_file import MOST_BYTES, read_mesh
 from harness.spec.target import TargetSpec
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind

@@ -12,7 +12,7 @@ import trimesh
 
 from harness import robot as command
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.frames.rover_frames import rover_frames
 from harness.robots import RoverSpec, read_rover
 from harness.robots.model import read_model

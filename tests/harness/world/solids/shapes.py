@@ -8,7 +8,7 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.base.mesh_file import Mesh, joined
+from harness.base.mesh import Mesh, joined
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.world.solids.columns import Grid, crossings, floors
 from tests.harness.world.solids.shapes import both, box, flat
 

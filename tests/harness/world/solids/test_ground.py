@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.world.solid import MeshFile, Plane, Primitive, Relief, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
 from tests.harness.world.solids.shapes import at, box, flat, write_mesh

@@ -12,7 +12,8 @@ import pytest
 
 from harness.base import mesh_file
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh, joined, read_mesh
+from harness.base.mesh import Mesh, joined
+from harness.base.mesh_file import read_mesh
 from tests.harness.world.solids.shapes import at, box, write_dae, write_mesh
 
 BOX = box((1.0, 2.0, 3.0), (2.0, 4.0, 6.0))

@@ -10,7 +10,7 @@ from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.spec.value import made as checked_of
 from harness.spec.world import WorldSpec
 from harness.world.heightfield import Heightfield

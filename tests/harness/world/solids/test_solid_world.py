@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.spec.value import made
 from harness.spec.world import WorldSpec
 from harness.world.files import file_world

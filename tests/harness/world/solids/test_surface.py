@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.base.mesh_file import Mesh
+from harness.base.mesh import Mesh
 from harness.world.solids.surface import chosen_grid, surface_of
 from tests.harness.world.solids.shapes import at, both, box, flat, sheet
 
