@@ -95,6 +95,10 @@ def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
     assert (tmp_path / "b" / "run.mcap").is_file()
     (manifest,) = (tmp_path / "b").glob("*.json")
     assert json.loads(manifest.read_text())["outcome"] == {"status": "failed", "reason": wrong}
+    fleet = ["--rover", "leo:a,driver=spin,x=-6,y=6", "--rover", "leo:b,x=0,y=0"]
+    assert main([*hit, str(tmp_path / "e"), "--fail-on", "hazard", *fleet]) == 1  # for the second
+    (said,) = without_progress(capsys.readouterr().err)
+    assert said.startswith("harness.run: hit ")
     assert main([*hit, str(tmp_path / "c" / "d"), "--record", str(tmp_path / "c/d/e/run.mcap")]) == 2
     assert not (tmp_path / "c").exists()
 
