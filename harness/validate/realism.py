@@ -4,6 +4,7 @@ What counts is the shape: how the values of a CSV row are spread. The yardstick 
 logs lie apart, for they too come from different places and drives.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -13,6 +14,7 @@ import numpy as np
 import scipy  # loads a part of it when that is named
 from rich.console import Console
 
+from harness.base.errors import UsageError, repeated
 from harness.spec.run import Run
 from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
@@ -32,8 +34,8 @@ class Distances:
 
     @property
     def ratio(self) -> float:
-        """Distance of ours to the farther recorded log, over that of both recorded ones."""
-        return max(self.ours) / self.recorded
+        """Distance of ours to the farther recorded log over that of both recorded ones; inf if alike."""
+        return max(self.ours) / self.recorded if self.recorded > 0.0 else math.inf
 
     @property
     def passed(self) -> bool:
@@ -64,12 +66,16 @@ def compare(paths: Sequence[Path], robot: str, seed: int) -> Comparison:
         seed: Of our run.
 
     Raises:
-        UsageError: A log cannot be read.
+        UsageError: A log cannot be read, or both are one.
     """
+    if len({*map(Path.resolve, paths)}) < len(paths):
+        raise UsageError(f"--realism takes two logs, {paths[0]} is given twice; name another")
     recorded = [read_log(path) for path in paths]
     run = RUN.alone(robot=robot, seed=seed)
     ours = drive(run)
     titles = ["ours", *(path.stem.removeprefix("metrics_log_") for path in paths)]
+    if repeated(titles):
+        titles = ["ours", *map(str, paths)]
     return Comparison(
         logs=dict(zip(titles, [ours, *recorded], strict=True)),
         distances={column: distances(ours, recorded, column) for column in COLUMNS},

@@ -16,7 +16,15 @@ from harness.episode.direct import run_direct
 from harness.episode.result import Outputs
 from harness.samples import Twist
 from harness.spec.ros import RosOptions
-from harness.validate.realism import WITHIN, Comparison, Distances, distances, print_comparison
+from harness.validate.realism import (
+    WITHIN,
+    Comparison,
+    Distances,
+    compare,
+    distances,
+    print_comparison,
+    sheets_of,
+)
 from harness.validate.run_log import COLUMNS, RUN, SPEEDS, Log, RecordedAgent, drive, read_log
 from tests.support.once import made_once
 from tests.support.rovers import ROVER_ZERO4WD
@@ -132,6 +140,21 @@ def test_a_file_that_is_no_log_is_one_line(content: bytes | None, named: str, tm
         read_log(path)
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_logs_of_one_name_are_told_apart_alike_or_not_and_one_log_is_not_two(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.validate.realism.drive", lambda run: drive(run.alone(duration=3.0)))
+    paths = [tmp_path / folder / "ours.csv" for folder in "ab"]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_text(f"{HEADER}\n2,10.5,9.1,0.3,2.5\n")
+    comparison = compare(paths, "leo", 0)
+    assert comparison.missed == [*COLUMNS]
+    assert all(str(path) in sheets_of(comparison)[1].caption for path in paths)
+    with pytest.raises(UsageError, match="given twice"):
+        compare([paths[0], paths[0]], "leo", 0)
 
 
 def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> None:
