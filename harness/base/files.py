@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 from harness.base.errors import HarnessError, UsageError
+from rover_metrics.log import files
 from rover_metrics.log.files import whole_file
 
 __all__ = ["BESIDE", "PAGES", "check_target", "whole_file", "write_whole"]
@@ -25,8 +26,7 @@ def write_whole(
         failure: What is raised if it cannot be written.
     """
     try:
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8", newline="\n")
+        files.write_whole(path, text)
     except OSError as error:
         raise failure(f"cannot write {name and f'{name} to '}{path}: {error.strerror}") from error
 

@@ -8,14 +8,15 @@ from junitparser.xunit2 import JUnitXml, TestCase, TestSuite
 from harness.base.version import __version__
 from harness.scenario.case import scenario_name
 from harness.scenario.verdict import Attempt, Outcome, Verdict, outcome_of, reasons_of
+from rover_metrics.errors import printable
 
 
 def junit_of(verdicts: Sequence[Verdict]) -> str:
     """Returns verdicts as JUnit XML, a suite per scenario."""
     xml = JUnitXml()
     for verdict in verdicts:
-        suite = TestSuite(scenario_name(verdict.path))  # type: ignore[no-untyped-call]  # of junitparser
-        suite.add_property("file", str(verdict.path))
+        suite = TestSuite(printable(scenario_name(verdict.path)))  # type: ignore[no-untyped-call]  # of junitparser
+        suite.add_property("file", printable(str(verdict.path)))
         suite.add_property("pass rate", f"{verdict.rate:.3g}")
         suite.add_property("interval", " to ".join(f"{limit:.3g}" for limit in verdict.interval))
         # Failures that the pass rate allows must not make the job red.
@@ -41,15 +42,16 @@ def properties_of(attempt: Attempt) -> dict[str, str]:
 
 
 def _case(attempt: Attempt, *, forgiven: bool) -> TestCase:
-    case = TestCase(attempt.case.name, scenario_name(attempt.case.path), attempt.wall_s)
+    scenario = printable(scenario_name(attempt.case.path))
+    case = TestCase(printable(attempt.case.name), scenario, attempt.wall_s)
     for name, value in properties_of(attempt).items():
-        case.add_property(name, value)
-    outcome, lines = outcome_of(attempt), reasons_of(attempt)
+        case.add_property(name, printable(value))
+    outcome, lines = outcome_of(attempt), list(map(printable, reasons_of(attempt)))
     if outcome is Outcome.PASSED:
         return case
     kind: type[Error | Failure | Skipped] = Error if outcome is Outcome.ERROR else Failure
     if outcome is Outcome.EXPECTED or (forgiven and kind is Failure):
         kind = Skipped
     case.result = [kind(lines[0], outcome.value)]
-    case.result[0].text = "\n".join([*lines, f"again: {attempt.case.command}"])
+    case.result[0].text = "\n".join([*lines, f"again: {printable(attempt.case.command)}"])
     return case

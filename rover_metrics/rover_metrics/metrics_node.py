@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rover_metrics.errors import ParameterError, missing_ros
+from rover_metrics.errors import ParameterError, missing_ros, printable
 
 try:
     from rcl_interfaces.msg import SetParametersResult
@@ -113,7 +113,7 @@ class MetricsNode(GuardedNode):
         self.create_service(Trigger, "~/received", self._report_received)
         self.create_service(SetBool, "~/lock_step", self._set_lock_step)
         self._is_whole = True
-        self.get_logger().info(f"logging to: {self.log.path.parent}/")
+        self.get_logger().info(printable(f"logging to: {self.log.path.parent}/"))
 
     @property
     def received(self) -> dict[str, int]:

@@ -20,7 +20,7 @@ from rover_metrics.analysis.pairing import PairingError, Pairs, pair
 from rover_metrics.analysis.program import different, hand_over, inside, read_each
 from rover_metrics.analysis.study import Member, Options, Study, labels
 from rover_metrics.analysis.tables import sheets
-from rover_metrics.errors import counted
+from rover_metrics.errors import counted, printable
 from rover_metrics.log.files import write_whole
 from rover_metrics.sheet.sheet import Sheet
 
@@ -68,7 +68,7 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
         members += [Member(log, "", group) for log in logs]
         skipped += unreadable
     names = labels([member.log for member in members])
-    named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
+    named = (replace(member, label=printable(name)) for member, name in zip(members, names, strict=True))
     known = {
         column
         for member in members

@@ -41,9 +41,17 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 
 def write_whole(target: Path, text: str) -> None:
-    """Writes a text as UTF-8, its ends of lines as they are, into a `whole_file`."""
+    """Writes a text as UTF-8, its ends of lines as they are, into a `whole_file`.
+
+    Bytes of file names that the locale could not read are what they are in UTF-8, or a replacement
+    character; so is what no text may hold.
+    """
+    try:
+        encoded = text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError:  # a surrogate that stands for no byte
+        encoded = text.encode("utf-8", "replace")
     with whole_file(target) as part:
-        part.write_text(text, encoding="utf-8", newline="")
+        part.write_bytes(encoded.decode("utf-8", "replace").encode("utf-8"))
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rover_metrics.log.files import json_safe, whole_file
+from rover_metrics.log.files import json_safe, whole_file, write_whole
 
 
 def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
@@ -21,6 +21,14 @@ def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
     assert target.read_text() == "new"
     assert target.stat().st_mode & 0o777 == 0o644
     assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+
+
+@pytest.mark.parametrize(
+    ("name", "written"), [(b"\xc3\xa9", "é"), (b"\xe9", "\ufffd"), (b"\xed\xa0\x80", "\ufffd" * 3)]
+)
+def test_a_file_that_names_any_other_is_text(tmp_path: Path, name: bytes, written: str) -> None:
+    write_whole(tmp_path / "page.html", f"{name.decode('ascii', 'surrogateescape')}\r\n")
+    assert (tmp_path / "page.html").read_bytes().decode() == written + "\r\n"
 
 
 @pytest.mark.parametrize("old", [{"page.html": "old"}, {}])
