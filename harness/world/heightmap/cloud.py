@@ -82,7 +82,7 @@ def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
     # Imported here: no run without a cloud waits for it.
     from tifffile.geodb import GeoKeys as TiffKeys  # noqa: PLC0415
 
-    from harness.world.heightmap.geotiff import CYLINDERS, MERCATOR, WEB  # noqa: PLC0415
+    from harness.world.heightmap.geotiff import CYLINDERS, MERCATOR, WEB, spelled_out  # noqa: PLC0415
 
     wkt = records.get(WKT, b"").decode("utf-8", "replace")
     directory = np.frombuffer(records.get(GEO_KEYS, b"")[8:], "<u2").reshape(-1, 4).tolist()
@@ -92,6 +92,7 @@ def _las_units(records: Mapping[int, bytes]) -> tuple[float, float]:
         for key, place, count, value in directory
         if key in {*TiffKeys} and place in (0, GEO_TEXTS)
     }
+    keys = spelled_out(keys)
     projection = CYLINDERS.get(keys.get("ProjectedCSTypeGeoKey", 0), keys.get("ProjCoordTransGeoKey"))
     if MERCATORS.search(wkt) or projection in (WEB, MERCATOR):
         raise UsageError("it is in Mercator, which stretches the ground; give it in UTM (pdal, las2las)")

@@ -5,6 +5,7 @@ those name the units (OGC GeoTIFF 1.1). Without them the unit is taken to be the
 """
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -34,9 +35,29 @@ CYLINDERS = {  # by EPSG's numbers
 }
 SINUSOIDAL = 24
 OF_THE_GLOBE = (20, 23, 25, 28)  # Miller's, Robinson's, Van der Grinten's, cylindrical of equal areas
-EQUAL_AREAS = (6933, 3410, 3975)  # EPSG's numbers of the last kind
+EQUAL_AREAS = (6933, 3410, 3975, 8857, 8858, 8859)  # EPSG's numbers of the last kind, and Equal Earth
+# Those without a number of TIFF's, as GDAL names them.
+NAMED_OF_THE_GLOBE = re.compile(
+    r'PROJECTION\["(Mollweide|Eckert|Goode|Winkel|Wagner|Equal_Earth|Natural_Earth|Aitoff|Hammer|Gall)'
+)
+AZIMUTHAL, MOST_SQUEEZE = 10, 0.01  # Lambert's, of equal areas; how much longer one way than it is
 CALLED = {MERCATOR: "Mercator's", EQUIRECTANGULAR: "equirectangular", WEB: "Web Mercator's"}
 STEREOGRAPHIC, POLAR = 15, {3413: 70.0, 3031: 71.0, 3995: 71.0, 3976: 70.0}  # EPSG's: true at latitude
+# What GeoKeys would say of CRSs that files name by EPSG's number alone: of Mercator's and polar ones.
+UPS = {"ProjCoordTransGeoKey": 15, "ProjScaleAtNatOriginGeoKey": 0.994,
+       "ProjFalseEastingGeoKey": 2e6, "ProjFalseNorthingGeoKey": 2e6}  # fmt: skip
+OF_A_POLE = {"ProjCoordTransGeoKey": 10}
+PARAMETERS: Mapping[int, Mapping[str, Any]] = {
+    3349: {"ProjCoordTransGeoKey": 7},
+    3832: {"ProjCoordTransGeoKey": 7},
+    3388: {"ProjCoordTransGeoKey": 7, "ProjStdParallel1GeoKey": 42.0},
+    3994: {"ProjCoordTransGeoKey": 7, "ProjStdParallel1GeoKey": -41.0},
+    5641: {"ProjCoordTransGeoKey": 7, "ProjStdParallel1GeoKey": -2.0, "ProjFalseNorthingGeoKey": 1e7},
+    3996: {"ProjCoordTransGeoKey": 15, "ProjNatOriginLatGeoKey": 75.0},
+    9354: {"ProjCoordTransGeoKey": 15, "ProjNatOriginLatGeoKey": 65.0},
+    **dict.fromkeys((5041, 5042, *range(5936, 5941), 32661, 32761), UPS),
+    **dict.fromkeys((*range(3571, 3577), 3408, 3409, 6931, 6932), OF_A_POLE),
+}
 LEAST_STRETCH = 1e-3  # of such metres that counts
 WGS84 = Ellipsoid.from_name("wgs84")
 NEAREST_POLE = 85.0  # [deg] of latitude, up to which degrees are made metres
@@ -73,7 +94,7 @@ class Grid:
 
 def read_grid(page: tifffile.TiffPage) -> Grid:
     """Returns what the tags of a page say; UsageError if rows and columns are not at right angles."""
-    keys: Mapping[str, Any] = page.geotiff_tags or {}
+    keys = spelled_out(page.geotiff_tags or {})
     affine = _affine(page)
     if not keys and _are_degrees(affine):
         keys = {"GTModelTypeGeoKey": GEOGRAPHIC}
@@ -89,6 +110,11 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
     if affine is None:
         return Grid()
     return _placed(affine, keys, page)
+
+
+def spelled_out(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns GeoKeys with those that the number of their CRS stands for."""
+    return {**PARAMETERS.get(keys.get("ProjectedCSTypeGeoKey", 0), {}), **keys}
 
 
 def _are_degrees(affine: Affine | None) -> bool:
@@ -129,9 +155,8 @@ def _unrolled(
     standard = keys.get("ProjStdParallel1GeoKey", 0.0)
     parallel = _parallel(standard, body) * keys.get("ProjScaleAtNatOriginGeoKey", 1.0)
     y = (affine @ _half(keys, page))[1] - keys.get("ProjFalseNorthingGeoKey", 0.0)
-    if kind == EQUIRECTANGULAR:
-        latitude = math.degrees(y / rcurve.meridian(standard, body))
-        latitude += keys.get("ProjCenterLatGeoKey", 0.0)
+    if kind == EQUIRECTANGULAR:  # as of a sphere, says PROJ
+        latitude = math.degrees(y / body.semimajor_axis) + keys.get("ProjCenterLatGeoKey", 0.0)
     else:
         sphere = Ellipsoid(body.semimajor_axis, body.semimajor_axis)
         latitude = isometric2geodetic(math.degrees(y / parallel), sphere if kind == WEB else body)
@@ -139,6 +164,8 @@ def _unrolled(
     if not abs(latitude) < 90.0 or (kind != WEB and abs(stretch - 1.0) < LEAST_STRETCH):
         return None
     along = rcurve.meridian(latitude, body) * (stretch if kind == MERCATOR else 1.0)
+    if kind == EQUIRECTANGULAR:
+        along = body.semimajor_axis
     if kind == WEB:
         along = parallel / math.cos(math.radians(latitude))
     degrees = affine * np.degrees([[1.0 / parallel], [1.0 / along]])
@@ -163,11 +190,14 @@ def _polar_stretch(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffP
 def _is_of_the_globe(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> bool:
     """Whether squares of ground are none in its projection; a sinusoidal one is true in its middle."""
     kind = keys.get("ProjCoordTransGeoKey")
+    origin = keys.get("ProjFalseEastingGeoKey", 0.0), keys.get("ProjFalseNorthingGeoKey", 0.0)
+    x, y = (affine @ _half(keys, page) - origin) / _ellipsoid(keys).semimajor_axis
     if kind == SINUSOIDAL:
-        radius = _ellipsoid(keys).semimajor_axis
-        x, y = (affine @ _half(keys, page) - [keys.get("ProjFalseEastingGeoKey", 0.0), 0.0]) / radius
         return bool(abs(x * math.tan(y)) > math.sin(MOST_SKEW))
-    return kind in OF_THE_GLOBE or keys.get("ProjectedCSTypeGeoKey") in EQUAL_AREAS
+    if kind == AZIMUTHAL:
+        return bool(1.0 - (x * x + y * y) / 4.0 < (1.0 + MOST_SQUEEZE) ** -2)
+    is_named = NAMED_OF_THE_GLOBE.search(str(keys.get("PCSCitationGeoKey", ""))) is not None
+    return is_named or kind in OF_THE_GLOBE or keys.get("ProjectedCSTypeGeoKey") in EQUAL_AREAS
 
 
 def _parallel(latitude: float, body: Ellipsoid) -> float:

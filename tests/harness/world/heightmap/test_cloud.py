@@ -114,10 +114,14 @@ def test_a_survey_in_feet_becomes_metres(
         ('PROJCS["WGS 84 / Pseudo-Mercator"', "stretches"),
         ('PROJCS["a",PROJECTION["Mercator_1SP"]', "stretches"),
         ('COMPD_CS["a",PROJCS["b"],VERT_CS["c",AXIS["Depth",DOWN]', "depths"),
+        (3832, "stretches"),  # by EPSG's number alone
     ],
 )
-def test_a_survey_that_stretches_or_has_depths_is_refused(tmp_path: Path, crs: str, said: str) -> None:
-    write_las(tmp_path / "a.las", 1.0, {2112: f'{crs},UNIT["metre",1]]'.encode()})
+def test_a_survey_that_stretches_or_has_depths_is_refused(
+    tmp_path: Path, crs: str | int, said: str
+) -> None:
+    keys = {34735: np.array([1, 1, 0, 1, 3072, 0, 1, crs], "<u2").tobytes()} if crs == 3832 else {}
+    write_las(tmp_path / "a.las", 1.0, keys or {2112: f'{crs},UNIT["metre",1]]'.encode()})
     with pytest.raises(UsageError, match=said):
         world(tmp_path / "a.las")
 

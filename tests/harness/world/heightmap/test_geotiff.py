@@ -240,6 +240,9 @@ TRANSFORM, PARALLEL, CENTRE_LATITUDE, NORTHING, ORIGIN_SCALE = 3075, 3078, 3089,
             (0.982349, 1.0),
         ),
         ({PROJECTED: 3395}, 6413524.5942, (0.644054, 0.644054)),
+        ({PROJECTED: 3832}, 6413524.5942, (0.644054, 0.644054)),
+        ({PROJECTED: 5641}, 6.5e6, (0.865919, 0.865919)),
+        ({PROJECTED: 4087}, 6679169.4476, (0.501260, 1.000834)),
         ({TRANSFORM: 7, PARALLEL: 41.0}, 4847336.9319, (0.852149, 0.852149)),
         ({TRANSFORM: 7, ORIGIN_SCALE: 0.997, NORTHING: 900000.0}, 126349.4311, (0.995582, 0.995582)),
     ],
@@ -302,6 +305,8 @@ def test_degrees_become_metres_about_the_middle(tmp_path: Path) -> None:
     ("keys", "middle", "metres"),  # of 10 m of the map, by pyproj
     [
         ({PROJECTED: 3413}, (400.0, -3300320.0), 9.629512),
+        ({PROJECTED: 3996}, (400.0, -3300320.0), 9.517770),
+        ({PROJECTED: 5041}, (2000400.0, 700000.0), 9.956391),
         ({PROJECTED: 3031}, (400.0, 999680.0), 10.214080),
         ({TRANSFORM: 15, 3081: 75.0}, (1000400.0, 999680.0), 10.046313),
     ],
@@ -316,7 +321,12 @@ def test_polar_maps_become_as_long_as_the_ground(
 
 @pytest.mark.parametrize("east", [0.0, 3e4, 6e6])  # [m] of the meridian that is straight
 @pytest.mark.parametrize(
-    "keys", [{TRANSFORM: 24, MAJOR_AXIS: 6371007.181}, {TRANSFORM: 28}, {PROJECTED: 6933}]
+    "keys",
+    [
+        *({TRANSFORM: 24, MAJOR_AXIS: 6371007.181}, {TRANSFORM: 28}),
+        *({PROJECTED: number} for number in (6933, 8857, 3571)),
+        {3073: 'ESRI PE String = PROJCS["a",PROJECTION["Mollweide"]'},
+    ],
 )
 def test_maps_of_the_globe_that_squeeze_the_ground_are_refused(
     tmp_path: Path, keys: Mapping[int, Any], east: float
