@@ -26,6 +26,7 @@ SINCE = 0.3  # [s] before the next command for which wheels stand, where a rover
 TIMEOUT = 0.5  # [s] until a rover stops without commands, where its folder names no time
 COLUMNS = "a CSV file says it by columns t, cmd_v, cmd_w, left_speed, right_speed (docs/real_rovers.md)"
 MOST_NAMED = 8  # columns
+TABLES = {".csv", ".tsv", ".txt", ".dat"}
 FASTEST = 50.0  # [m/s] of wheels that are in the units that they are said to be
 
 
@@ -46,7 +47,7 @@ def read(paths: Sequence[Path], rover: RoverSpec, topics: Mapping[str, str]) -> 
         if not path.exists():
             raise UsageError(f"{path} does not exist; give CSV files or a bag")
     name = paths[0].name
-    if all(path.is_file() and ".csv" in path.name for path in paths):
+    if all(path.is_file() and TABLES & {*path.suffixes} for path in paths):
         if topics:
             raise UsageError("--topic is for bags; a CSV file's columns go by their names")
         recording = recording_of(paths, name.split(".csv")[0], rover.controller_radius)

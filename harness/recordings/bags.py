@@ -23,6 +23,7 @@ Take = Callable[[Any, RoverSpec], dict[str, Row]]
 # In the names of topics that no real rover has, and of poses where it is not, but is to be.
 NEITHER = ("truth", "goal", "initialpose")
 EACH = "each wheel"  # a series that no recording has: speeds [rad/s], left ones first
+MOST_NAMED = 8  # topics
 APART = 1.0  # [s] from which on stamps are of another clock than the recorder's, and do not count
 
 
@@ -114,6 +115,10 @@ def recording_of_bag(path: Path, rover: RoverSpec, chosen: Mapping[str, str] | N
                     f"{path} has no topic {missing[0]}; it has {', '.join(sorted(bag.topics))}"
                 )
             rows, sources = _rows(bag, rover, chosen or {})
+            if not rows:
+                kinds = [f"{topic} ({kind})" for topic, kind in sorted(bag.topics.items())]
+                told = ", ".join(kinds[:MOST_NAMED]) or "none"
+                raise UsageError(f"{path}: nothing is read of its topics: {told} (docs/real_rovers.md)")
             _check_encoders(rows.pop(EACH, []), rover, sources)
             problems = tuple(bag.problems)
     except BagError as error:

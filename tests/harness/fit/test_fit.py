@@ -317,7 +317,7 @@ def test_a_recording_that_lacks_something_is_one_line(
     sides = np.column_stack([t, wave, wave])
     poses = np.column_stack([sides, wave])
     made = Recording("made", commands=sides, wheels=sides, currents=sides, poses=poses)
-    csv, out = write(made, tmp_path / "a.csv", change), tmp_path / "out"
+    csv, out = write(made, tmp_path / "a.txt", change), tmp_path / "out"
     assert said in complaint(main, [str(csv), "--robot", "husky", "--out", str(out)], capsys)
     assert not out.exists()
 
@@ -328,6 +328,10 @@ def test_arguments_that_are_wrong_are_one_line(tmp_path: Path, capsys: Capsys) -
         main, [str(tmp_path / "none"), "--robot", "husky", *out], capsys
     )
     assert "robot 'x'" in complaint(main, ["a.csv", "--robot", "x", *out], capsys)
+    with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.MCAP):
+        pass
+    words = [str(tmp_path / "bag"), "--robot", "husky", *out]
+    assert "nothing is read of its topics: none" in complaint(main, words, capsys)
     words = ["a.csv", "--robot", "husky", "--topic", "speed=/x", *out]
     assert "SERIES=TOPIC" in complaint(main, words, capsys)
 
