@@ -80,4 +80,4 @@ class LiveOptions(Value):
         return self
 
 
-NOWHERE = LiveOptions()
+NOWHERE = LiveOptions.unchecked()

@@ -145,4 +145,4 @@ class RosOptions(Value):
         description="publish /map/truth (grid_map_msgs/GridMap): slope, step, roughness, tip margin and "
         "danger for this rover (docs/scenarios.md)",
     )
-    frames: FrameOptions = FrameOptions()
+    frames: FrameOptions = FrameOptions.unchecked()

@@ -37,9 +37,11 @@ class Run(Value):
         seed: Of everything random.
     """
 
-    world: WorldSpec = WorldSpec()
-    rovers: tuple[RoverSetup, ...] = Field(default=(RoverSetup(),), min_length=1, max_length=MOST_ROVERS)
-    plan: Plan = Plan()
+    world: WorldSpec = WorldSpec.unchecked()
+    rovers: tuple[RoverSetup, ...] = Field(
+        default=(RoverSetup.unchecked(),), min_length=1, max_length=MOST_ROVERS
+    )
+    plan: Plan = Plan.unchecked()
     duration: Annotated[float, AfterValidator(checked(check_duration)), Option("S")] = Field(
         default=60.0, description="simulated seconds"
     )

@@ -26,6 +26,11 @@ class Value(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, defer_build=True)
 
+    @classmethod
+    def unchecked(cls, **values: Any) -> Self:  # noqa: ANN401 - as the fields are
+        """Returns a value that the program itself states: imports go without what checking takes."""
+        return cls.model_construct(**values)
+
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
         """Returns a copy with other values of some fields; UsageError if one is not valid."""
         return made(type(self), self.__dict__ | changes)

@@ -10,10 +10,14 @@ from typing import Any
 import pytest
 
 from harness.base.errors import UsageError
+from harness.robots.sections import Drive, Tyres
+from harness.sensors.noise import PRESETS
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
+from harness.spec.live import LiveOptions
+from harness.spec.ros import FrameOptions
 from harness.spec.run import OWNERS
-from harness.spec.value import made
+from harness.spec.value import Value, made
 
 NOWHERE = {"at": None, "lat": None, "lon": None, "target": "", "stop": False}
 FULL: dict[str, Any] = {  # another value than the default for each field
@@ -66,6 +70,14 @@ FULL: dict[str, Any] = {  # another value than the default for each field
     "timestep": 0.005,
     "seed": 4,
 }
+
+
+@pytest.mark.parametrize(
+    "value",
+    [Run(), LiveOptions(), FrameOptions(), Drive(), Tyres(), *(one.ranges for one in PRESETS.values())],
+)
+def test_what_the_program_states_unchecked_is_valid(value: Value) -> None:
+    assert made(type(value), value.model_dump()) == value
 
 
 def test_every_field_survives_json_and_pickle() -> None:
