@@ -100,7 +100,8 @@ def _complete(values: Field, notes: list[str]) -> Field:
     share = missing / values.size
     if share > MOST_MISSING:
         raise UsageError(
-            f"{share:.0%} of its heights are missing; at most {MOST_MISSING:.0%} are filled"
+            f"{share:.0%} of its heights are missing; at most {MOST_MISSING:.0%} are filled: give a "
+            "part, or of a cloud metres and a larger --terrain-cell"
         )
     notes.append(f"{missing} missing heights ({share:.2%}) filled from their surroundings")
     return filled(values)

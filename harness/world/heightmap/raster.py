@@ -143,7 +143,10 @@ def _check_size(columns: int, rows: int, fewest: int = FEWEST_PIXELS) -> None:
             "give a part (gdal_translate -srcwin), or coarser ones (-outsize, --terrain-cell of a cloud)"
         )
     if min(columns, rows) < fewest:
-        raise UsageError(f"{columns} x {rows} pixels are too few; a side needs {fewest} or more")
+        raise UsageError(
+            f"{columns} x {rows} pixels are too few; a side needs {fewest} or more, a cloud of points "
+            "three columns"
+        )
 
 
 def _read_npy(path: Path) -> Raster:
