@@ -84,26 +84,30 @@ class ProcessVectorEnv(ManyRovers):
         **options: object,
     ) -> None:
         settings: dict[str, Any] = {"threads": threads, "render_mode": render_mode, **options}
-        ends = np.linspace(0, num_envs, max(1, min(processes, num_envs)) + 1).astype(int).tolist()
-        self._parts = [slice(*part) for part in pairwise(ends)]
-        given = {"autoreset_mode": autoreset_mode, **settings}
-        self._own = RoverVectorEnv(make, num_envs=ends[1], **given)
-        super().__init__(self._own.envs[0], num_envs, autoreset_mode)
         try:
             ForkingPickler.dumps((make, settings))
         except Exception as error:  # whatever a user's object raises
             mend = "give functions of a module, or the names of plug-ins or FILE.py:NAME"
             raise UsageError(f"an option cannot be sent to processes ({error}); {mend}") from error
-        context = multiprocessing.get_context("spawn")
-        sizes = _sizes(self._own.envs[0].observation_space)
-        memory = context.RawArray("b", Shared.size(sizes, num_envs))
-        self._shared = Shared.of(memory, sizes, num_envs)
+        ends = np.linspace(0, num_envs, max(1, min(processes, num_envs)) + 1).astype(int).tolist()
+        self._parts = [slice(*part) for part in pairwise(ends)]
+        given = {"autoreset_mode": autoreset_mode, **settings}
+        self._own = RoverVectorEnv(make, num_envs=ends[1], **given)
+        super().__init__(self._own.envs[0], num_envs, autoreset_mode)
         self._children: list[tuple[Connection, Any]] = []
+        self._start_others(make, given)
+
+    def _start_others(self, make: Callable[..., RoverEnv[Any]], given: dict[str, Any]) -> None:
+        """Starts the processes of all parts but the first one, which is this one's."""
+        context = multiprocessing.get_context("spawn")
+        sizes, count = _sizes(self._own.envs[0].observation_space), self.num_envs
+        memory = context.RawArray("b", Shared.size(sizes, count))
+        self._shared = Shared.of(memory, sizes, count)
         try:
             with held_back():
                 for part in self._parts[1:]:
                     here, there = context.Pipe()
-                    args = there, make, (memory, sizes, num_envs, part), given
+                    args = there, make, (memory, sizes, count, part), given
                     child = context.Process(target=serve, args=args, daemon=True)
                     child.start()
                     there.close()
