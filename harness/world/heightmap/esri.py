@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.world.heightfield import Field
-from harness.world.heightmap.geotiff import MOST_DEGREES, SIZE_UNKNOWN
+from harness.world.heightmap.geotiff import MOST_DEGREES, NAMED_OF_THE_GLOBE, SIZE_UNKNOWN
 from harness.world.heightmap.units import MERCATORS, NAMED, WKT_VERTICAL, wkt_units
 from rover_metrics.number import number
 
@@ -20,7 +20,12 @@ KEY = re.compile(
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)
 NODATA = -9999.0  # ESRI's default
 OLD_UNIT = re.compile(r"^\s*units\s+(\S+)", re.IGNORECASE | re.MULTILINE)  # of ARC/INFO, before WKT
-STRETCHED = "its cells are Mercator's, longer than the ground (gdalwarp -t_srs EPSG:... gives metres)"
+STRETCHED = (
+    "its map's metres are not the ground's (gdalwarp -t_srs EPSG:..., of a UTM zone, gives those)"
+)
+OF_THE_GLOBE = re.compile(
+    r'PROJECTION\["(Plate_Carree|Equidistant_Cyl|Equirect|Sinusoidal|Robinson|Cylindrical_Equal|Miller)'
+)
 MOST_SHOWN = 20  # letters of what is no number
 DEGREES = "its cells are degrees (gdalwarp -t_srs EPSG:... gives metres)"
 
@@ -62,7 +67,7 @@ def read_grid_in_text(
     if not min(width, depth) > 0.0:
         return values, SIZE_UNKNOWN, True
     old = OLD_UNIT.search(said)
-    if MERCATORS.search(said):
+    if any(kind.search(said) for kind in (MERCATORS, NAMED_OF_THE_GLOBE, OF_THE_GLOBE)):
         return values, STRETCHED, True
     if (
         said.startswith(("GEOG", "GEOD"))

@@ -308,7 +308,10 @@ def _cut(path: Path) -> None:
         ("cellsize 0.01", "Projection  GEOGRAPHIC\nUnits  DD\n", "its cells are degrees", 1.0),
         ("cellsize -1", "", "it does not say how large it is", 1.0),
         ("cellsize 0.00001", "", "its cells are degrees", 1.0),
-        ("cellsize 1", 'PROJCS["a",PROJECTION["Mercator_Auxiliary_Sphere"]', "its cells are Merc", 1.0),
+        *(
+            ("cellsize 1", f'PROJCS["a",PROJECTION["{name}"]', "its map's metres are not", 1.0)
+            for name in ("Mercator_Auxiliary_Sphere", "Equidistant_Cylindrical", "Mollweide")
+        ),
         ("cellsize 1", 'GEOGCS["a",UNIT["Degree",0.0174532925199433]]', "its cells are degrees", 1.0),
     ],
 )
