@@ -26,6 +26,7 @@ from harness.robots import ROVERS, find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
+from harness.world.actors.random_walk import KEPT_CLEAR
 from harness.world.berths import GAP
 from harness.world.obstacles import ObstacleKind
 from tests.harness.robots.test_model import brought_along
@@ -234,8 +235,10 @@ def test_a_free_place_of_a_target_lies_near_the_start_that_is_given() -> None:
 
 
 def test_people_walk_about_where_the_rover_starts() -> None:
-    run = Run.of(terrain="flat", start=(9.0, -9.0, 0.0), actors=["random"])
-    assert world_of(run).people[0].centre == (9.0, -9.0)
+    run = Run.of(terrain="flat", start=(9.0, -9.0, 0.0), actors=[f"p{n}=random" for n in range(30)])
+    for one in world_of(run).people:
+        assert one.centre == (9.0, -9.0)
+        assert math.dist(one.begin, one.centre) > KEPT_CLEAR
 
 
 def test_each_rover_of_a_fleet_counts_the_energy_of_its_own_battery(tmp_path: Path) -> None:

@@ -22,12 +22,12 @@ from harness.view import picture
 from harness.view.camera import View, best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import drawn
-from harness.view.marks import HIT_COLOR, PATH_COLOR, beam_marks, path_marks, track_marks
+from harness.view.marks import HIT_COLOR, PATH_COLOR, TRACK_COLOR, beam_marks, path_marks, track_marks
 from harness.view.states import States, StateWriter, read_states
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from tests.harness.view.recorded import CONFIG, recorded
-from tests.support.rovers import LEO
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +129,8 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
     ranges = [scan.ranges[np.isfinite(scan.ranges)] for scan in scans if scan is not None]
     origins = np.repeat(sites, [*map(len, ranges)], axis=0)
     assert np.linalg.norm(hits - origins, axis=1) == pytest.approx(np.concatenate(ranges), abs=1e-6)
+    tracks = [mark for mark in marked.call_args.args[1] if mark.color == TRACK_COLOR]
+    assert {mark.size[1] for mark in tracks} == {0.5 * each.wheel_width for each in (LEO, ROVER_ZERO4WD)}
     for file in files:  # the path of each lies where it has been
         x, y, _ = read_states(file).path[-1]
         assert min(math.dist(mark.end[:2], (x, y)) for mark in marks) < 0.1

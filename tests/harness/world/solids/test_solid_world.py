@@ -72,6 +72,7 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     red = "<visual name='v'><material><diffuse>1 0 0 1</diffuse></material></visual>"
     body = (
         "<gravity>0 0 -1.62</gravity><actor name='ann'/><actor name='ben'/><road/>"
+        + solid("under it", PLANE, "1 2 0.4 0 0 0", mu=0.7)
         + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.4)
         + cube("low", "5 0 0.1 0 0 0")
         + cube("high", "0 0 0.2 0 0 0")
