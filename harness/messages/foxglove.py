@@ -34,8 +34,7 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
         try:
             socket.create_server((host, port)).close()
         except OSError as error:
-            mend = f"name another port, e.g. --foxglove {host}:{port + 1}"
-            raise UsageError(f"--foxglove {where} cannot be served: {error.strerror}; {mend}") from error
+            raise self._refused(str(error.strerror)) from error
         self._context = foxglove.Context()
         self._server: WebSocketServer | None = None
         self._latched: dict[int, tuple[foxglove.Channel, int, bytes]] = {}  # the last message of each
@@ -46,18 +45,26 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
             time.sleep(GOODBYE * self._is_heard)
             self._server.stop()
 
+    def _refused(self, reason: str) -> UsageError:
+        host, port = self._where
+        mend = f"name another port, e.g. --foxglove {host}:{port + 1}"
+        return UsageError(f"--foxglove {host}:{port} cannot be served: {reason}; {mend}")
+
     def _serve(self) -> WebSocketServer:
         """Serves the topics opened so far: a client may ask for one before the server has it."""
         host, port = self._where
-        server = foxglove.start_server(
-            name="rover",
-            host=host,
-            port=port,
-            capabilities=[Capability.Time],
-            server_listener=self,
-            context=self._context,
-            message_backlog_size=BACKLOG,
-        )
+        try:
+            server = foxglove.start_server(
+                name="rover",
+                host=host,
+                port=port,
+                capabilities=[Capability.Time],
+                server_listener=self,
+                context=self._context,
+                message_backlog_size=BACKLOG,
+            )
+        except RuntimeError as error:  # somebody has taken the port since it was tried
+            raise self._refused(str(error)) from error
         shown = f"[{host}]" if ":" in host else host
         print(f"foxglove: ws://{shown}:{port}, or {server.app_url()}", flush=True)
         return server

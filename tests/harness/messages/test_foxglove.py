@@ -21,6 +21,10 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from harness.base.errors import UsageError
+from harness.messages.foxglove import Foxglove
+from harness.messages.outlets import CLOCK
+from harness.messages.sink import endpoint
 from harness.sensors.message_types import read_message
 from tests.support.waiting import PATIENCE, free_port
 
@@ -153,3 +157,11 @@ def test_a_port_that_is_taken_is_named_and_nothing_is_left(tmp_path: Path) -> No
     assert f"--foxglove {where} cannot be served" in run.stderr
     assert "Traceback" not in run.stderr
     assert not (tmp_path / "bag.mcap").exists()
+
+
+def test_a_port_that_is_taken_since_it_was_tried_is_named() -> None:
+    where = f"127.0.0.1:{free_port()}"
+    host, port = where.split(":")
+    taken = pytest.raises(UsageError, match=f"--foxglove {where} cannot be served")
+    with Foxglove(where) as served, socket.create_server((host, int(port))), taken:
+        served.open(endpoint(CLOCK, CLOCK.name)).take(0, b"")
