@@ -1,6 +1,8 @@
 """One run of a scenario: driven and judged."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -76,7 +78,7 @@ def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Att
     judged = watch.judged(result, {})
     if judged.passed and not options.keep:
         return judged
-    return replace(judged, kept=watch.keep(result, folder, next(iter(judged.breaches), "")))
+    return _kept(judged, partial(watch.keep, result, folder))
 
 
 def _is_of_truth(case: Case) -> bool:
@@ -99,8 +101,23 @@ def _through_ros(case: Case, folder: Path, options: AttemptOptions, own: Path) -
         except Interrupted:
             raise
         except HarnessError as error:
-            return Attempt(case, error=str(error), kept=trial.keep(folder, str(error)))
+            return _kept(Attempt(case, error=str(error)), partial(trial.keep, folder))
         judged = trial.findings
         if judged.passed and not options.keep:
             return judged
-        return replace(judged, kept=trial.keep(folder, next(iter(judged.breaches), "")))
+        return _kept(judged, partial(trial.keep, folder))
+
+
+def _kept(judged: Attempt, keep: Callable[[str], tuple[Path, ...]]) -> Attempt:
+    """Adds what is left of a run; where that cannot be kept, one that did not pass says so too."""
+    try:
+        return replace(judged, kept=keep(judged.error or next(iter(judged.breaches), "")))
+    except Interrupted:
+        raise
+    except (OSError, HarnessError) as error:
+        if judged.passed:
+            raise
+        lost = f"its evidence could not be kept: {error}"
+        if judged.error is not None:
+            return replace(judged, error=f"{judged.error}\n{lost}")
+        return replace(judged, breaches=(*judged.breaches, lost))

@@ -87,6 +87,10 @@ def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
     outcome = json.loads(manifest.read_text())
     assert outcome["outcome"] == {"status": "failed", "reason": told}
     assert outcome["log"] == str(log)
+    unkept = one(make_cases, log / "out", expect)  # a file is no folder
+    assert unkept.breaches[0] == told
+    assert "could not be kept" in unkept.breaches[1]
+    assert (unkept.error, unkept.kept) == (None, ())
 
 
 def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
