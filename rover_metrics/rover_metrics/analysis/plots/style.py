@@ -1,7 +1,9 @@
 """How every figure looks: fonts, colours that the colour-blind tell apart, thresholds, wording."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
@@ -27,6 +29,7 @@ _LONGEST_TITLE = 44  # letters above a panel
 THRESHOLD_LINE = "#333333"
 WIDTH = 7.2  # inches, a text column of A4
 DPI = 200
+LABEL_HEIGHT = 0.19  # [in] of the name of a threshold with its margins
 
 STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
     "font.size": 9,
@@ -59,17 +62,35 @@ def look(number: int) -> dict[str, Any]:
 def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
     """Draws the thresholds that bound a metric, by name, and says which they are, one at each end.
 
-    Logs of several sessions may have had several values of one.
+    Logs of several sessions may have had several values of one. Names stand in rows above lines that
+    are too close to have them in between, and then say how the lines are dashed.
     """
+    lines, (bottom, top) = sorted(v for values in bounds.values() for v in values), axes.get_ylim()
+    room = LABEL_HEIGHT * (top - bottom) / (axes.bbox.height / axes.figure.dpi)
+    are_close = any(0.0 < high - low < room for low, high in pairwise(lines))
     look: dict[str, Any] = {"va": "bottom", "fontsize": 7.5, "color": THRESHOLD_LINE, "zorder": 4}
     look["bbox"] = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5}
-    look |= {"xycoords": ("axes fraction", "data"), "xytext": (0, 1.5), "textcoords": "offset points"}
-    for (name, values), dash, right in zip(bounds.items(), ("--", ":"), (1.0, 0.0), strict=False):
-        unit, side = spelled(THRESHOLD_INFO[name].unit), "right" if right else "left"
+    look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+    stacked = Counter[float]()  # names above a line
+    looks = ("dashed", 1.0, "right"), ("dotted", 0.0, "left")
+    for (name, values), (dash, end, side) in zip(bounds.items(), looks, strict=False):
+        unit, remark = spelled(THRESHOLD_INFO[name].unit), f"({dash}) " if are_close else ""
+        named: dict[float, list[str]] = {}
         for value in values:
             axes.axhline(value, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
-            text = f" {name.replace('_', ' ')} {value:g} {unit} "
-            axes.annotate(text, (right, value), ha=side, **look)
+            named.setdefault(_free_above(value, lines, room), []).append(f"{value:g}")
+        for place, some in named.items():
+            text = f" {name.replace('_', ' ')} {', '.join(some)} {unit} {remark}"
+            axes.annotate(text, (end, place), (0, 1.5 + 10.0 * stacked[place]), ha=side, **look)
+            stacked[place] += 1
+
+
+def _free_above(value: float, lines: Sequence[float], room: float) -> float:
+    """Returns the lowest of some sorted lines, from a value on, above which there is room."""
+    for line in lines:
+        if value < line < value + room:
+            value = line
+    return value
 
 
 def lower_end(lowest: float, highest: float) -> float:
