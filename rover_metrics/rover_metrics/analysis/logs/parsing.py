@@ -138,7 +138,8 @@ class _Narrow(io.TextIOBase):
                 lines[place] = line = as_logged(line, self._separator, self._comma)  # noqa: PLW2901
             if line.count(",") >= self._fields:
                 lines[place] = ",".join(line.split(",", self._fields)[: self._fields]) + "\n"
-        return "".join(lines)
+        # An older pandas takes a NUL for the end of a cell, and a line of them for a blank one.
+        return "".join(lines).replace("\0", "\ufffd")
 
 
 def _chunks(file: _Narrow, header: Sequence[str]) -> Iterator[pd.DataFrame]:
