@@ -71,8 +71,8 @@ def read_mesh(
 def _without_more(data: bytes) -> bytes:
     """An STL file as far as its triangles go; UsageError if there are fewer than it says."""
     end = HEAD + FACE * int.from_bytes(data[HEAD - 4 : HEAD], "little")
-    is_text = data.lstrip().startswith(b"solid") and len(data) != end
-    if b"endsolid" not in data[-LAST_LINE:] if is_text else len(data) < end:
+    is_text = data[:LAST_LINE].lstrip().lower().startswith(b"solid") and len(data) != end
+    if b"endsolid" not in data[-LAST_LINE:].lower() if is_text else len(data) < end:
         raise UsageError("it is damaged or cut short; export it anew")
     return data if is_text else data[:end]
 

@@ -1,6 +1,6 @@
 """Many environments in processes that own a part of them each, and write what it saw into shared memory.
 
-Who asks is one of them: it steps its part while the others do theirs, and has waited for nobody then.
+The process that asks is one of them, and steps its part while the others step theirs.
 Threads share the interpreter's lock, processes do not. What the environments do is the same, to the bit.
 The memory has no name: nothing of it is left, whichever way the processes end.
 """

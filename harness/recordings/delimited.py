@@ -14,12 +14,12 @@ import pandas as pd
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from rover_metrics.analysis.logs.header import comma_in_cells
+from rover_metrics.log.files import packer_of
 
 MOST_BYTES = 2**30
 SEPARATORS = (",", ";", "\t", "|")
 BLANKS = r"\s+"  # where there are none of these, as of numpy
 COMMENTS = "#", "%", "sep="  # the last is Excel's
-GZIP_MAGIC = b"\x1f\x8b"
 MINUS = "\u2212"  # as programs write it in the languages of the north
 
 
@@ -35,7 +35,7 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
     """
     try:
         content = read_bytes(path, largest)
-        content = gzip.decompress(content) if content.startswith(GZIP_MAGIC) else content
+        content = gzip.decompress(content) if packer_of(content) == "gzip" else content
         text = _below_comments(_text(content))
         header, _, rows = text.partition("\n")
         mark = max(SEPARATORS, key=header.count)

@@ -28,7 +28,10 @@ class Value(BaseModel):
 
     @classmethod
     def unchecked(cls, **values: Any) -> Self:  # noqa: ANN401 - as the fields are
-        """Returns a value that the program itself states: imports go without what checking takes."""
+        """Returns a value of fields as they are, whose schema need not be built for it.
+
+        For what the program states itself at import, and for a value of which parts are still missing.
+        """
         return cls.model_construct(**values)
 
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are

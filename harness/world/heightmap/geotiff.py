@@ -245,10 +245,15 @@ def _world_file(page: tifffile.TiffPage) -> Affine | None:
     path = Path(page.parent.filehandle.path)
     files = (path.with_suffix(suffix) for suffix in WORLD_FILES)
     file = next((file for file in files if file.is_file()), None)
-    words = [] if file is None else read_bytes(file, LARGEST_WORLD_FILE).decode("ascii").split()
-    if len(words) != 6:
+    if file is None:
         return None
-    a, d, b, e, x, y = map(number, words)
+    words = read_bytes(file, LARGEST_WORLD_FILE).decode("ascii", "replace").split()
+    try:
+        a, d, b, e, x, y = map(number, words)
+    except ValueError:
+        raise UsageError(
+            f"{file.name} beside it is no world file, which has six numbers; mend it or take it away"
+        ) from None
     return np.array([[a, b, x - (a + b) / 2], [d, e, y - (d + e) / 2]])
 
 

@@ -22,6 +22,7 @@ from rover_metrics.bag.mcap_stream import LARGEST_RECORD, BagError, McapFile, Me
 from rover_metrics.bag.order import in_time
 from rover_metrics.errors import reason_of
 from rover_metrics.log.documents import DocumentError, read_yaml
+from rover_metrics.log.files import packer_of
 
 LARGEST_SKIP = 2**32  # rows
 LARGEST_UNPACKED = 2**36  # [bytes] of a compressed file, which half of what is free must hold too
@@ -32,7 +33,6 @@ MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 ROS1_MAGIC = b"#ROSBAG"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-PACKERS = {b"\x1f\x8b": "gzip", b"\x04\x22\x4d\x18": "lz4", b"BZh": "bzip2", b"PK": "zip"}
 
 
 class SqliteFile:
@@ -184,7 +184,7 @@ class Bag(ExitStack):
             return SqliteFile(path)
         if start.startswith(ROS1_MAGIC):
             raise BagError("a ROS 1 bag; convert it: rosbags-convert --src FILE --dst FOLDER")
-        if packer := next((p for magic, p in PACKERS.items() if start.startswith(magic)), ""):
+        if packer := packer_of(start):
             raise BagError(f"it is packed by {packer}; unpack it first")
         raise BagError("neither MCAP nor sqlite3" if start else "the file is empty")
 

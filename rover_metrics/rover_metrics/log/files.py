@@ -13,6 +13,12 @@ from pathlib import Path
 from typing import Any
 
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
+PACKERS = {b"\x1f\x8b": "gzip", b"\x04\x22\x4d\x18": "lz4", b"BZh": "bzip2", b"PK\x03\x04": "zip"}
+
+
+def packer_of(content: bytes) -> str:
+    """Returns what has packed a file that begins so; "" for one that is not packed so."""
+    return next((packer for begin, packer in PACKERS.items() if content.startswith(begin)), "")
 
 
 @contextlib.contextmanager

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP
 from rover_metrics.errors import RoverMetricsError, reason_of
+from rover_metrics.log.files import packer_of
 
 _LONGEST_HEADER = 1 << 16  # bytes
 _MOST_SHOWN = 60  # characters
@@ -95,8 +96,8 @@ def first_line(path: Path) -> tuple[str, bool]:
             first, has_rows = file.readline(_LONGEST_HEADER), bool(file.read(1))
     except (OSError, ValueError) as error:  # a name too long, or with a NUL
         raise UnreadableLog(f"cannot be read: {reason_of(error)}") from error
-    if first.startswith(b"\x1f\x8b"):
-        raise UnreadableLog("it is packed by gzip; unpack it first")
+    if packer := packer_of(first):
+        raise UnreadableLog(f"it is packed by {packer}; unpack it first")
     if b"\0" in first:
         raise UnreadableLog("it is no text in UTF-8, perhaps UTF-16; save it as CSV in UTF-8")
     if b"\r" in first.rstrip(b"\r\n"):

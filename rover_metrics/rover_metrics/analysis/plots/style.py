@@ -29,7 +29,7 @@ _LONGEST_TITLE = 44  # letters above a panel
 THRESHOLD_LINE = "#333333"
 WIDTH = 7.2  # inches, a text column of A4
 DPI = 200
-LABEL_HEIGHT = 0.19  # [in] of the name of a threshold with its margins
+NAME_HEIGHT, NAME_ROOM = 10.0, 13.5  # [pt] of a threshold's name, and between two lines that have one
 
 STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
     "font.size": 9,
@@ -66,7 +66,7 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
     are too close to have them in between, and then say how the lines are dashed.
     """
     lines, (bottom, top) = sorted(v for values in bounds.values() for v in values), axes.get_ylim()
-    room = LABEL_HEIGHT * (top - bottom) / (axes.bbox.height / axes.figure.dpi)
+    room = NAME_ROOM * (top - bottom) / (72.0 * axes.bbox.height / axes.figure.dpi)
     are_close = any(0.0 < high - low < room for low, high in pairwise(lines))
     look: dict[str, Any] = {"va": "bottom", "fontsize": 7.5, "color": THRESHOLD_LINE, "zorder": 4}
     look["bbox"] = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5}
@@ -81,7 +81,7 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
             named.setdefault(_free_above(value, lines, room), []).append(f"{value:g}")
         for place, some in named.items():
             text = f" {name.replace('_', ' ')} {', '.join(some)} {unit} {remark}"
-            axes.annotate(text, (end, place), (0, 1.5 + 10.0 * stacked[place]), ha=side, **look)
+            axes.annotate(text, (end, place), (0, 1.5 + NAME_HEIGHT * stacked[place]), ha=side, **look)
             stacked[place] += 1
 
 

@@ -298,7 +298,7 @@ def test_meshes_that_cannot_be_had_are_noted_and_those_of_other_folders_are_name
     assert 'model="made"' in (tmp_path / "b" / "made.xml").read_text()
 
 
-@pytest.mark.parametrize("form", ["stl", "stl_ascii", "dae", "ply"])
+@pytest.mark.parametrize("form", ["stl", "stl_ascii", "STL_ASCII", "dae", "ply"])
 def test_a_wheel_of_a_mesh_that_is_not_closed_is_as_large_as_its_corners(
     form: str, tmp_path: Path
 ) -> None:
@@ -309,12 +309,14 @@ def test_a_wheel_of_a_mesh_that_is_not_closed_is_as_large_as_its_corners(
     radius, width = HUSKY.wheel_radius, 0.1143
     tyre = trimesh.creation.cylinder(radius, width, sections=48)
     tyre.update_faces(np.arange(len(tyre.faces)) % 9 > 0)
-    name = f"tyre.{form.removesuffix('_ascii')}"
+    name = f"tyre.{form.lower().removesuffix('_ascii')}"
     if form == "dae":
         inches = Mesh(tyre.vertices / 0.0254, tyre.faces)
         write_dae(tmp_path / name, inches, "<unit meter='0.0254'/><up_axis>Y_UP</up_axis>")
     else:
-        tyre.export(tmp_path / name, file_type=form)
+        tyre.export(tmp_path / name, file_type=form.lower())
+    if form.isupper():  # as some programs write it
+        (tmp_path / name).write_text((tmp_path / name).read_text().upper())
     cylinder = f'<cylinder radius="{radius}" length="{width}"/>'
     rover = written(tmp_path, HUSKY.urdf.replace(cylinder, f'<mesh filename="{name}"/>')).rover
     assert rover.controller_radius == pytest.approx(radius, rel=1e-4)

@@ -75,6 +75,9 @@ def test_pixel_scale_and_tie_point_are_read_without_geokeys(
     (tmp_path / "a.tfw").write_text(f"0.2\n0\n0\n-{abs(depth)}\n499.9\n900.45\n")
     beside = read(tmp_path, values=VALUES.astype(kind))
     assert (beside.pixel, beside.in_metres, beside.notes) == (raster.pixel, True, raster.notes)
+    (tmp_path / "a.tfw").write_bytes(b"0.2 0 0 -0.3 \xff")
+    with pytest.raises(UsageError, match=r"a\.tfw beside it is no world file"):
+        read(tmp_path, values=VALUES.astype(kind))
     raster = read(tmp_path, scale=(2, 2, 0), tie=(0, 0, 0, 10, 50, 0), keys={**METRES, RASTER_TYPE: 2})
     assert raster.notes == (
         "its middle, the origin, is 19, 42 in its coordinates",

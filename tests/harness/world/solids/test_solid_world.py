@@ -131,6 +131,8 @@ def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
     assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
     assert world.start == (100.0, 50.0, 0.0)
     assert [Path(name).name for name, _ in world.files] == ["a.World", "m.dae"]
+    with pytest.raises(UsageError, match="it has no ground"):  # it stands on edge
+        world_of(tmp_path, solid("t", mesh, "100 50 0 0 0 0"), mesh_up="y")
 
 
 def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
