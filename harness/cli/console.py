@@ -178,6 +178,7 @@ def _metrics(run: result.RunResult) -> Sheet:
     hits = f"{how_many(truth.hazard_contacts, 'contact')}, {truth.hazard_contact_s:.2f} s"
     rocks = f"{how_many(truth.rock_contacts, 'contact')}, {truth.rock_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
+    mission = [] if run.along.mission is None else run.along.mission.rows()
     rows = (
         ("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m"),
         ("collisions", _metric(row, "Total Collisions", " scans"), hits),
@@ -187,6 +188,7 @@ def _metrics(run: result.RunResult) -> Sheet:
         ("on rocks", "", rocks),
         ("scraping the ground", "", f"{how_many(truth.scrapes, 'time')}, {truth.scrape_s:.2f} s"),
         ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),
+        *((kind, "", words) for kind, words in mission),
     )
     return Sheet(("quantity", "metrics_node", "truth"), rows, "Metrics and truth")
 

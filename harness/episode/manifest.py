@@ -14,6 +14,7 @@ from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
+from harness.episode.mission import MissionOutcome
 from harness.episode.plugins import plugins_of
 from harness.episode.result import RunResult
 from harness.robots import IDEAL
@@ -101,6 +102,7 @@ def _outcome(result: RunResult) -> dict[str, str | None]:
 def _truth(result: RunResult) -> dict[str, Any]:
     truth, along = asdict(result.truth), result.along
     truth["time_s"] = truth.pop("time_ns") / NANOSECONDS
+    mission = {} if along.mission is None else {"mission": _mission(along.mission)}
     return truth | {
         "mean_speed": result.mean_speed,
         "roughness": {"p50": along.roughness_p50, "p95": along.roughness_p95},
@@ -108,7 +110,13 @@ def _truth(result: RunResult) -> dict[str, Any]:
         "events": [_event(event) for event in along.events],
         "path_period_s": along.path_period_s,
         "path": along.path,
+        **mission,
     }
+
+
+def _mission(mission: MissionOutcome) -> dict[str, Any]:
+    points = [{"name": p.name, "place": p.place, "reached_s": p.reached_s} for p in mission.way_points]
+    return {"way_points": points, "targets": [one._asdict() for one in mission.targets]}
 
 
 def _event(event: ContactEvent) -> dict[str, Any]:

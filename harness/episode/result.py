@@ -11,6 +11,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.helm import Helm
 from harness.episode.loop import Observer
+from harness.episode.mission import mission_of
 from harness.episode.truth_account import TruthAccount, TruthAlong
 from harness.spec.ros import RosOptions
 from harness.spec.rover import RoverSetup
@@ -184,7 +185,7 @@ class RunAccount:
     paused_s: Callable[[], float] = float
 
     def __post_init__(self) -> None:
-        self._truth, self._total = TruthAccount(), self.begun.truth
+        self._truth, self._total = TruthAccount(mission_of(self.begun.run)), self.begun.truth
         self._began = self._now = time.monotonic()
         self._held_s, self._shown = 0.0, self._now
         self._first_row_s: float | None = None

@@ -7,6 +7,7 @@ import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
+from harness.episode.mission import MissionAccount, MissionOutcome
 from harness.samples import TruthState, Vector3
 from harness.truth.traversal import ContactEvent
 
@@ -27,6 +28,7 @@ class TruthAlong:
         path_period_s: 1 s, twice as long whenever there are MOST_POINTS.
         roughness_p50: Median over time of the terrain's roughness under the wheels [m], to a tenth of
             a millimetre; `roughness_p95` is the 95th percentile; NaN where none was measured.
+        mission: What became of way points and targets; None of a run without either.
         tipped_over_s: When the rover first lay on its side or roof, to 50 ms [s]; NaN if never.
     """
 
@@ -37,12 +39,14 @@ class TruthAlong:
     roughness_p50: float = math.nan
     roughness_p95: float = math.nan
     tipped_over_s: float = math.nan
+    mission: MissionOutcome | None = None
 
 
 class TruthAccount:
-    """Sums up one run; `along` may be asked at any time."""
+    """Sums up one run, and its mission if it has one; `along` may be asked at any time."""
 
-    def __init__(self) -> None:
+    def __init__(self, mission: MissionAccount | None = None) -> None:
+        self._mission = mission
         self._events: list[ContactEvent] = []
         self._event_count = 0
         self._open: tuple[ContactEvent, ...] = ()
@@ -56,6 +60,9 @@ class TruthAccount:
         self._open = batch.open_events
         if batch.truth.tipped_over and math.isnan(self._tipped_over_s):
             self._tipped_over_s = batch.truth.time_ns / NANOSECONDS
+        if self._mission is not None:
+            truth = batch.truth
+            self._mission.take(truth.time_ns / NANOSECONDS, truth.position[:2], truth.resets)
         if batch.events:
             self._event_count += len(batch.events)
             self._events += batch.events[: MOST_EVENTS - len(self._events)]
@@ -79,6 +86,7 @@ class TruthAccount:
             roughness_p50=self._roughness_percentile(0.50),
             roughness_p95=self._roughness_percentile(0.95),
             tipped_over_s=self._tipped_over_s,
+            mission=None if self._mission is None else self._mission.outcome(),
         )
 
     def _roughness_percentile(self, share: float) -> float:

@@ -37,6 +37,7 @@ def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
     collisions = f"{row['Total Collisions']} scans below {threshold:g} m" if row else DASH
     hits = f"{truth.hazard_contacts} contacts with hazards, {truth.hazard_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
+    mission = [] if result.along.mission is None else result.along.mission.rows()
     rows = (
         _compared("Distance", "m", row.get("Distance Traveled"), truth.path_length),
         _compared("Mean speed", "m/s", mean_speed, result.mean_speed),
@@ -47,6 +48,7 @@ def comparisons(result: RunResult, log: Log, track: Sequence[Stretch]) -> Sheet:
         ("On rocks", DASH, f"{how_many(truth.rock_contacts, 'contact')}, {truth.rock_contact_s:.2f} s"),
         ("Body scraping the ground", DASH, f"{how_many(truth.scrapes, 'time')}, {truth.scrape_s:.2f} s"),
         ("Largest tilt", DASH, f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
+        *((kind.capitalize(), DASH, words) for kind, words in mission),
         *_people(track),
     )
     titles = ("Quantity", "metrics_node", "Truth", "Diff.")

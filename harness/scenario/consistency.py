@@ -7,8 +7,7 @@ from pydantic_core import PydanticCustomError
 
 from harness.base.errors import unknown
 from harness.scenario.bound import Bound
-from harness.scenario.mission import OF_TARGET
-from harness.scenario.names import COUNT, LATENCY, heard_quantity
+from harness.scenario.names import COUNT, LATENCY, OF_TARGET, heard_quantity
 from harness.scenario.quantities import GOAL, ROUTE, TARGETS
 from harness.scenario.steps import CommandEvent, Event, PauseEvent
 from harness.world.targets.placing import target_names

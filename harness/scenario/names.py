@@ -40,6 +40,7 @@ FORMS = {
     ),
     MAP: re.compile(rf"map\.(?P<topic>{FULL_NAME})\.(?P<what>{'|'.join(OF_MAPS)})"),
 }
+OF_TARGET = re.compile(r"truth\.target\.(?P<name>[A-Za-z]\w*)\.(?P<what>distance|stop_distance)")
 HINTS = {  # of a name that has no such form: what it is not, and what to give
     TOPIC: (
         "no quantity of a topic",

@@ -8,10 +8,10 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from harness.base.errors import unknown
+from harness.episode.mission import MissionState
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, SoilState, TruthState
-from harness.scenario.mission import OF_TARGET, MissionState
-from harness.scenario.names import FORMS, check_heard
+from harness.scenario.names import FORMS, OF_TARGET, check_heard
 from harness.truth.traversal import Truth
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import ALL_COLUMNS

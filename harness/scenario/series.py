@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
+from harness.episode.mission import MissionAccount, MissionState
 from harness.samples import Pose, Sample, TruthState, Vector3
-from harness.scenario.mission import MissionAccount, MissionState
 from harness.scenario.quantities import NO_VALUE, Snapshot, quantity_of
 from rover_metrics.core import rotation
 

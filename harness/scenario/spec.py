@@ -8,8 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, create_
 
 from harness.scenario.bound import Bound, Measure, Point, Share, Text
 from harness.scenario.consistency import problems
-from harness.scenario.mission import OF_TARGET
-from harness.scenario.names import FORMS, MAP, PATTERN, POSE
+from harness.scenario.names import FORMS, MAP, OF_TARGET, PATTERN, POSE
 from harness.scenario.quantities import check_name, names
 from harness.scenario.steps import Event, Launched
 from harness.spec.run import OWNERS, keys_of

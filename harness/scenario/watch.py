@@ -8,9 +8,9 @@ from shutil import rmtree
 import numpy as np
 
 from harness.base.sim_time import NANOSECONDS
-from harness.episode.assembly import route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import metric_settings
+from harness.episode.mission import mission_of
 from harness.episode.result import RunResult
 from harness.report.evidence import keep_evidence
 from harness.report.log import read_log
@@ -25,12 +25,10 @@ from harness.scenario.baseline import (
 )
 from harness.scenario.case import Case
 from harness.scenario.judge import Breach, judge, judge_against, value_of
-from harness.scenario.mission import MissionAccount
 from harness.scenario.poses import TruePath
 from harness.scenario.quantities import LOG, ROUTE, RUN, SAMPLED, TARGETS, quantity_of
 from harness.scenario.series import Series, TruthSeries
 from harness.scenario.verdict import Attempt, Measured
-from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
 from rover_metrics.extended.settings import Settings
@@ -62,7 +60,7 @@ class Watch:
         self._baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
         names = [name for name in case.scenario.quantities if quantity_of(name) is not None]
         is_mission = any(name.startswith((ROUTE, *TARGETS)) for name in names)
-        mission = _mission(case.run) if is_mission else None
+        mission = mission_of(case.run) if is_mission else None
         self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius), mission)
         self.page, self.path = RunRecorder(), TruePath()
 
@@ -144,11 +142,6 @@ class Watch:
             difference = first_difference(recorded, baseline)
             if difference is not None:
                 yield difference
-
-
-def _mission(run: Run) -> MissionAccount:
-    world = world_of(run)
-    return MissionAccount(world.targets, route_progress(run, world))
 
 
 def contact_of(name: str, breach: Breach, events: Sequence[ContactEvent]) -> str:

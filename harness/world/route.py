@@ -25,6 +25,7 @@ class Mark:
     gate: tuple[Where, ...] | None = None
     is_solid: bool = False  # whether something stands there, so that nobody can be at the very place
     stop: bool = False  # whether it is reached only by standing there
+    name: str = ""  # of the target that is there
 
     def is_reached(self, before: Where, now: Where) -> bool:
         """Returns whether who went straight from one place to another [m] has reached it."""
@@ -68,7 +69,8 @@ def marks(route: Route, targets: Iterable[Target], datum: Datum) -> tuple[Mark, 
         else:
             place, gate = point.at or datum.local(point.lat or 0.0, point.lon or 0.0), None
         is_solid = gate is None and bool(point.target)
-        result.append(Mark(place, point.radius, within, gate, is_solid, point.stop and gate is None))
+        stop = point.stop and gate is None
+        result.append(Mark(place, point.radius, within, gate, is_solid, stop, point.target))
     return tuple(result)
 
 
@@ -106,8 +108,8 @@ class RouteProgress:
     marks: tuple[Mark, ...]  # of the route
     any_order: bool = False  # whether the nearest one left is next, instead of the next in order
     limit: float = math.inf  # after which all are missed that are left [s]
-    # numbers of way points, in the order in which they were
-    reached: list[int] = field(default_factory=list)
+    # when each way point was [s], by number, in the order in which they were
+    reached: dict[int, float] = field(default_factory=dict)
     current: int | None = None  # the way point to go to; None when none is left
     done_s: float = math.nan  # when the last one was reached, if none was missed [s]; NaN before
     _left: list[int] = field(init=False)
@@ -127,7 +129,7 @@ class RouteProgress:
         hit = [number for number in near if stands or not self.marks[number].stop]
         late = time_s > self.limit
         if hit and not late:
-            self.reached += hit
+            self.reached |= dict.fromkeys(hit, time_s)
             self._settle(hit, time_s)
             if len(self.reached) == len(self.marks):
                 self.done_s = time_s

@@ -14,12 +14,12 @@ from harness.base.sim_time import NANOSECONDS
 from harness.cli.console import print_summary
 from harness.episode.assembly import route_progress, world_of
 from harness.episode.batch import Batch
+from harness.episode.mission import MissionAccount
 from harness.episode.result import RunResult
 from harness.live.recording import read_tracks
 from harness.live.watch import Watch
 from harness.recordings.bags import recording_of_bag
 from harness.robots import find_rover
-from harness.scenario.mission import MissionAccount
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 from harness.sensors.lidar_spec import LidarSpec

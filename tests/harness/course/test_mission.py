@@ -55,7 +55,7 @@ def test_posts_are_stopped_at_and_the_gate_is_passed_in_this_order(tmp_path: Pat
             for _ in range(max(1, round(seconds / 0.05))):
                 time += 0.05
                 progress.observe(time, (x, y))
-        return progress.reached
+        return list(progress.reached)
 
     a, b, c, d = (*first.place, 1.2), at_gate(-0.3, 0.0), at_gate(0.3, 0.0), (*last.place, 1.2)
     assert reached(a, b, c, d) == [0, 1, 2]

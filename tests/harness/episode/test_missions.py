@@ -43,7 +43,7 @@ def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
     assert math.dist(begun, (last.x, last.y)) == pytest.approx(
         math.dist(begun, (6.0, 1.5)) - 0.7, abs=0.05
     )
-    assert progress.reached == [0, 1, 2]
+    assert list(progress.reached) == [0, 1, 2]
     assert progress.done_s < 40.0
     assert 0.3 < math.dist(batches[-1].truth.position[:2], (6.0, 1.5)) < 1.0
     assert batches[-1].truth.hazard_contacts == 0
@@ -62,7 +62,7 @@ def test_drivers_come_as_near_as_a_route_or_an_area_wants(tmp_path: Path) -> Non
     for driver, route in (("goal", "post:radius=0.5"), (policy, "post"), (policy, "2,0:radius=0.3")):
         given: dict[str, object] = {"targets": ("post:x=4,y=0.3",), "route": route}
         batches = driven(**given, driver=driver)
-        assert reached(batches, Run.of(terrain="flat", **given)).reached == [0], (driver, route)
+        assert list(reached(batches, Run.of(terrain="flat", **given)).reached) == [0], (driver, route)
     batches = driven(driver=policy, goal_area=(-3.0, 3.0, -3.0, 3.0), duration=40.0)
     assert sum(len(batch.goals) for batch in batches) > 3
 
@@ -72,7 +72,7 @@ def test_a_reset_gives_the_way_point_in_hand_again() -> None:
     goals = [(batch.truth.time_ns / 1e9, goal.x) for batch in batches for goal in batch.goals]
     progress = reached(batches, Run.of(terrain="flat", route="2,0/0,2"))
     assert [x for _, x in goals].count(0.0) == 2
-    assert progress.reached == [0, 1]
+    assert list(progress.reached) == [0, 1]
 
 
 def test_a_reset_gives_the_goal_of_an_area_again() -> None:
@@ -143,8 +143,8 @@ def test_any_order_reaches_what_the_given_one_does_not(seed: int) -> None:
     for second, mark in enumerate(reversed(marks)):
         given.observe(second, mark.place)
         any_order.observe(second, mark.place)
-    assert given.reached == [0]
-    assert any_order.reached == [3, 2, 1, 0]
+    assert list(given.reached) == [0]
+    assert list(any_order.reached) == [3, 2, 1, 0]
     assert any_order.done_s == 3.0
     assert math.isnan(given.done_s)
 
@@ -156,7 +156,7 @@ def test_a_way_point_that_takes_too_long_is_missed_and_the_next_one_is_next() ->
         progress.observe(second, (0.0, 0.0))
         next_ones.append(progress.current)
     assert next_ones == [0, 0, 0, 1, 1, 1, 2, None]  # each has its own time
-    assert progress.reached == [2]
+    assert list(progress.reached) == [2]
     assert math.isnan(progress.done_s)
 
 
@@ -186,7 +186,7 @@ def test_a_route_of_any_order_goes_to_the_nearest_and_ends_with_its_limit() -> N
     progress.observe(0.0, (0.0, 0.0))
     assert progress.current == 1
     progress.observe(3.1, (2.0, 0.0))
-    assert progress.reached == []
+    assert list(progress.reached) == []
     assert progress.current is None
 
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from harness.episode.batch import Batch
+from harness.episode.mission import MissionState
 from harness.samples import Pose, SoilState, Tick, TruthState
-from harness.scenario.mission import MissionState
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 from harness.truth.traversal import Truth

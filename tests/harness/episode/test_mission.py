@@ -1,16 +1,18 @@
 """Missions judged: stops, gates and routes of walks through known places, and in a whole scenario."""
 
+import json
 import math
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from harness.base.errors import UsageError
 from harness.episode.assembly import route_progress, world_of
+from harness.episode.mission import MissionAccount, MissionOutcome, MissionState
 from harness.scenario.attempt import attempt
 from harness.scenario.case import plan
-from harness.scenario.mission import MissionAccount, MissionState
 from harness.spec.run import Run
 
 RUN = Run.of(
@@ -22,6 +24,11 @@ RUN = Run.of(
 
 
 def walked(*places: tuple[float, float, float]) -> MissionState:
+    """How the mission stands after a walk."""
+    return walk(*places)[0]
+
+
+def walk(*places: tuple[float, float, float]) -> tuple[MissionState, MissionOutcome]:
     """A walk in straight lines at 20 Hz: time [s] and place of its corners; a reset at a time of two."""
     world, resets = world_of(RUN), 0
     account, state = MissionAccount(world.targets, route_progress(RUN, world)), MissionState()
@@ -30,7 +37,7 @@ def walked(*places: tuple[float, float, float]) -> MissionState:
         for step in range(round((u - t) * 20)):
             share = step / ((u - t) * 20)
             state = account.take(t + step / 20, (x + share * (v - x), y + share * (w - y)), resets)
-    return state
+    return state, account.outcome()
 
 
 def test_who_passes_by_has_not_stopped_and_who_stops_near_has_reached() -> None:
@@ -60,6 +67,22 @@ def test_a_route_is_done_in_its_order() -> None:
     assert (backwards.points, math.isnan(backwards.done_s)) == (1, True)
 
 
+def test_a_run_tells_what_it_reached_and_when() -> None:
+    _, outcome = walk((0, 0, 0), (4, 4, 0), (6, 4, 0), (8, 3, 1), (10, 3, 5), (11, 3, 6))
+    points: list[Any] = [(p.name, p.reached_s) for p in outcome.way_points]
+    assert points == [
+        ("", pytest.approx(3.0, abs=0.06)),  # 1 m before it
+        ("gate", pytest.approx(9.0, abs=0.06)),
+    ]
+    targets: list[Any] = [(t.name, t.reached_s, t.stop_distance) for t in outcome.targets]
+    assert targets == [
+        ("aruco", pytest.approx(5.0, abs=0.06), pytest.approx(1.0, abs=0.05)),  # after a second
+        ("gate", pytest.approx(9.0, abs=0.06), pytest.approx(math.sqrt(10.0), abs=0.05)),
+        ("post", pytest.approx(math.nan, nan_ok=True), pytest.approx(9.0, abs=0.05)),
+    ]
+    assert [words.split(" by ")[0] for _, words in outcome.rows()] == ["2 of 2", "2 of 3"]
+
+
 SCENARIO = """
 about: A gate, then a post.
 terrain: flat
@@ -81,6 +104,13 @@ def test_a_mission_in_a_file_is_driven_and_judged(tmp_path: Path) -> None:
     (tmp_path / "m.scenario.yaml").write_text(SCENARIO)
     (case,) = plan([tmp_path / "m.scenario.yaml"])
     assert attempt(case, tmp_path / "out").breaches == ("truth.gates_passed: at the end 1 < 2",)
+    (manifest,) = (
+        json.loads(file.read_text()) for file in (tmp_path / "out").rglob("metrics_log*.json")
+    )
+    points, (gate, post) = (manifest["truth"]["mission"][kind] for kind in ("way_points", "targets"))
+    assert 3.0 < points[0]["reached_s"] == gate["reached_s"] < points[1]["reached_s"] < 39.0
+    assert post["reached_s"] <= 40.0
+    assert post["stop_distance"] <= 1.5
 
 
 @pytest.mark.parametrize(
