@@ -19,14 +19,14 @@ SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
 DEFAULT_TIMESTEP_NS = 2_500_000
 
 
-def check_duration(seconds: float) -> None:
-    """Checks that an episode can last that long; UsageError, which names what is valid, if it cannot."""
+def check_duration(seconds: float, name: str = "duration") -> None:
+    """Checks that an episode can last that long; UsageError, which names what is valid, if not."""
     if not (math.isfinite(seconds) and round(seconds * NANOSECONDS) >= TICK_NS):
-        raise UsageError(f"duration {seconds:g} s is not valid; give {TICK:g} s or more")
+        raise UsageError(f"{name} {seconds:g} s is not valid; give {TICK:g} s or more")
     below, rest_ns = divmod(round(seconds * NANOSECONDS), TICK_NS)
     if rest_ns:
         raise UsageError(
-            f"duration {seconds:.9g} s is refused: it must be whole clock ticks of 10 ms; "
+            f"{name} {seconds:.9g} s is refused: it must be whole clock ticks of 10 ms; "
             f"nearest valid: {below * TICK:.9g} or {(below + 1) * TICK:.9g}"
         )
 

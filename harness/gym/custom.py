@@ -132,9 +132,14 @@ class Own:
         """Whether a step has to be looked at."""
         return bool(self.reward or self.terminate or self.sights)
 
-    def seen(self, truth: StepTruth) -> dict[str, ArrayLike]:
-        """Returns the further entries of the observation."""
-        return {name: sight.of(truth) for name, sight in self.sights.items()}
+    def seen(self, truth: StepTruth) -> dict[str, NDArray[np.float64]]:
+        """Returns the further entries of the observation.
+
+        Raises:
+            TypeError: One is not as many numbers as it has limits.
+            ValueError: One of them is nan: an agent would learn nothing from then on.
+        """
+        return {name: _numbers(sight.of(truth), len(sight.low)) for name, sight in self.sights.items()}
 
 
 def terms_of(given: object) -> dict[str, float]:
@@ -152,6 +157,19 @@ def terms_of(given: object) -> dict[str, float]:
         raise TypeError(message) from None
     if not all(map(math.isfinite, numbers.values())):
         raise ValueError(f"reward_fn gave {given!r}; it has to return finite numbers")
+    return numbers
+
+
+def _numbers(given: ArrayLike, count: int) -> NDArray[np.float64]:
+    """What a user's observation gave, if it is so many numbers."""
+    try:
+        numbers = np.asarray(given, np.float64)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape != (count,):
+        raise TypeError(f"observe_fn gave {given!r}; it has to return {count} numbers")
+    if np.isnan(numbers).any():
+        raise ValueError(f"observe_fn gave {given!r}; it has to return numbers that are not nan")
     return numbers
 
 

@@ -5,6 +5,7 @@ given as Python has it or as JSON gives it back, so that a spec can be written t
 """
 
 from collections.abc import Mapping
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -161,7 +162,9 @@ class Options(RunOptions):
     difficulty: Shares = (DEFAULT_DIFFICULTY, DEFAULT_DIFFICULTY)
     soil: Terrains = ("",)
     noise: str = ""
-    time_limit: Annotated[float, AfterValidator(checked(check_duration))] = 60.0
+    time_limit: Annotated[float, AfterValidator(checked(partial(check_duration, name="time_limit")))] = (
+        60.0
+    )
     episodes_per_world: Annotated[int, Field(ge=1)] = 10
     random_start: bool = True
     goal_distance: Positive = (3.0, 10.0)

@@ -7,6 +7,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Mapping
+from functools import partial
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -75,7 +76,9 @@ class RoboTerrainOptions(Options):
         defects: Which of the original's are wanted.
     """
 
-    time_limit: Annotated[float, AfterValidator(checked(check_duration))] = 100.0
+    time_limit: Annotated[float, AfterValidator(checked(partial(check_duration, name="time_limit")))] = (
+        100.0
+    )
     goal_distance: Positive = (0.5, 12.0)
     box: Length = 4.0
     reverse_speed: Share = 1.0

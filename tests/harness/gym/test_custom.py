@@ -89,6 +89,15 @@ def test_what_is_no_reward_is_named_with_its_value(given: object, kind: type[Exc
         env.step(np.zeros(2, np.float32))
 
 
+@pytest.mark.parametrize(("given", "kind"), [((1.0,), TypeError), ((0.0, np.nan), ValueError)])
+def test_what_is_no_observation_is_named_with_its_value(
+    given: tuple[float, ...], kind: type[Exception]
+) -> None:
+    env = gymnasium.make(ID, **FLAT, observe_fn=Sight((0.0, 0.0), (1.0, 1.0), lambda _: given))
+    with pytest.raises(kind, match=re.escape(f"observe_fn gave {given!r}")):
+        env.reset(seed=1)
+
+
 def test_depth_and_heights_can_be_images_of_the_same_numbers() -> None:
     options = {**FLAT, "depth": (8, 6), "height_scan": True}
     flat, _ = gymnasium.make(ID, **options).reset(seed=1)

@@ -278,7 +278,7 @@ WRONG_OPTIONS = [
     ({"terrain_size": [11.0, 12.0, 13.0]}, "give at most 2"),
     ({"episodes_per_world": 0}, "give 1 or more"),
     ({"goal_distance": 0}, "give more than 0"),
-    ({"time_limit": 0.003}, "duration 0.003 s is not valid"),
+    ({"time_limit": 0.003}, "time_limit 0.003 s is not valid"),
     *(({"depth": wrong}, "give width and height in pixels") for wrong in ((4,), (4, 4, 4))),
     ({"depth": (0, 4)}, "give "),
     ({"render_mode": "ascii"}, "available: rgb_array, human"),
