@@ -14,7 +14,7 @@ from benchmarks.lidar import EVERYTHING_BUT_THE_ROVER, NOBODY
 from benchmarks.measuring import Effort, Rounds, Table
 from harness.episode.assembly import sensor_rows
 from harness.episode.episode import Episode
-from harness.frames.rover_frames import rover_frames
+from harness.robots.frames.rover_frames import rover_frames
 from harness.sensors.rays.bundle import RayBundle, Surroundings
 from harness.spec.run import Run
 

@@ -24,7 +24,6 @@ if __name__ == "__main__":
 from rich.console import Console
 
 from harness.base.errors import UsageError
-from harness.base.interrupt import StopRequest
 from harness.base.opengl import keep_opengl_out
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots.urdf.templates import TEMPLATES, urdf_of
@@ -99,9 +98,7 @@ def _print(written: "Written", console: Console) -> None:
 def _check(options: argparse.Namespace, console: Console) -> int:
     with loading():
         from harness.cli.console import counted
-        from harness.episode.direct import run_unlogged
         from harness.robots import find_rover
-        from harness.samples import JointStates, Pose
         from harness.spec.run import Run
         from harness.validate.checkup import check_up
         from harness.validate.suite import print_table, sheet_of
@@ -118,7 +115,7 @@ def _check(options: argparse.Namespace, console: Console) -> int:
         print_table(console, title, checks, missed="odd")
         write_sheets(files, title, [sheet_of(title, checks, "odd")])
         if drawing.wanted:
-            run_unlogged(run, StopRequest(), {Pose, JointStates}, drawing.observers)
+            drawing.drive(run)
             with counted(console, "drawing") as show:
                 for path in drawing.finish(show):
                     console.print(f"drawn: {path}", soft_wrap=True)

@@ -137,7 +137,7 @@ class ActorPoses:
 
 @dataclass(frozen=True, slots=True)
 class Transforms:
-    """Poses of frames in their parents, in the order of harness.frames.tree.Description."""
+    """Poses of frames in their parents, in the order of harness.robots.frames.tree.Description."""
 
     stamp_ns: int
     translation: tuple[float, ...]  # x, y, z of each frame [m], one after the other
@@ -191,6 +191,47 @@ class TruthState:
         touched = (self.contact_force, self.rock_contact, self.scrape)
         soil = () if self.soil is None else self.soil.values
         return (*touched, self.speed, self.path_length, *self.slip, self.roughness, *soil)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEvent:
+    """Contacts of one kind, none of them more than half a second after the one before."""
+
+    # with what: any part with a hazard, any part with a rock, or the body (all but the wheels)
+    # with the ground, which is a scrape
+    kind: ContactKind
+    # start of the clock tick in which it began; `end_ns` is the end of that in which it ended, so
+    # that no event is shorter than a tick
+    start_ns: int
+    end_ns: int
+    part: str  # which part of the rover, as its model names it, e.g. "wheel_FL", "chassis"
+    other: str  # name of the obstacle in the model, e.g. "hazard_3", or "ground"
+    # largest normal force at one contact point in one physics step [N]; `part`, `other` and
+    # `point` are those of that moment
+    force: float
+    point: Vector3  # where on the rover, in its model frame [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What only the simulator knows of a drive: totals from the start of the episode."""
+
+    time_ns: int = 0  # simulation time that they cover
+    path_length: float = 0.0  # length of the model frame's path in three dimensions [m]
+    position: Vector3 = (0.0, 0.0, 0.0)  # where that frame is now [m]
+    hazard_contacts: int = 0  # contact events of any rover part with a hazard
+    rock_contacts: int = 0  # contact events of any rover part with a rock
+    scrapes: int = 0  # contact events of the body with the ground
+    hazard_contact_s: float = 0.0  # time in contact with a hazard [s]
+    rock_contact_s: float = 0.0  # time in contact with a rock [s]
+    scrape_s: float = 0.0  # time of scraping [s]
+    mean_slip: float = 0.0
+    # mean magnitude of each wheel's slip ratio, over the times at which its rim or its centre
+    # moves at 0.05 m/s or more, 0..1, at 20 Hz; `mean_slip` is that over all wheels
+    wheel_slip: tuple[float, ...] = ()
+    largest_tilt: float = 0.0  # largest angle between the rover's and the world's vertical [rad]
+    tipped_over: bool = False  # the rover has lain on its side or roof
+    resets: int = 0  # how often it was put back to its start; the way back is not in `path_length`
 
 
 @dataclass(frozen=True, slots=True)

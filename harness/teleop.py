@@ -24,11 +24,10 @@ if __name__ == "__main__":
 
 from harness.base.errors import UsageError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
-from harness.cli.flags import positive
 from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
 from harness.spec.rover import namespace_of
 from rover_metrics.errors import complain
-from rover_metrics.parser import OneLineParser
+from rover_metrics.parser import OneLineParser, positive
 
 PERIOD = 0.05  # [s] between two commands, as between two control periods at --rate 1
 LOOK = 3.0  # [s] for somebody to listen before a warning

@@ -26,9 +26,8 @@ from rich.live import Live
 
 from harness.base.errors import HarnessError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
-from harness.cli.flags import positive
 from harness.spec.rover import namespace_of
-from rover_metrics.parser import OneLineParser
+from rover_metrics.parser import OneLineParser, positive
 from rover_metrics.sheet.console import PlainConsole
 
 if TYPE_CHECKING:

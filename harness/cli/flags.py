@@ -1,16 +1,13 @@
 """Options of a command line, made from the fields of values."""
 
 import argparse
-import math
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import suppress
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from harness.spec.value import Option, V, made
-from rover_metrics.number import number
 
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group returns has no public name
 DEFAULT = "; default: "
@@ -79,14 +76,6 @@ def from_flags(cls: type[V], given: argparse.Namespace, **others: object) -> V:
     flags = flags_of(cls)
     values = {name: value for name, value in vars(given).items() if name in flags}
     return made(cls, values | others, name=lambda name: flags.get(name, name))
-
-
-def positive(text: str) -> float:
-    """Converts a word of a command line to a number above 0; argparse reports any other word."""
-    with suppress(ValueError):
-        if 0.0 < (value := number(text)) < math.inf:
-            return value
-    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number above 0")
 
 
 def _default(field: FieldInfo, text: str) -> str:

@@ -10,8 +10,7 @@ from harness.course.planner import RESOLUTION
 from harness.course.task import Point, Task
 from harness.episode.assembly import route_progress
 from harness.episode.batch import Batch
-from harness.samples import ActorPoses, JointStates, Pose
-from harness.truth.traversal import Truth
+from harness.samples import ActorPoses, JointStates, Pose, Truth
 from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World
 from rover_metrics.core import rotation

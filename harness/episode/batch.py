@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from harness.samples import Place, Tick
-from harness.truth.traversal import ContactEvent, Truth
+from harness.samples import ContactEvent, Place, Tick, Truth
 from harness.world.world import Start
 
 

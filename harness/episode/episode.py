@@ -16,12 +16,11 @@ from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.pilot import Pilot
 from harness.episode.sensing import installed, sensor_noise
 from harness.episode.together import together
-from harness.frames.rover_frames import rover_frames
-from harness.frames.transforms import describe
 from harness.physics.aside import Errand
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
+from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.reading import model_hash
 from harness.samples import ActorPoses, GoalPose, Imu, Place, Sample, Tick, Twist
 from harness.sensors.base import EpisodeParts
@@ -29,6 +28,7 @@ from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.state import PeopleSensor
 from harness.sensors.suite import SensorSuite
+from harness.sensors.transforms import describe
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder

@@ -18,7 +18,7 @@ from harness.episode.mission import MissionOutcome
 from harness.episode.plugins import plugins_of
 from harness.episode.result import RunResult
 from harness.robots import IDEAL
-from harness.truth.traversal import ContactEvent
+from harness.samples import ContactEvent
 from harness.world.files import is_terrain_file
 from rover_metrics.log.files import json_safe
 

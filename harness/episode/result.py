@@ -13,10 +13,10 @@ from harness.episode.helm import Helm
 from harness.episode.loop import Observer
 from harness.episode.mission import mission_of
 from harness.episode.truth_account import TruthAccount, TruthAlong
+from harness.samples import Truth
 from harness.spec.ros import RosOptions
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.settings import Settings

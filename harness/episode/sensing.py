@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from harness.base.streams import EPISODE, OPTIONAL_SENSORS, VIBRATION, generator, seeded
-from harness.frames.rover_frames import RoverFrames
 from harness.physics.scene import Scene
+from harness.robots.frames.rover_frames import RoverFrames
 from harness.robots.sections import Shake
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import EXACT, PRESETS, SensorNoise

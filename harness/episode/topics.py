@@ -11,7 +11,6 @@ from itertools import chain
 from harness.base.sim_time import LOOK_PERIOD_NS
 from harness.episode.assembly import actor_names, scenery, sensor_rows, world_of
 from harness.episode.diagnostics import METRICS
-from harness.frames.tree import Description
 from harness.messages.maps import MAP, occupancy_bytes
 from harness.messages.optional import Draw
 from harness.messages.outlets import CLOCK, Outlets, bursts, clock, outlets
@@ -19,6 +18,7 @@ from harness.messages.refilled import Fill
 from harness.messages.sink import Intake, Sink, endpoint
 from harness.messages.transforms import DESCRIPTION, STATIC, MovingFrames, transforms_bytes, urdf_bytes
 from harness.robots import find_rover
+from harness.robots.frames.tree import Description
 from harness.samples import Tick, Transforms, source
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions

@@ -8,8 +8,7 @@ import numpy as np
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.mission import MissionAccount, MissionOutcome
-from harness.samples import TruthState, Vector3
-from harness.truth.traversal import ContactEvent
+from harness.samples import ContactEvent, TruthState, Vector3
 
 MOST_EVENTS = 1000
 MOST_POINTS = 1000  # of the path

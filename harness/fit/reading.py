@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import median_filter
 
+from harness.base.delimited import read_csv
 from harness.base.errors import UsageError
 from harness.fit.likely import likely
 from harness.recordings.bags import recording_of_bag
-from harness.recordings.delimited import read_csv
 from harness.recordings.recording import APART, Recording, in_order, lag, moved
 from harness.recordings.tables import recording_of
 from harness.robots import RoverSpec

@@ -10,13 +10,13 @@ import numpy as np
 from harness.base.sim_time import CONTROL_PERIOD, TICKS_PER_CONTROL
 from harness.episode.assembly import rover_of, world_of
 from harness.episode.sensing import installed
-from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
 from harness.gym.places import Places
 from harness.physics.physics import Physics
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
+from harness.robots.frames.rover_frames import rover_frames
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec

@@ -7,9 +7,8 @@ from harness.gym.course import Course
 from harness.gym.driven_rover import DrivenRover
 from harness.live.page import LivePage
 from harness.live.watch import Sight
-from harness.samples import LaserScan, Place
+from harness.samples import LaserScan, Place, Truth
 from harness.spec.live import LiveOptions
-from harness.truth.traversal import Truth
 
 
 class LiveView:

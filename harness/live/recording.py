@@ -15,10 +15,9 @@ from harness.base.made_of_files import modified_ns
 from harness.episode.assembly import actor_names
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover
-from harness.samples import ActorPoses
+from harness.samples import ActorPoses, Truth
 from harness.sensors.message_types import read_message
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from harness.view.states import PERIOD_NS, people_row
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
-from harness.samples import ActorPoses, JointStates, LaserScan, Pose, TruthState, Vector3
-from harness.truth.traversal import Truth
+from harness.samples import ActorPoses, JointStates, LaserScan, Pose, Truth, TruthState, Vector3
 from harness.view.states import people_row
 from rover_metrics.core.columns import Row
 

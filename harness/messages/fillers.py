@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from harness import samples
-from harness.frames.tree import FOOTPRINT
 from harness.messages import optional
 from harness.messages.blank import Message, blank, kind_of
 from harness.messages.refilled import Fill, refilled
 from harness.robots import RoverSpec
+from harness.robots.frames.tree import FOOTPRINT
 from harness.sensors.battery import Battery, BatteryOptions
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions

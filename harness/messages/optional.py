@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
-from harness.frames.tree import ODOM
 from harness.messages.blank import Message, cdr
 from harness.messages.refilled import Fill, refilled, set_stamp
+from harness.robots.frames.tree import ODOM
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.sensor import CameraOptions, CameraState

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from harness.base.delimited import read_csv
 from harness.base.errors import UsageError, unknown
-from harness.recordings.delimited import read_csv
 from harness.recordings.recording import Series
 
 NAMES: Mapping[str, tuple[str, ...]] = {

@@ -13,10 +13,10 @@ from rclpy.context import Context
 from harness import samples
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
-from harness.frames.tree import ODOM, Description
 from harness.messages.outlets import CLOCK, Outlets, bursts
 from harness.messages.outlets import clock as clock_fill
 from harness.robots import RoverSpec
+from harness.robots.frames.tree import ODOM, Description
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
 from harness.ros.context import serve_waiting

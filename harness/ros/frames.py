@@ -8,7 +8,6 @@ from collections import deque
 from rclpy.node import Node
 
 from harness.base.errors import RunFailed
-from harness.frames.tree import ODOM, Description
 from harness.messages.transforms import (
     DESCRIPTION,
     STATIC,
@@ -17,6 +16,7 @@ from harness.messages.transforms import (
     transforms_bytes,
     urdf_bytes,
 )
+from harness.robots.frames.tree import ODOM, Description
 from harness.ros.channel import open_channel
 from harness.ros.context import owner_of
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type

@@ -15,8 +15,8 @@ from harness.episode.assembly import injector, scenery
 from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
 from harness.episode.topics import outlets_of, painter
-from harness.frames.tree import Description
 from harness.robots import find_rover
+from harness.robots.frames.tree import Description
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.commands import RCLError

@@ -10,9 +10,8 @@ from typing import NamedTuple
 from harness.base.errors import unknown
 from harness.episode.mission import MissionState
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
-from harness.samples import ContactKind, SoilState, TruthState
+from harness.samples import ContactKind, SoilState, Truth, TruthState
 from harness.scenario.names import FORMS, OF_TARGET, check_heard
-from harness.truth.traversal import Truth
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import ALL_COLUMNS
 from rover_metrics.plugins import Table

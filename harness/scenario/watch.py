@@ -15,6 +15,7 @@ from harness.episode.result import RunResult
 from harness.report.evidence import keep_evidence
 from harness.report.log import read_log
 from harness.report.recorder import RunRecorder
+from harness.samples import ContactEvent
 from harness.scenario.baseline import (
     Recorded,
     check_comparable,
@@ -29,7 +30,6 @@ from harness.scenario.poses import TruePath
 from harness.scenario.quantities import LOG, ROUTE, RUN, SAMPLED, TARGETS, quantity_of
 from harness.scenario.series import Series, TruthSeries
 from harness.scenario.verdict import Attempt, Measured
-from harness.truth.traversal import ContactEvent
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
 from rover_metrics.extended.settings import Settings
 from rover_metrics.sheet.sheet import spelled

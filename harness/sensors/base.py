@@ -11,9 +11,9 @@ if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     import numpy as np
     from numpy.typing import NDArray
 
-    from harness.frames.rover_frames import RoverFrames
     from harness.physics.aside import Errand
     from harness.physics.simulation import Simulation
+    from harness.robots.frames.rover_frames import RoverFrames
     from harness.sensors.lidar import Lidar
     from harness.sensors.optional import Installation, SensorOptions
     from harness.spec.ros import FrameOptions

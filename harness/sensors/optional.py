@@ -23,9 +23,8 @@ from harness.spec.value import Value, checked
 from harness.world.geodesy import Datum
 
 if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
-    import mujoco
-
     from harness.physics.simulation import Simulation
+    from harness.robots.frames.rover_frames import BodyFrame
     from harness.sensors.rays.bundle import Surroundings
 
 WORD = r"[A-Za-z][A-Za-z0-9_]*"
@@ -100,28 +99,11 @@ Given = TypeVar("Given", bound=SensorOptions, covariant=True)  # noqa: PLC0105 -
 
 
 @dataclass(frozen=True, eq=False)
-class Mount:
-    """A frame that is fixed to a body of the scene: origin [m] and R_body_sensor, shape (3, 3)."""
-
-    body: int
-    xyz: NDArray[np.float64]
-    axes: NDArray[np.float64]
-
-    def pose(self, data: "mujoco.MjData") -> NDArray[np.float64]:
-        """Returns origin in the world [m] and below it the rotation R_world_sensor, shape (4, 3).
-
-        The poses in `data` must be those of its qpos: after mj_step, call mj_kinematics first.
-        """
-        turn = data.xmat[self.body].reshape(3, 3)
-        return np.vstack([data.xpos[self.body] + turn @ self.xyz, turn @ self.axes])
-
-
-@dataclass(frozen=True, eq=False)
 class Installation(Generic[Given]):
     """What an optional sensor of an episode is made with."""
 
     options: Given
-    mount: Mount
+    mount: "BodyFrame"
     rng: np.random.Generator  # its own source of randomness
     datum: Datum  # the origin of the world on the Earth
     surroundings: "Surroundings"  # what its rays can meet

@@ -43,7 +43,7 @@ ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not w
 SENSORS: tuple[SensorRow, ...] = (
     SensorRow(  # first, so that later samples can be transformed
         sample=samples.Transforms,
-        factory="harness.frames.transforms:TransformSensor",
+        factory="harness.sensors.transforms:TransformSensor",
         topics=(Topic("tf", "tf2_msgs/msg/TFMessage", depth=100),),  # tf2_ros's DynamicBroadcasterQoS
         rate=HIGHEST_RATE,  # at most
         fault="tf",

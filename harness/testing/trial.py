@@ -21,7 +21,7 @@ from harness.episode.loop import drive as drive_loop
 from harness.ros.context import make_executor, unfinished_is_freed
 from harness.ros.network import reserved_domain, stay_local
 from harness.ros.rover_nodes import RoverNodes
-from harness.samples import GroundTruth, Tick, Twist
+from harness.samples import GroundTruth, Tick, Truth, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.testing.evidence import Evidence, LeavesEvidence, Recording
@@ -29,7 +29,6 @@ from harness.testing.listener import TrialListener
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
 from harness.testing.subject import Heard, Message
-from harness.truth.traversal import Truth
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 

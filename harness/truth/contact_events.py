@@ -8,8 +8,7 @@ import numpy as np
 
 from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
-from harness.samples import ContactKind, Vector3
-from harness.truth.traversal import ContactEvent
+from harness.samples import ContactEvent, ContactKind, Vector3
 from rover_metrics.timing import EVENT_GAP_NS
 
 

@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from harness.base.delimited import read_csv
 from harness.base.documents import LARGEST_JSON
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
-from harness.recordings.delimited import read_csv
 from harness.robots import RoverSpec
 from harness.robots.model import read_model
 from harness.soil.rig_kernel import steady_wheels

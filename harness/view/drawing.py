@@ -8,7 +8,9 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.files import BESIDE, check_target
+from harness.base.interrupt import StopRequest
 from harness.episode.loop import Observer
+from harness.samples import JointStates, Pose
 from harness.spec.run import Run
 from harness.view.artist import Artist, artist
 from harness.view.states import StateWriter
@@ -87,6 +89,12 @@ class Drawing(AbstractContextManager["Drawing"]):
     def observers(self) -> Sequence[Observer]:
         """What keeps the states of each rover; empty if nothing is to be drawn."""
         return self._writers
+
+    def drive(self, run: Run) -> None:
+        """Drives a run for nothing but what is drawn of it."""
+        from harness.episode.direct import run_unlogged  # noqa: PLC0415 - loads MuJoCo
+
+        run_unlogged(run, StopRequest(), {Pose, JointStates}, self.observers)
 
     def begin(self, beside: Path = BESIDE) -> None:
         """Has the picture drawn, beside the log of the run if so, while the caller does other things."""

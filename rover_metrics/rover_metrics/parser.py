@@ -1,9 +1,11 @@
 """Command lines: help with defaults, mistakes in one line, completion by the shell."""
 
 import argparse
+import math
 import os
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
@@ -16,6 +18,23 @@ NEARLY = 0.75  # of 1: so alike, one option is taken for a slip of the other
 _MISTYPED = re.compile(r"invalid (int|float) value: (.*)")  # what argparse says
 _UNKNOWN = re.compile(r"unrecognized arguments: (--[^\s=]+)")  # what argparse says too
 _COMMAND = "required: COMMAND"  # and where a program of several commands is given none
+
+
+def positive(text: str) -> float:
+    """Converts a word of a command line to a number above 0; argparse reports any other word."""
+    return _between(text, math.inf, "above 0")
+
+
+def level(text: str) -> float:
+    """Converts a word of a command line to a number between 0 and 1; argparse reports any other."""
+    return _between(text, 1.0, "between 0 and 1, such as 0.95")
+
+
+def _between(text: str, below: float, wanted: str) -> float:
+    with suppress(ValueError):
+        if 0.0 < (value := number(text)) < below:
+            return value
+    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number {wanted}")
 
 
 class HelpWithDefaults(argparse.HelpFormatter):

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from rover_metrics.errors import RoverMetricsError, begin_program, run_program
-from rover_metrics.parser import OneLineParser
+from rover_metrics.parser import OneLineParser, level, positive
 
 if __name__ == "__main__":
     begin_program("social")
@@ -141,9 +141,9 @@ def _parser() -> argparse.ArgumentParser:
     about = "goals of a window"
     add("--window", type=_goals, default=WINDOW_GOALS, metavar="N", help=about)
     about = "distance below which a second counts as risk"
-    add("--risk-distance", type=program.positive, default=RISK_DISTANCE, metavar="M", help=about)
+    add("--risk-distance", type=positive, default=RISK_DISTANCE, metavar="M", help=about)
     about = "of the intervals, between 0 and 1"
-    add("--confidence-level", type=program.level, default=0.95, metavar="P", help=about)
+    add("--confidence-level", type=level, default=0.95, metavar="P", help=about)
     add("--csv", type=Path, metavar="FILE", help="write the rows of the tables as CSV")
     program.add_documents(parser)
     return parser

@@ -18,9 +18,9 @@ from harness.base.errors import UsageError
 from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.episode.sensing import installed
-from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.messages.fillers import filler
 from harness.robots import REAL, ROVERS, equipped
+from harness.robots.frames.rover_frames import RoverFrames, rover_frames
 from harness.robots.sections import FrameRow
 from harness.sensors.choice import chosen, kinds
 from harness.sensors.lidar_spec import LidarSpec

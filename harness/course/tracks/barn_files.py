@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from harness.base.delimited import read_csv
 from harness.base.documents import read_bytes
 from harness.base.errors import UsageError
 from harness.course.task import Point, WorldFile
 from harness.course.tracks.sdf import world_text
-from harness.recordings.delimited import read_csv
 
 LARGEST = 64 * 2**20  # bytes
 MOST = 1000  # worlds

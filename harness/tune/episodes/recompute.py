@@ -13,9 +13,18 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.robots import RoverSpec
-from harness.samples import Imu, LaserScan, PlacedScan, Pose, Sample, Tick, TruthState, Vector3
+from harness.samples import (
+    ContactEvent,
+    Imu,
+    LaserScan,
+    PlacedScan,
+    Pose,
+    Sample,
+    Tick,
+    TruthState,
+    Vector3,
+)
 from harness.sensors.lidar_spec import LidarSpec, scan_points
-from harness.truth.traversal import ContactEvent
 from harness.tune.episodes.record import EVENT, SCAN, WINDOW, Sight, Table, Zone
 from harness.world.obstacles import Obstacle
 from harness.world.world import World

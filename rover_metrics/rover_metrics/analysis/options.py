@@ -7,10 +7,10 @@ from pathlib import Path
 from rover_metrics.analysis.logs.log import AXES, DEFAULT_GAP
 from rover_metrics.analysis.metric import ALL, METRICS
 from rover_metrics.analysis.pairing import PAIRINGS
-from rover_metrics.analysis.program import add_documents, level, positive
+from rover_metrics.analysis.program import add_documents
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
-from rover_metrics.parser import OneLineParser
+from rover_metrics.parser import OneLineParser, level, positive
 
 DEFAULT_INTERVAL = 1.0  # s
 

@@ -1,12 +1,9 @@
-"""What the commands analyze and social share: numbers as arguments, reading, JSON, printing."""
+"""What the commands analyze and social share: reading, JSON, printing."""
 
 import argparse
-import contextlib
-import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,7 +12,6 @@ from rich.console import Group
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog
 from rover_metrics.errors import printable
 from rover_metrics.log.files import write_whole
-from rover_metrics.number import number
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
 from rover_metrics.sheet.sheet import Sheet
@@ -23,17 +19,6 @@ from rover_metrics.sheet.sheet import Sheet
 PRINTED = Path()  # in place of a file: on the terminal
 
 AnyLog = TypeVar("AnyLog")
-
-
-def _number(text: str, below: float, wanted: str) -> float:
-    with contextlib.suppress(ValueError):
-        if 0 < number(text) < below:
-            return number(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a number {wanted}")
-
-
-positive = partial(_number, below=math.inf, wanted="above 0")
-level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 
 
 def add_documents(parser: argparse.ArgumentParser) -> None:

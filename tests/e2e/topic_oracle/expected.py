@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from tests.e2e.topic_oracle import ranging, surroundings
 from tests.e2e.topic_oracle.form import Expected, header, in_limits, laser_scan, ray, stamp, vector
 from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
-from tests.harness.frames.test_rover_frames import REAL
+from tests.harness.robots.frames.test_rover_frames import REAL
 
 BEAMS = 24
 ANGLE_MAX, RANGE_MIN, RANGE_MAX = 3.14159, 0.15, 10.0  # of RoboTerrain's gpu_lidar

@@ -11,8 +11,8 @@ from rich.console import Console
 
 from harness.cli.console import Heartbeat, RunProgress, counted, print_summary
 from harness.episode.result import CommandCount, RunResult, TopicCount
+from harness.samples import Truth
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from tests.harness.report.made import TRUTH
 from tests.support.snapshots import check_snapshot
 

@@ -18,8 +18,8 @@ from harness.course.task import Rule, Task
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.robots import find_rover
+from harness.samples import Truth
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from harness.world.grid import STEPS, distances, travel
 from harness.world.world import build_world
 from tests.harness.course.conftest import driven

@@ -13,9 +13,8 @@ from harness.drivers.base import DriverContext, Observation
 from harness.drivers.encounters import StagedEncounter
 from harness.episode.episode import Episode
 from harness.robots import ROVERS, RoverSpec
-from harness.samples import Twist
+from harness.samples import Truth, Twist
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from tests.support.rovers import LEO
 

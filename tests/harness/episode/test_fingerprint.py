@@ -15,10 +15,9 @@ from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
 from harness.episode.result import Outputs, RunResult, TopicCount
-from harness.samples import LaserScan, Pose, Tick
+from harness.samples import ContactEvent, LaserScan, Pose, Tick, Truth
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
-from harness.truth.traversal import ContactEvent, Truth
 
 SCAN = LaserScan(5, np.array([1.0, np.inf, 2.0], dtype=np.float32))
 POSE = Pose(5, (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0))

@@ -7,8 +7,7 @@ import pytest
 from harness.episode.batch import Batch, later
 from harness.episode.loop import Pacer, Route, drive
 from harness.faults.injector import FaultInjector
-from harness.samples import Place, Pose, Tick
-from harness.truth.traversal import ContactEvent, Truth
+from harness.samples import ContactEvent, Place, Pose, Tick, Truth
 from tests.support.words import parse_faults
 
 TICK_NS, SECOND = 10_000_000, 1_000_000_000

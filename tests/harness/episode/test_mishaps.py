@@ -7,8 +7,8 @@ import pytest
 from harness.episode.mishaps import KINDS, mishaps
 from harness.episode.result import RunResult
 from harness.episode.truth_account import TruthAlong
+from harness.samples import ContactEvent, Truth
 from harness.spec.run import Run
-from harness.truth.traversal import ContactEvent, Truth
 
 BUMP = ContactEvent("rock", 6_200_000_000, 6_300_000_000, "chassis", "rock_7", 90.0, (0.1, 0.2, 0.0))
 POST = replace(BUMP, kind="hazard", start_ns=2_000_000_000, part="wheel_FL", other="hazard_1")

@@ -14,8 +14,8 @@ from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.manifest import manifest, write_manifest
 from harness.episode.result import RunAccount, RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
+from harness.samples import ContactEvent, Truth
 from harness.spec.run import Run
-from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.log.session_record import session_thresholds
 from tests.support.snapshots import check_snapshot

@@ -10,8 +10,7 @@ import pytest
 from harness.base.errors import RunFailed, UsageError
 from harness.episode.batch import Batch
 from harness.episode.social_recorder import SocialRecorder
-from harness.samples import ActorPoses, Place, Pose, Quaternion, Tick
-from harness.truth.traversal import Truth
+from harness.samples import ActorPoses, Place, Pose, Quaternion, Tick, Truth
 from rover_metrics.analysis.social.log import read_social_log
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

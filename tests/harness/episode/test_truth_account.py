@@ -5,8 +5,7 @@ import pytest
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.truth_account import TruthAccount
-from harness.samples import Pose, Tick, TruthState
-from harness.truth.traversal import ContactEvent, Truth
+from harness.samples import ContactEvent, Pose, Tick, Truth, TruthState
 
 MOST_POINTS, MOST_EVENTS = 10, 8
 

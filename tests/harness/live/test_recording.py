@@ -15,10 +15,10 @@ from harness.live.player import Player
 from harness.live.recording import manifests_near, read_tracks, run_of
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.play import main
+from harness.samples import Truth
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
-from harness.truth.traversal import Truth
 from harness.view.states import PERIOD_NS
 
 SECOND = 1_000_000_000

@@ -23,10 +23,10 @@ from sensor_msgs.msg import JointState, LaserScan
 
 from harness import __version__, samples
 from harness.base.errors import RunFailed, UsageError
-from harness.frames.tree import Description
 from harness.messages.cdr import padding_of
 from harness.messages.recorder import Recorder, full_definition
 from harness.robots import find_rover
+from harness.robots.frames.tree import Description
 from harness.ros.bridge import Bridge
 from harness.ros.tap import Tap
 from rover_metrics.health.live_view import Level, Status

@@ -10,9 +10,8 @@ import numpy as np
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
 from harness.report.recorder import Approach, RunRecorder, Stretch
-from harness.samples import LaserScan, PlacedScan, Pose
+from harness.samples import ContactEvent, LaserScan, PlacedScan, Pose, Truth
 from harness.spec.run import Run
-from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 

@@ -8,8 +8,7 @@ import pytest
 from harness.episode.batch import Batch
 from harness.report.recorder import RunRecorder
 from harness.run import main
-from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample, Tick
-from harness.truth.traversal import Truth
+from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample, Tick, Truth
 
 BATCH_NS = 50_000_000
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.frames.rover_frames import rover_frames
 from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped, find_rover
+from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.measures import frame_name
 from harness.robots.model import compiled_alone
 from tests.support.foreign_rovers import FOREIGN

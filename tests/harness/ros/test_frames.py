@@ -12,8 +12,8 @@ from tests.support.waiting import PATIENCE
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.errors import RunFailed
-from harness.frames.tree import Description, Edge
 from harness.messages.transforms import TF_MESSAGE, transform_fill, transforms_bytes
+from harness.robots.frames.tree import Description, Edge
 from harness.ros import frames
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until

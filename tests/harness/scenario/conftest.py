@@ -9,10 +9,20 @@ import pytest
 
 from harness.episode import direct, episode, stream
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
+from harness.samples import (
+    ContactEvent,
+    Imu,
+    LaserScan,
+    Odometry,
+    Pose,
+    Sample,
+    Tick,
+    Truth,
+    TruthState,
+    Twist,
+)
 from harness.scenario.case import Case, plan
 from harness.spec.run import Run
-from harness.truth.traversal import ContactEvent, Truth
 
 BATCH_NS = 50_000_000
 INFO = EpisodeInfo("model", "terrain", 3, (40.0, 40.0), (0.0, 0.0, 0.0))

@@ -20,7 +20,7 @@ from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import Outputs, RunResult
-from harness.samples import LaserScan
+from harness.samples import ContactEvent, LaserScan
 from harness.scenario.attempt import AttemptOptions, attempt
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Case
@@ -31,7 +31,6 @@ from harness.scenario.verdict import Attempt
 from harness.scenario.watch import contact_of
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
-from harness.truth.traversal import ContactEvent
 from rover_metrics.core.columns import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
 

@@ -9,10 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from harness.episode.batch import Batch
 from harness.episode.mission import MissionState
-from harness.samples import Pose, SoilState, Tick, TruthState
+from harness.samples import Pose, SoilState, Tick, Truth, TruthState
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
-from harness.truth.traversal import Truth
 
 ANGLES = st.floats(-math.pi, math.pi)
 

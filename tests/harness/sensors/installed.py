@@ -6,8 +6,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from harness.robots.frames.rover_frames import BodyFrame
 from harness.sensors.noise import NoisePreset
-from harness.sensors.optional import Installation, Mount, SensorOptions
+from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.rays.bundle import Surroundings
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
@@ -37,7 +38,7 @@ def installation(
     surroundings: Surroundings | None = None,
 ) -> Installation[Any]:
     """Mounted on that body, there."""
-    mount = Mount(body, np.array(xyz), np.eye(3) if axes is None else np.array(axes))
+    mount = BodyFrame(body, np.array(xyz), np.eye(3) if axes is None else np.array(axes))
     met: Any = surroundings  # few sensors cast rays
     rng = np.random.default_rng(seed)
     return Installation(options, mount, rng, datum or Datum(*DEFAULT_DATUM), met, noise)

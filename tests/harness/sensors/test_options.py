@@ -10,8 +10,8 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.base.errors import UsageError
-from harness.frames.rover_frames import rover_frames
 from harness.robots import FrameRow, RoverSpec
+from harness.robots.frames.rover_frames import rover_frames
 from harness.sensors import table
 from harness.sensors.choice import chosen, kinds
 from harness.sensors.optional import SensorOptions

@@ -11,8 +11,8 @@ import pytest
 from harness.base.sim_time import period_ticks
 from harness.episode.assembly import sensor_rows
 from harness.episode.episode import Episode
-from harness.frames.rover_frames import rover_frames
 from harness.robots import ROVERS
+from harness.robots.frames.rover_frames import rover_frames
 from harness.samples import Imu, LaserScan, Odometry, Sample, Source, Transforms, TruthState, source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import by_default

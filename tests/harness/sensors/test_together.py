@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from harness.episode.assembly import injector
 from harness.episode.episode import Episode
-from harness.frames.rover_frames import rover_frames
 from harness.robots import ROVERS, RoverSpec
+from harness.robots.frames.rover_frames import rover_frames
 from harness.samples import Pose, Tick
 from harness.sensors.magnetometer import MagneticField
 from harness.sensors.optional import SensorOptions

@@ -13,8 +13,8 @@ import trimesh
 from harness import robot as command
 from harness.base.errors import UsageError
 from harness.base.mesh import Mesh
-from harness.frames.rover_frames import rover_frames
 from harness.robots import RoverSpec, read_rover
+from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.model import read_model
 from harness.robots.urdf.folder import Written, write_folder
 from harness.run import main

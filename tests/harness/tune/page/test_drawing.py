@@ -10,7 +10,7 @@ import trimesh
 from harness.robots import ROVERS, RoverSpec
 from harness.robots.model import SEEN_GROUP, read_model
 from harness.tune.page.outline import ABOVE, SIDE, shares, silent_strips, silhouette
-from tests.harness.frames.made_rover import made_rover
+from tests.harness.robots.frames.made_rover import made_rover
 from tests.support.rovers import LEO
 
 SQUARE = LEO.but(footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)

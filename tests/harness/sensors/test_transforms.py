@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.frames.rover_frames import rover_frames
-from harness.frames.transforms import TransformSensor, describe
-from harness.frames.tree import Edge
 from harness.robots import ROVERS
+from harness.robots.frames.rover_frames import rover_frames
+from harness.robots.frames.tree import Edge
+from harness.sensors.transforms import TransformSensor, describe
 from harness.spec.ros import ODOM_SOURCES, FrameOptions
-from tests.harness.frames.made_rover import made_rover
+from tests.harness.robots.frames.made_rover import made_rover
 from tests.support.rovers import LEO
 
 WHEELS, NONE = FrameOptions(odom_tf="wheels"), FrameOptions(odom_tf="none")

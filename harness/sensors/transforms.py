@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import TICK_NS, period_ticks
-from harness.frames.rover_frames import HINGE, RoverFrames, cleared
-from harness.frames.tree import FOOTPRINT, MAP, ODOM, Description, Edge
-from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
+from harness.robots.frames.rover_frames import HINGE, RoverFrames, cleared
+from harness.robots.frames.tree import FOOTPRINT, MAP, ODOM, Description, Edge
+from harness.robots.frames.urdf import write_urdf
 from harness.samples import Odometry, Quaternion, Source, Transforms, Vector3
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.spec.ros import NONE, WHEELS, FrameOptions

@@ -12,18 +12,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, find_named
-from harness.frames.tree import Edge, check_tree
 from harness.robots import FrameRow, RoverSpec
+from harness.robots.frames.tree import Edge, check_tree
 from harness.robots.measures import frame_name
 from harness.robots.model import ROOT_ID, compiled_alone
 from harness.samples import Quaternion, Vector3
-from harness.sensors.optional import Mount
 
 Matrix = NDArray[np.float64]
 
 ROUNDING = 1e-12
 ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyFrame:
+    """A frame that is fixed to a body of the scene: origin [m] and R_body_sensor, shape (3, 3)."""
+
+    body: int
+    xyz: NDArray[np.float64]
+    axes: NDArray[np.float64]
+
+    def pose(self, data: mujoco.MjData) -> NDArray[np.float64]:
+        """Returns origin in the world [m] and below it the rotation R_world_sensor, shape (4, 3).
+
+        The poses in `data` must be those of its qpos: after mj_step, call mj_kinematics first.
+        """
+        turn = data.xmat[self.body].reshape(3, 3)
+        return np.vstack([data.xpos[self.body] + turn @ self.xyz, turn @ self.axes])
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +85,7 @@ class RoverFrames:
     def _link(self, name: str) -> Link:
         return next(link for link in self.links if link.name == name)
 
-    def mount(self, frame: str, scene: mujoco.MjModel, prefix: str = "") -> Mount:
+    def mount(self, frame: str, scene: mujoco.MjModel, prefix: str = "") -> BodyFrame:
         """Returns where one of the frames is in a scene that the rover has been put into.
 
         Args:
@@ -80,7 +96,8 @@ class RoverFrames:
         link, data = self._link(frame), self.data
         body = link.body
         in_body = np.linalg.inv(homogeneous(data.xpos[body], data.xmat[body])) @ link.in_base
-        return Mount(scene.body(prefix + self.model.body(body).name).id, in_body[:3, 3], in_body[:3, :3])
+        carrier = scene.body(prefix + self.model.body(body).name).id
+        return BodyFrame(carrier, in_body[:3, 3], in_body[:3, :3])
 
     def axis(self, link: Link) -> Matrix:
         """Returns the axis of a frame's joint in its own axes, shape (3,)."""

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.frames.rover_frames import rover_frames
-from harness.frames.tree import check_tree
 from harness.robots import MODELS_DIR, FrameRow, RoverSpec
-from tests.harness.frames.made_rover import made_rover
+from harness.robots.frames.rover_frames import rover_frames
+from harness.robots.frames.tree import check_tree
+from tests.harness.robots.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 PI = math.pi

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from harness.frames.rover_frames import SLIDE, Link, Matrix, RoverFrames, homogeneous
+from harness.robots.frames.rover_frames import SLIDE, Link, Matrix, RoverFrames, homogeneous
 from harness.robots.model import SEEN_GROUP
 
 BOX, CYLINDER, SPHERE, CAPSULE, MESH = (

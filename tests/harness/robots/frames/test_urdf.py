@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.frames.rover_frames import rover_frames
-from harness.frames.urdf import write_urdf
 from harness.robots import RoverSpec
+from harness.robots.frames.rover_frames import rover_frames
+from harness.robots.frames.urdf import write_urdf
 from harness.robots.model import read_model
-from tests.harness.frames.made_rover import made_rover
+from tests.harness.robots.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 EXACT = 1e-6
