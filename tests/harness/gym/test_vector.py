@@ -47,7 +47,7 @@ TWO, EACH = {"threads": 2}, {"processes": 2}
 @pytest.mark.parametrize(
     ("mode", "count", "workers"),
     [
-        (AutoresetMode.NEXT_STEP, 3, [{"threads": 8}]),
+        (AutoresetMode.NEXT_STEP, 3, [{"threads": 8}, EACH]),
         (AutoresetMode.SAME_STEP, 3, [TWO, EACH]),
         (AutoresetMode.DISABLED, 3, [TWO, EACH]),
         (AutoresetMode.SAME_STEP, 1, [{"threads": 0}]),
