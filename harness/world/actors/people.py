@@ -11,15 +11,15 @@ import numpy as np
 
 from harness.base.errors import UsageError, repeated
 from harness.base.made_of_files import Files, made_of_files
+from harness.base.sdf.poses import read_pose
+from harness.base.sdf.reader import is_true, numbers, text_of
+from harness.base.sdf.resources import Resources
 from harness.base.xml import read_xml
 from harness.spec.actor import SUFFIXES, ActorOptions, ActorSpec
 from harness.spec.target import NAME
 from harness.world.actors.route import LONGEST_ROUTE, Point
 from harness.world.sdf.document import Document, Person
-from harness.world.sdf.poses import read_pose
-from harness.world.sdf.reader import is_true, numbers, text_of
 from harness.world.sdf.reading import read_document
-from harness.world.sdf.resources import Resources
 
 MOST_ACTORS = 100
 

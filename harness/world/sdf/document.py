@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from harness.world.sdf.poses import Transform
+from harness.base.sdf.poses import Transform
 from harness.world.solid import Solid
 
 
@@ -35,7 +35,6 @@ class Document:
     is_loose: bool = False
     movable: list[str] = field(default_factory=list)  # names of the models that Gazebo would let fall
     restored: list[str] = field(default_factory=list)  # those that Gazebo classic had saved elsewhere
-    includes: int = 0  # how many there were
 
     @property
     def notes(self) -> tuple[str, ...]:

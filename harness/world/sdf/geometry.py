@@ -7,10 +7,10 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
+from harness.base.sdf.poses import IDENTITY, Transform, transform
+from harness.base.sdf.reader import is_true, numbers, text_of
+from harness.base.sdf.resources import Missing, Resources
 from harness.world.obstacles import Color
-from harness.world.sdf.poses import IDENTITY, Transform, transform
-from harness.world.sdf.reader import is_true, numbers, text_of
-from harness.world.sdf.resources import Missing, Resources
 from harness.world.solid import MeshFile, Plane, Primitive, Relief, Shape
 
 Placed = tuple[Shape, Transform]  # and where it is in the frame of its geometry

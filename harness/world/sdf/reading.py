@@ -10,19 +10,18 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
-from harness.base.xml import read_xml
+from harness.base.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
+from harness.base.sdf.reader import numbers, read_list, text_of
+from harness.base.sdf.resources import Missing, Resources
+from harness.base.sdf.scopes import Call, Scopes, framed
 from harness.robots.spec import GRAVITY
 from harness.world.obstacles import Color
 from harness.world.sdf.document import Document, Person
 from harness.world.sdf.geometry import color_of, read_shapes
-from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
-from harness.world.sdf.reader import is_true, numbers, read_list, text_of
-from harness.world.sdf.resources import Missing, Resources, model_file, of_gazebo
 from harness.world.sdf.saved import restore
 from harness.world.solid import Primitive, Solid
 
 MOST_SOLIDS = 20_000
-MOST_INCLUDES = 2_000
 ON_EARTH = ("latitude_deg", "longitude_deg", "elevation")
 EARTH = "0 0 -9.8"  # SDF's default
 
@@ -47,51 +46,19 @@ class _Place:
         return replace(self, pose=self.pose @ pose, names=(*self.names, name))
 
 
-@dataclass(frozen=True)
-class _Call:
-    """A model or an actor in a scope: its own element, and that of the include that it comes by.
-
-    A whole file can be included too: its <world>, or all of it where actors stand beside a model.
-    """
-
-    model: Element
-    include: Element | None
-    chain: tuple[Path, ...]
-
-    @property
-    def name(self) -> str:
-        return text_of(self.include, "name", self.model.get("name", self.model.tag))
-
-    @property
-    def is_static(self) -> bool:
-        return is_true(text_of(self.include, "static", text_of(self.model, "static")))
-
-    @property
-    def is_merged(self) -> bool:
-        """Whether what is in it counts as part of the model that includes it."""
-        return self.include is not None and is_true(self.include.get("merge", ""))
-
-    def pose(self, frames: Frames) -> tuple[Transform, str]:
-        """The pose of its origin, and in which frame; the include's comes before its own."""
-        source = self.include
-        if source is None or source.find("pose") is None:
-            source = self.model
-        pose, reference = read_pose(source, self.name)
-        placement = text_of(self.include, "placement_frame", self.model.get("placement_frame", ""))
-        return pose @ inverse(frames.find(placement)), reference
-
-
 class _Reading:
     def __init__(self, document: Document, resources: Resources) -> None:
         self._document, self._resources = document, resources
+        self._scopes = Scopes(resources, self._left_out)
+        document.files = self._scopes.files
 
     def file(self, path: Path) -> None:
         models = read_list(path)
         if models is None:
-            root = self._root(path)
+            root = self._scopes.root(path)
         else:
             root = models
-            self._document.files.append(path)
+            self._scopes.files.append(path)
         world = root.find("world")
         place = _Place(IDENTITY, (), (path.resolve(),))
         if world is None:
@@ -117,13 +84,6 @@ class _Reading:
             plain = all(isinstance(solid.shape, Primitive) for solid in self._document.solids)
             self._document.is_loose = several or plain
 
-    def _root(self, path: Path) -> Element:
-        root = read_xml(path)
-        if root.tag not in ("sdf", "gazebo"):
-            raise UsageError(f"{path}: its root is <{root.tag}>, not <sdf>")
-        self._document.files.append(path)
-        return root
-
     def _left_out(self, name: str) -> None:
         self._document.missing.setdefault(name)
 
@@ -134,17 +94,8 @@ class _Reading:
         for tag in ("population", "road"):
             if scope.find(tag) is not None:
                 self._left_out(f"<{tag}>")
-        own = (_Call(item, None, place.chain) for item in scope if item.tag in ("model", "actor"))
-        calls = [*own, *self._included(scope, place)]
-        inner = [Frames("world" if call.model.tag == "world" else "__model__") for call in calls]
-        for call, nested in zip(calls, inner, strict=True):
-            _add_frames(call.model, nested)
-            frames.add(call.name, *call.pose(nested))
-            frames.nest(call.name, nested)
-            if call.is_merged:
-                for name in nested.names:
-                    frames.add(name, IDENTITY, f"{call.name}::{name}")
-        _add_frames(scope, frames)
+        calls = self._scopes.calls(scope, place.chain)
+        inner = framed(scope, calls, frames)
         for link in scope.findall("link"):
             self._link(link, frames, place)
         for call, nested in zip(calls, inner, strict=True):
@@ -155,13 +106,13 @@ class _Reading:
             else:
                 self._model(call, nested, replace(at, chain=call.chain))
 
-    def _actor(self, call: "_Call", at: _Place) -> None:
+    def _actor(self, call: Call, at: _Place) -> None:
         if call.model.find("script/trajectory") is None and call.model.find("plugin") is not None:
             self._left_out(f"the plugin that steers actor '{call.name}', who stands still")
         person = Person(call.name, call.model, at.pose, call.chain[-1])
         self._document.actors.append(person)
 
-    def _model(self, call: "_Call", frames: Frames, place: _Place) -> None:
+    def _model(self, call: Call, frames: Frames, place: _Place) -> None:
         is_static = place.is_static or call.is_static
         if not is_static and call.model.tag == "model":
             joints = {joint.get("type") for joint in call.model.findall("joint")}
@@ -171,30 +122,6 @@ class _Reading:
             self._document.movable.append("::".join(place.names))
             is_static = True  # noted once, not for its parts
         self._scope(call.model, frames, replace(place, is_static=is_static))
-
-    def _included(self, scope: Element, place: _Place) -> list["_Call"]:
-        calls: list[_Call] = []
-        for include in scope.findall("include"):
-            try:
-                path = model_file(self._resources.find(text_of(include, "uri"), place.chain[-1]))
-            except Missing as missing:
-                brought = of_gazebo(text_of(include, "uri"))
-                if brought is None:
-                    self._left_out(str(missing))
-                calls += [_Call(item, include, place.chain) for item in brought or ()]
-                continue
-            chain = (*place.chain, path.resolve())
-            if path.resolve() in place.chain:
-                circle = " -> ".join(file.name for file in chain)
-                raise UsageError(f"{path} includes itself: {circle}; take one <include> out")
-            self._document.includes += 1
-            if self._document.includes > MOST_INCLUDES:
-                raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
-            if any(item.tag.endswith(":params") for item in include):
-                self._left_out(f"changes by <experimental:params> of {text_of(include, 'uri')}")
-            root = self._root(path)
-            calls += [_Call(item, include, chain) for item in _entities(root)]
-        return calls
 
     def _link(self, link: Element, frames: Frames, place: _Place) -> None:
         name = link.get("name", "link")
@@ -228,23 +155,3 @@ class _Reading:
         if friction is not None and friction < 0.0:
             raise UsageError(f"<mu> of {name} '{mu}' is not valid; give 0 or more")
         return [Solid(name, shape, own @ at, friction, color) for shape, at in shapes]
-
-
-def _add_frames(scope: Element, frames: Frames) -> None:
-    """Adds the links, joints and free frames of a model or world."""
-    for link in scope.findall("link"):
-        frames.add(link.get("name", "link"), *read_pose(link, link.get("name", "link")))
-    for frame in scope.findall("frame"):
-        pose, reference = read_pose(frame, frame.get("name", "frame"))
-        frames.add(frame.get("name", ""), pose, reference or frame.get("attached_to", ""))
-    for joint in scope.findall("joint"):
-        pose, reference = read_pose(joint, joint.get("name", "joint"))
-        frames.add(joint.get("name", ""), pose, reference or text_of(joint, "child"))
-
-
-def _entities(root: Element) -> list[Element]:
-    """What an include of a file brings: a model, an actor or a world; or all, where actors are more."""
-    models, actors, world = root.findall("model")[:1], root.findall("actor"), root.find("world")
-    if world is not None:
-        return [world]
-    return [root] if len(models) + len(actors) > 1 else [*models, *actors]

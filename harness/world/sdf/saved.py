@@ -4,7 +4,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from harness.world.sdf.poses import read_pose
+from harness.base.sdf.poses import read_pose
 
 NEAR = 1e-3  # [m]: a model that has settled as little is where it was
 

@@ -12,13 +12,13 @@ from scipy.ndimage import distance_transform_edt
 from harness.base.errors import UsageError
 from harness.base.mesh import Mesh, joined
 from harness.base.mesh_file import SUFFIXES
+from harness.base.sdf.poses import IDENTITY
+from harness.base.sdf.resources import Resources
 from harness.spec.world import WorldSpec
 from harness.world.heightfield import EDGE_MARGIN
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.occupancy import FREE, occupancy
-from harness.world.sdf.poses import IDENTITY
 from harness.world.sdf.reading import read_document
-from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Solid
 from harness.world.solids.ground import Partition, map_bounds, partition
 from harness.world.solids.kinds import Kinds

@@ -11,6 +11,7 @@ import trimesh
 from harness.base import xml
 from harness.base.errors import UsageError
 from harness.base.mesh_file import read_mesh
+from harness.base.sdf.resources import Resources
 from harness.drivers import find_driver
 from harness.episode.assembly import check, world_of
 from harness.scenario.case import cases_of
@@ -24,7 +25,6 @@ from harness.world.actors.people import read_trajectories
 from harness.world.heightfield import Heightfield
 from harness.world.heightmap.raster import read_raster
 from harness.world.sdf.reading import read_document
-from harness.world.sdf.resources import Resources
 from harness.world.targets.placing import target_names
 from harness.world.world import World, with_actors
 from rover_metrics.log.documents import DocumentError, read_bytes

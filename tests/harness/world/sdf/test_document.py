@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.sdf import scopes
+from harness.base.sdf.resources import Resources
 from harness.base.xml import read_xml
 from harness.world.sdf import reading as module
 from harness.world.sdf.document import Document
 from harness.world.sdf.reading import read_document
-from harness.world.sdf.resources import Resources
 from harness.world.solid import MeshFile, Plane, Primitive, Relief
 from tests.harness.world.solids.shapes import at
 
@@ -332,7 +333,7 @@ def test_includes_that_double_themselves_are_bounded(
         twice = f"<include><uri>{depth + 1}.sdf</uri></include>" * 2
         written(tmp_path, f"<model name='m'>{twice if depth < 5 else link()}</model>", f"{depth}.sdf")
     for includes, solids, note in ((61, 32, "61 includes"), (62, 31, "31 collisions"), (62, 32, "")):
-        monkeypatch.setattr(module, "MOST_INCLUDES", includes)
+        monkeypatch.setattr(scopes, "MOST_INCLUDES", includes)
         monkeypatch.setattr(module, "MOST_SOLIDS", solids)
         with pytest.raises(UsageError, match=f"more than {note}; take") if note else nullcontext():
             assert len(read_document(tmp_path / "0.sdf", Resources()).solids) == 32

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.world.sdf.poses import IDENTITY, Frames, inverse, read_pose
+from harness.base.sdf.poses import IDENTITY, Frames, inverse, read_pose
 
 
 def pose_of(text: str, attributes: str = "") -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
-from harness.world.sdf.resources import VARIABLES, Missing, Resources, model_file
+from harness.base.sdf.resources import VARIABLES, Missing, Resources, model_file
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.world.sdf.reader import is_true, numbers
+from harness.base.sdf.reader import is_true, numbers
 
 Transform = NDArray[np.float64]  # shape (4, 4): T_parent_child
 
