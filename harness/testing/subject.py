@@ -6,10 +6,12 @@ from typing import Any, Generic, TypeVar
 
 from rclpy.node import Node
 
+from harness.base.errors import RunFailed
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
-from harness.ros.context import SPIN_TIMEOUT
+from harness.ros.context import SPIN_TIMEOUT, spin_until
 from harness.ros.remote import RemoteNode, wait_for_answers
+from harness.testing.process import EXIT_PATIENCE
 
 Message = TypeVar("Message")
 
@@ -68,8 +70,18 @@ class Subject(RemoteNode):
         self._wait()
 
     def _wait(self) -> None:
-        wait_for_answers({self: self.ask()}, self._executor, self._check)
+        try:
+            wait_for_answers({self: self.ask()}, self._executor, self._check)
+        except RunFailed:
+            if self.has_left():  # a program leaves the graph a moment before its exit code is known
+                spin_until(self._executor, self._still_runs, EXIT_PATIENCE)
+            raise
         self._owes = False
+
+    def _still_runs(self) -> bool:
+        """False; RunFailed, which says how it ended, if it can answer no more."""
+        self._check()
+        return False
 
 
 @dataclass(eq=False)

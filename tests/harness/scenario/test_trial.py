@@ -168,6 +168,25 @@ def test_a_program_that_ends_before_the_run_does_is_told_with_its_last_words(
     assert kept == [".html", ".csv", ".json", ".mcap", ".txt", ""]
 
 
+RAISES = """import rclpy
+from sensor_msgs.msg import LaserScan
+
+rclpy.init()
+node = rclpy.create_node("raises")
+node.create_subscription(LaserScan, "/scan", lambda scan: scan.nothing, 10)
+rclpy.spin(node)
+"""
+
+
+def test_a_node_that_raises_is_told_with_what_it_raised(make_cases: MakeCases, tmp_path: Path) -> None:
+    (tmp_path / "raises.py").write_text(RAISES)
+    launch = f"launch: [python {tmp_path}/raises.py --ros-args -p use_sim_time:=true]"
+    (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}{launch}")
+    first, *_, last = reasons_of(attempt(case, tmp_path / "out"))
+    assert " ended with exit code 1 at " in first
+    assert last.startswith("AttributeError: ")
+
+
 def test_a_program_that_may_end_and_one_that_shows_no_node(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
