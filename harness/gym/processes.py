@@ -14,7 +14,6 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 import numpy as np
-from gymnasium import spaces
 from gymnasium.error import InvalidAction
 from gymnasium.vector import AutoresetMode
 from joblib import cpu_count
@@ -100,14 +99,15 @@ class ProcessVectorEnv(ManyRovers):
     def _start_others(self, make: Callable[..., RoverEnv[Any]], given: dict[str, Any]) -> None:
         """Starts the processes of all parts but the first one, which is this one's."""
         context = multiprocessing.get_context("spawn")
-        sizes, count = _sizes(self._own.envs[0].observation_space), self.num_envs
-        memory = context.RawArray("b", Shared.size(sizes, count))
-        self._shared = Shared.of(memory, sizes, count)
+        parts, count = self._own.envs[0].observation_space.spaces, self.num_envs
+        shapes = {name: part.shape or () for name, part in parts.items()}
+        memory = context.RawArray("b", Shared.size(shapes, count))
+        self._shared = Shared.of(memory, shapes, count)
         try:
             with held_back():
                 for part in self._parts[1:]:
                     here, there = context.Pipe()
-                    args = there, make, (memory, sizes, count, part), given
+                    args = there, make, (memory, shapes, count, part), given
                     child = context.Process(target=serve, args=args, daemon=True)
                     child.start()
                     there.close()
@@ -184,7 +184,3 @@ def _received(connection: Connection, child: Any) -> Any:  # noqa: ANN401 - what
         child.join(EXIT_PATIENCE)
         message = f"a process of the environments died (exit code {child.exitcode})"
         raise RunFailed(message) from error
-
-
-def _sizes(space: spaces.Dict) -> dict[str, int]:
-    return {name: int(np.prod(part.shape or ())) for name, part in space.spaces.items()}

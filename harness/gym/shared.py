@@ -1,6 +1,7 @@
 """What a process of environments does, and the memory that it shares with who asks."""
 
 import contextlib
+import math
 import signal
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
@@ -13,6 +14,8 @@ from harness.gym.env import RoverEnv
 from harness.gym.many import Flags
 from harness.gym.vector import RoverVectorEnv
 
+Shapes = dict[str, tuple[int, ...]]
+
 
 class Shared(NamedTuple):
     """What the processes exchange of each step, a row for each environment."""
@@ -24,30 +27,30 @@ class Shared(NamedTuple):
     truncated: Flags
 
     @classmethod
-    def of(cls, memory: Any, sizes: dict[str, int], count: int) -> "Shared":  # noqa: ANN401 - a RawArray
+    def of(cls, memory: Any, shapes: Shapes, count: int) -> "Shared":  # noqa: ANN401 - a RawArray
         """Returns views of a memory.
 
         Args:
             memory: A RawArray of bytes, large enough for all.
-            sizes: Length of each part of an observation, by name.
+            shapes: Of each part of an observation, by name.
             count: Of environments.
         """
         left = memoryview(memory).cast("B")
 
         def part(dtype: type, *shape: int) -> NDArray[Any]:
             nonlocal left
-            array: NDArray[Any] = np.frombuffer(left, dtype, int(np.prod(shape))).reshape(shape)
+            array: NDArray[Any] = np.frombuffer(left, dtype, math.prod(shape)).reshape(shape)
             left = left[array.nbytes :]
             return array
 
         rewards, actions = part(np.float64, count), part(np.float64, count, 2)
-        observations = {name: part(np.float32, count, size) for name, size in sizes.items()}
+        observations = {name: part(np.float32, count, *shape) for name, shape in shapes.items()}
         return cls(observations, actions, rewards, part(np.bool_, count), part(np.bool_, count))
 
     @staticmethod
-    def size(sizes: dict[str, int], count: int) -> int:
+    def size(shapes: Shapes, count: int) -> int:
         """Returns the bytes that it takes."""
-        return count * (8 + 8 * 2 + 4 * sum(sizes.values()) + 2)
+        return count * (8 + 8 * 2 + 4 * sum(map(math.prod, shapes.values())) + 2)
 
     def rows(self, part: slice) -> "Shared":
         """Returns the rows of some environments."""
@@ -59,7 +62,7 @@ class Shared(NamedTuple):
 def serve(
     connection: Connection,
     make: Callable[..., RoverEnv[Any]],
-    place: tuple[Any, dict[str, int], int, slice],
+    place: tuple[Any, Shapes, int, slice],
     given: dict[str, Any],
 ) -> None:
     """Steps environments in a process of their own, as it is asked, until nobody listens.
@@ -67,7 +70,7 @@ def serve(
     Args:
         connection: To who asks.
         make: Makes one environment.
-        place: The memory, the lengths of the parts of an observation, how many environments there are in
+        place: The memory, the shapes of the parts of an observation, how many environments there are in
             all, and which of them are here.
         given: Options of RoverVectorEnv.
     """

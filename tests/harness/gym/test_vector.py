@@ -27,7 +27,8 @@ YARD = (
 RUTS = {"soil": ("dry_sand", ""), "keep_ruts": True, "episodes_per_world": 2, "random_start": False}
 OTHERS: dict[AutoresetMode, dict[str, Any]] = {
     AutoresetMode.SAME_STEP: RUTS
-    | {"randomisation": {"latency": (0.0, 0.1), "soil_friction": (0.5, 1.0)}},
+    | {"randomisation": {"latency": (0.0, 0.1), "soil_friction": (0.5, 1.0)}}
+    | {"height_scan": True, "depth": (4, 3), "images": True},
     AutoresetMode.DISABLED: {
         "terrain": "yard.sdf",
         "terrain_size": None,
