@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.scenes import poses, scene_on_hills
+from harness.robots.lidar import LidarSpec
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
 
 BASE = {"map size": 40.0, "cell": 0.1, "beams": 360.0}
 SERIES = {  # the second is the base

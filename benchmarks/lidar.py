@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.scenes import poses, scene_on_hills
 from harness.physics.scene import Scene
+from harness.robots.lidar import LidarSpec
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.arrays import heightfield_arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
 

@@ -18,13 +18,9 @@ if __name__ == "__main__":
 from harness.base.interrupt import StopRequest
 from harness.cli.flags import add_flags, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR
-from harness.episode.helm import Helm
-from harness.live import load_page
-from harness.live.page import LivePage
-from harness.live.player import FRAME, Player
-from harness.live.recording import Track, manifests_near, read_tracks, run_of
+from harness.live import load_page, show_recording
+from harness.live.recording import manifests_near, read_tracks, run_of
 from harness.spec.live import LiveOptions
-from harness.spec.run import Run
 from rover_metrics.parser import OneLineParser
 
 
@@ -40,32 +36,8 @@ def _play(options: argparse.Namespace) -> int:
     tracks = read_tracks(recording, run)
     load_page(live)
     with StopRequest() as stop:
-        _show(run, tracks, live, stop)
+        show_recording(run, tracks, live, stop)
     return 0
-
-
-def _show(run: Run, tracks: Sequence[Track], options: LiveOptions, stop: StopRequest) -> None:
-    """Serves a recording until somebody stops that.
-
-    Args:
-        run: Of which it is.
-        tracks: What it has of each rover.
-        options: Where it is served.
-        stop: Ends it.
-    """
-    helm = Helm(1.0, stop)
-    player = Player(max(track.poses.times[-1] for track in tracks))
-    with LivePage(run, helm, options, steered=False, player=player) as page:
-        print(f"view: {page.address}", flush=True)
-        shown: int | None = None
-        with stop.deferred():
-            while stop.signal is None:
-                if shown != player.time_ns:
-                    shown = player.time_ns
-                    for track, watch in zip(tracks, page.observers, strict=True):
-                        track.show(watch, shown)
-                stop.sleep(FRAME)
-                player.go_on(helm)
 
 
 def _parser() -> argparse.ArgumentParser:

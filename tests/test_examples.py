@@ -15,7 +15,7 @@ from ruamel.yaml import YAML
 from scipy import stats
 
 from harness.robots import find_rover
-from harness.sensors.lidar_spec import LidarSpec
+from harness.robots.lidar import LidarSpec
 from harness.spec.run import Run
 from tests.support.layouts import FOXGLOVE, foxglove_panels
 from tools.site.notebooks import as_markdown as told

@@ -22,8 +22,8 @@ from harness.episode.assembly import injector
 from harness.episode.episode import Episode
 from harness.episode.loop import Route, drive
 from harness.episode.together import together
+from harness.robots.lidar import LidarSpec
 from harness.samples import ActorPoses, JointStates, Pose, Sample
-from harness.sensors.lidar_spec import LidarSpec
 
 D = TypeVar("D", bound=Driver)
 MEASURED: frozenset[type[Sample]] = frozenset((Pose, JointStates, ActorPoses))

@@ -27,8 +27,8 @@ from harness.episode.stream import EpisodeStream
 from harness.episode.together import together
 from harness.faults.injector import FaultInjector
 from harness.messages.sinks import sinks_of
+from harness.robots.lidar import LidarSpec
 from harness.samples import Sample, Tick
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from rover_metrics.core.columns import Row

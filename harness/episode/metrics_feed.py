@@ -8,6 +8,7 @@ import numpy as np
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import gravity, tells_energy
 from harness.robots import RoverSpec, find_rover
+from harness.robots.lidar import LidarSpec
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -21,7 +22,6 @@ from harness.samples import (
 )
 from harness.sensors import table
 from harness.sensors.battery import Battery
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings, Settings

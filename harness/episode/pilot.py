@@ -23,8 +23,8 @@ from harness.physics.base_controller import base_controller
 from harness.physics.scene import HAZARD_CONTACT
 from harness.physics.simulation import Simulation
 from harness.robots import find_rover
+from harness.robots.lidar import LidarSpec
 from harness.samples import GoalPose, LaserScan, Place, Sample, Twist
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World

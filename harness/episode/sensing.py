@@ -7,8 +7,8 @@ import numpy as np
 from harness.base.streams import EPISODE, OPTIONAL_SENSORS, VIBRATION, generator, seeded
 from harness.physics.scene import Scene
 from harness.robots.frames.rover_frames import RoverFrames
+from harness.robots.lidar import LidarSpec
 from harness.robots.sections import Shake
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import EXACT, PRESETS, SensorNoise
 from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.rays.bundle import Surroundings

@@ -19,10 +19,10 @@ from harness.messages.sink import Intake, Sink, endpoint
 from harness.messages.transforms import DESCRIPTION, STATIC, MovingFrames, transforms_bytes, urdf_bytes
 from harness.robots import find_rover
 from harness.robots.frames.tree import Description
+from harness.robots.lidar import LidarSpec
 from harness.samples import Tick, Transforms, source
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import Topic, row_of
 from harness.spec.rover import CMD_VEL
 from harness.spec.run import Run

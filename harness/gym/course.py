@@ -17,9 +17,9 @@ from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
 from harness.robots.frames.rover_frames import rover_frames
+from harness.robots.lidar import LidarSpec
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeSensor
 from harness.spec.run import Run
 from harness.world.world import Start, starting_at

@@ -22,9 +22,9 @@ from harness.gym.observation import (
 )
 from harness.gym.options import Options
 from harness.robots import REAL, find_rover
+from harness.robots.lidar import LidarSpec
 from harness.samples import Pose, Twist
 from harness.sensors.depth import DepthOptions
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
 from harness.spec.value import Finite, Length, Value, as_tuple, checked, made
 from harness.truth.recorder import TIPPED_OVER

@@ -17,8 +17,8 @@ from harness.live.watch import Watch
 from harness.physics.scene import build_scenes
 from harness.physics.sky import HAZE
 from harness.physics.stage import FIELD_OF_VIEW, SUN_ELEVATION, Quality, dress
+from harness.robots.lidar import LidarSpec, directions
 from harness.samples import Place
-from harness.sensors.lidar_spec import LidarSpec, directions
 from harness.spec.run import Run
 from harness.view.camera import SOLID_GROUPS, chase_view, scale_of
 from harness.view.ground import drawn

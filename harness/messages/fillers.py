@@ -15,13 +15,13 @@ from harness.messages.blank import Message, blank, kind_of
 from harness.messages.refilled import Fill, refilled
 from harness.robots import RoverSpec
 from harness.robots.frames.tree import FOOTPRINT
+from harness.robots.lidar import LidarSpec
 from harness.sensors.battery import Battery, BatteryOptions
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScanOptions
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.message_types import made
 from harness.sensors.noise import NoisePreset

@@ -8,8 +8,8 @@ from harness.messages.blank import blank
 from harness.messages.optional import Draw
 from harness.messages.refilled import Fill
 from harness.robots import RoverSpec
+from harness.robots.lidar import LidarSpec
 from harness.samples import Sample, Source
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SensorRow, Topic
 
 PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin gives no stamp

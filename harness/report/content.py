@@ -25,7 +25,7 @@ from harness.report.series import MOST_ROWS, series_figure, varies
 from harness.report.soil import soil_plots
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
-from harness.sensors.lidar_spec import scan_points
+from harness.robots.lidar import scan_points
 
 NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from harness.base.compiled import entry
 from harness.physics.aside import Errand
 from harness.physics.simulation import Simulation
+from harness.robots.lidar import LidarSpec, directions
 from harness.samples import LaserScan
 from harness.sensors.base import EpisodeParts, Sensor
-from harness.sensors.lidar_spec import LidarSpec, directions
 from harness.sensors.rays.bundle import RayBundle, Surroundings, cast_rays_of
 
 

@@ -17,14 +17,14 @@ from harness.base.streams import VALIDATION_AGENT
 from harness.drivers import DriverContext, Observation
 from harness.drivers.wander import Roam
 from harness.episode import loop
+from harness.episode.assembly import injector
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.metrics_feed import SampleFeed
 from harness.episode.together import together
-from harness.faults.injector import FaultInjector
+from harness.robots.lidar import LidarSpec
 from harness.samples import LaserScan, Tick
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log as read_metrics_log
@@ -125,7 +125,7 @@ def drive(run: Run) -> Log:
             feed.take(sample)
 
     rows = []
-    route = Route(FaultInjector((), run.seed), sink, (Agent(episode, agent),))
+    route = Route(injector(run), sink, (Agent(episode, agent),))
     for tick in loop.drive(together((episode,)), (route,)):
         if tick.stamp_ns % NANOSECONDS == 0:
             row = session.metrics.row(tick.stamp_ns // NANOSECONDS)

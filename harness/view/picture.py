@@ -28,8 +28,8 @@ from harness.episode.assembly import scenery
 from harness.physics.drawn_ground import NEAR, DrawnGround
 from harness.physics.ruts import PressedRuts
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
+from harness.robots.lidar import LidarSpec, directions
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec, directions
 from harness.view.camera import CAMERAS, View, best_view, chase_view, scale_of
 from harness.view.caption import captioned
 from harness.view.ground import drawn

@@ -20,9 +20,9 @@ from harness.live.recording import read_tracks
 from harness.live.watch import Watch
 from harness.recordings.bags import recording_of_bag
 from harness.robots import find_rover
+from harness.robots.lidar import LidarSpec
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from harness.tune.episodes.recompute import Collected, event_rows
 from harness.view.camera import scale_of

@@ -21,9 +21,9 @@ from harness.episode.sensing import installed
 from harness.messages.fillers import filler
 from harness.robots import REAL, ROVERS, equipped
 from harness.robots.frames.rover_frames import RoverFrames, rover_frames
+from harness.robots.lidar import LidarSpec
 from harness.robots.sections import FrameRow
 from harness.sensors.choice import chosen, kinds
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import Surroundings
 from harness.soil.soils import Soil
 from harness.soil.wheel_force import STATE, wheel_force

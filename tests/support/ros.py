@@ -31,9 +31,9 @@ class Ros:
         from rclpy.logging import LoggingSeverity  # noqa: PLC0415 - see `ros`
 
         from harness.messages.outlets import outlets  # noqa: PLC0415
+        from harness.robots.lidar import LidarSpec  # noqa: PLC0415
         from harness.ros.bridge import Bridge  # noqa: PLC0415
         from harness.sensors.choice import chosen  # noqa: PLC0415 - needs more than rover_metrics
-        from harness.sensors.lidar_spec import LidarSpec  # noqa: PLC0415
         from tests.support.rovers import LEO  # noqa: PLC0415
 
         told = outlets(LEO, LidarSpec(beams=4), chosen(LEO, ()))

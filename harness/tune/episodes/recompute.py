@@ -13,6 +13,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.robots import RoverSpec
+from harness.robots.lidar import LidarSpec, scan_points
 from harness.samples import (
     ContactEvent,
     Imu,
@@ -24,7 +25,6 @@ from harness.samples import (
     TruthState,
     Vector3,
 )
-from harness.sensors.lidar_spec import LidarSpec, scan_points
 from harness.tune.episodes.record import EVENT, SCAN, WINDOW, Sight, Table, Zone
 from harness.world.obstacles import Obstacle
 from harness.world.world import World

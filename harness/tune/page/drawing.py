@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from harness.page import figure as fig
 from harness.page.figure import INK, METRIC, MUTED, SCAN, Plot, Trace
 from harness.robots import RoverSpec
-from harness.sensors.lidar_spec import LidarSpec
+from harness.robots.lidar import LidarSpec
 from harness.tune.page.outline import ABOVE, SIDE, Span, shares, silent_strips, silhouette
 from harness.tune.page.subject import chosen
 from harness.tune.scoring.alarms import FOOTPRINT_CLEARANCE

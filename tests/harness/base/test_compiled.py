@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from harness.base import compiled
+from harness.robots.lidar import LidarSpec
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import RayBundle
 from tests.harness.sensors import test_lidar as lidars
 

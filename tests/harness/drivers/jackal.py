@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
 from harness.robots import find_rover
+from harness.robots.lidar import LidarSpec
 from harness.samples import Twist
-from harness.sensors.lidar_spec import LidarSpec
 
 ROVER = find_rover("jackal")
 BEARINGS = LidarSpec(beams=720).bearings(ROVER.lidar_yaw)

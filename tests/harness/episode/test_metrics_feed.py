@@ -7,9 +7,9 @@ import pytest
 
 from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.robots import RoverSpec
+from harness.robots.lidar import LidarSpec
 from harness.samples import Odometry, Pose, Sample, TruthState, Twist
 from harness.sensors.battery import Battery
-from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.session import MetricsSession
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 

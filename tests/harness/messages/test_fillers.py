@@ -23,13 +23,13 @@ from harness.episode.topics import painter
 from harness.messages.blank import blank
 from harness.messages.fillers import filler, person
 from harness.messages.optional import Draw, grid_map_fill, image_fill, lens_info
+from harness.robots.lidar import LidarSpec
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import message_type
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.choice import chosen
 from harness.sensors.gnss import GnssFix
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.message_types import GRID_MAP, typestore
 from harness.sensors.ranging import RangeReading
 from harness.sensors.table import Topic

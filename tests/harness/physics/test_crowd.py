@@ -9,9 +9,9 @@ import pytest
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
+from harness.robots.lidar import LidarSpec
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec
 from harness.world.actors.social_force import SocialForceWalker
 
 MakeSimulation = Callable[..., Simulation]

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.robots.lidar import LidarSpec, scan_points
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar import Lidar
-from harness.sensors.lidar_spec import LidarSpec, scan_points
 from tests.harness.sensors.mujoco_rays import meets
 from tests.support.rovers import LEO
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from harness.robots.lidar import LidarSpec
 from harness.samples import ContactEvent, LaserScan, PlacedScan, Pose
-from harness.sensors.lidar_spec import LidarSpec
 from harness.tune.episodes.recompute import event_rows, is_on, sight, zone
 from harness.tune.episodes.record import Sight, Zone
 from harness.world.heightfield import Heightfield

@@ -11,8 +11,8 @@ from harness.base.errors import Diverged, RunFailed
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed, extended_settings
+from harness.robots.lidar import LidarSpec
 from harness.samples import LaserScan, Pose, Sample, Tick, Truth, TruthState
-from harness.sensors.lidar_spec import LidarSpec
 from harness.spec.run import Run
 from harness.tune.episodes import sweep
 from harness.tune.episodes.recompute import Collected

@@ -1,4 +1,4 @@
-"""What a lidar is: its beams and its range limits; where its beams hit something."""
+"""What the lidar of a rover is: its beams and its range limits; where its beams hit something."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
 from harness.samples import LIDAR_RANGE_MAX, PlacedScan
-from harness.world.obstacles import Points, rotation_matrix
+from rover_metrics.core.rotation import matrix
+
+Points = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +48,7 @@ def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
     angles = LidarSpec(beams=len(ranges)).angles[hit]
     mount, axes = _lidar_mount(rover)
     in_rover = mount + (ranges[hit, None] * directions(angles)) @ axes.T
-    x, y, z, w = placed.pose.orientation
-    in_world = in_rover @ rotation_matrix((w, x, y, z)).T + placed.pose.position
+    in_world = in_rover @ np.array(matrix(placed.pose.orientation)).T + placed.pose.position
     return np.asarray(in_world[:, :2])
 
 
