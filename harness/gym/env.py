@@ -152,7 +152,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     def _enter(self, course: Course) -> None:
         """Has the next episodes in another world; warns of one in which no goal can be far enough."""
         self.course, self._episodes_left = course, self.options.episodes_per_world
-        within = np.clip(course.places.middles, -self._box, self._box)
+        within = np.clip(course.places.middles - course.places.middle, -self._box, self._box)
         far, least = math.hypot(*np.ptp(within, axis=0)), self.options.goal_distance[0]
         if least > far:
             gymnasium.logger.warn(

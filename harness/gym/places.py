@@ -23,6 +23,7 @@ class Places:
 
     Attributes:
         middles: Of its cells in the world [m], shape (k, 2).
+        middle: Of the map in the world [m].
     """
 
     def __init__(self, world: World, rover: RoverSpec) -> None:
@@ -37,7 +38,8 @@ class Places:
         if not sizes.any():
             raise UsageError(f"{rover.name} can stand nowhere on {world.name}; choose an easier world")
         rows, columns = np.nonzero(parts == sizes.argmax())
-        corner = np.array(cells.middle) - cells.half_size
+        self.middle = np.array(cells.middle)
+        corner = self.middle - cells.half_size
         self.middles: NDArray[np.float64] = (
             np.column_stack([columns, rows]) + 0.5
         ) * RESOLUTION + corner
@@ -51,16 +53,17 @@ class Places:
             rng: Source of randomness.
             around: Point in the world [m].
             distance: From that point, at least and at most [m].
-            box: Largest |x| and |y| [m].
+            box: Largest distance from the map's middle along x and along y [m].
         """
+        middle_x, middle_y = self.middle.tolist()
         for _ in range(FEW):  # mostly enough, and cheaper than to look at all
             x, y = self._jittered(self.middles[rng.integers(len(self.middles))], rng)
             away = math.dist(around, (x, y))
-            if distance[0] <= away <= distance[1] and max(abs(x), abs(y)) <= box:
+            if distance[0] <= away <= distance[1] and max(abs(x - middle_x), abs(y - middle_y)) <= box:
                 return x, y
         away_from = np.hypot(*(self.middles - around).T)
         missed = np.maximum(distance[0] - away_from, away_from - distance[1])
-        missed = np.maximum(missed, np.abs(self.middles).max(axis=1) - box).clip(min=0.0)
+        missed = np.maximum(missed, np.abs(self.middles - self.middle).max(axis=1) - box).clip(min=0.0)
         nearest = self.middles[missed == missed.min()]
         return self._jittered(nearest[rng.integers(len(nearest))], rng)
 

@@ -12,11 +12,13 @@ from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
 LEO = find_rover("leo")
+AWAY = 64.0, -32.0
 POST = Obstacle(ObstacleKind.HAZARD, "cylinder", (0.2, 0.5), (-2.0, 0.5, 0.5))
 
 
-def world(*obstacles: Obstacle) -> World:
-    return World("made", Heightfield(np.zeros((41, 41)), 0.25), obstacles, seed=0, difficulty=None)
+def world(*obstacles: Obstacle, middle: tuple[float, float] = (0.0, 0.0)) -> World:
+    ground = Heightfield(np.zeros((41, 41)), 0.25, middle)
+    return World("made", ground, obstacles, seed=0, difficulty=None)
 
 
 def test_a_rover_does_not_pass_where_only_corners_of_cells_meet() -> None:
@@ -46,7 +48,8 @@ def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     assert (away >= 1.0).all()
     assert (away <= 2.0).all()
     assert np.abs(drawn.mean(axis=0) - 1.0).max() < 0.3
-    boxed = np.array([places.draw(rng, (0.0, 0.0), (0.0, math.inf), 2.0) for _ in range(400)])
+    places = Places(world(middle=AWAY), LEO)
+    boxed = np.array([places.draw(rng, AWAY, (0.0, math.inf), 2.0) for _ in range(400)]) - AWAY
     assert 1.9 < np.abs(boxed).max() <= 2.0
     beyond = (np.hypot(*boxed.T) > 2.0).mean()  # of the disc, in the corners of the square
     assert beyond == pytest.approx(1.0 - math.pi / 4, abs=0.06)
@@ -55,7 +58,8 @@ def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
 def test_where_nothing_is_as_wanted_the_nearest_is_taken() -> None:
     places, rng = Places(world(), LEO), np.random.default_rng(0)
     assert math.hypot(*places.draw(rng, (0.0, 0.0), (30.0, 40.0))) > 5.0  # a corner
-    assert np.abs(places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.01)).max() <= 0.2
+    middle = Places(world(middle=AWAY), LEO).draw(rng, AWAY, (0.0, math.inf), 0.01)
+    assert np.abs(np.subtract(middle, AWAY)).max() <= 0.2
     others = [places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.15) for _ in range(20)]
     assert len({(x > 0.0, y > 0.0) for x, y in others}) == 4  # of its cells any
     # From (3, 0) at most 0.2 m, from the axes at most 0.15 m: at 1.475 m both miss by as much.
