@@ -1,5 +1,7 @@
 """An environment on the page of `--live`: its steps wait for real time, or while it is paused."""
 
+import numpy as np
+
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.helm import Helm
@@ -50,6 +52,9 @@ class LiveView:
         joints = tuple(simulation.data.qpos[self._joints(driven)].tolist())
         sight = Sight(simulation.position, (w, x, y, z), joints)
         ranges = scan.ranges if isinstance(scan, LaserScan) else None
+        if (crowd := simulation.crowd) is not None:
+            people = zip(crowd.positions(), crowd.places, strict=True)
+            watch.people = np.array([(*middle, place.yaw) for middle, place in people])
         watch.see(sight, Truth(steps * CONTROL_PERIOD_NS), ranges)
         self._helm.go_on(steps * CONTROL_PERIOD_NS)
 

@@ -69,7 +69,9 @@ class Painter:
         if course is not self._course:
             self._leave()
             self._stage(course)
-        self._data.qpos[:] = shown.data.qpos
+        now = self._data
+        now.qpos[:] = shown.data.qpos
+        now.mocap_pos[:], now.mocap_quat[:] = shown.data.mocap_pos, shown.data.mocap_quat  # people
         x, y, _ = shown.position
         if shown.physics.bed is not None and (patch := shown.physics.bed.around(x, y)) is not None:
             self._ground.take(patch)

@@ -1,5 +1,6 @@
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
@@ -9,11 +10,13 @@ from gymnasium.error import ResetNeeded
 
 from harness.base.errors import UsageError
 from harness.gym import picture
+from harness.live.watch import Watch
 from harness.physics import opengl
 from harness.physics.opengl import gl_context
 from harness.view.marks import add_marks
 from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
+from tests.harness.gym.test_vector import YARD
 
 QUICK = replace(picture.QUALITY, samples=0, shadow_map=256)  # without OpenGL's hardware a second each
 
@@ -103,3 +106,24 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     assert (viewer.launch_passive.call_count, window.close.call_count) == (2, 1)
     env.close()
     assert window.close.call_count == 2
+
+
+def test_people_are_drawn_where_they_have_walked_to(
+    make: Make, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pytest.importorskip("viser", reason="needs viser: pip install -e '.[live]'")
+    (tmp_path / "yard.sdf").write_text(YARD)
+    viewer, watch = Mock(), Watch()
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(picture, "dress", Mock())
+    monkeypatch.setattr(picture, "import_module", lambda _: viewer)
+    monkeypatch.setattr("harness.gym.live.LivePage", Mock(return_value=Mock(observers=(watch,))))
+    for mode in ("human", "live"):
+        env = make(render_mode=mode, terrain=str(tmp_path / "yard.sdf"), terrain_size=None)
+        env.reset(seed=0)
+        for _ in range(3):
+            env.step(np.zeros(2, np.float32))
+        drawn = viewer.launch_passive.call_args.args[1].mocap_pos if mode == "human" else watch.people
+        x, y, z = env.driven.simulation.data.mocap_pos[0]
+        assert drawn[0, :3] == pytest.approx([x, y, z])
+        assert x == pytest.approx(0.2, abs=0.06)
