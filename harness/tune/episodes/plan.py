@@ -7,6 +7,7 @@ on the other.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 import numpy as np
 
@@ -61,7 +62,7 @@ class Planned:
     def name(self) -> str:
         """Its name, which is that of its file too."""
         rover = self.run.rover
-        driver = rover.driver.partition(":")[0]
+        driver = Path(rover.driver.partition(":")[0]).name
         return f"{self.index:04d}-{robot_name(rover.robot)}-{self.run.world.terrain}-{driver}"
 
 

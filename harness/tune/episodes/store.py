@@ -125,9 +125,10 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     if folders:  # those that ship change with the version
         identity["folders"] = {robot: model_hash(find_rover(robot)) for robot in sorted(folders)}
     drivers = sorted({one.run.rover.driver for one in planned})
-    files = [Path(name.removeprefix(OF_POLICY)) for name in drivers if name.startswith(OF_POLICY)]
+    files = [name.removeprefix(OF_POLICY) for name in drivers if name.startswith(OF_POLICY)]
+    files += [name.rpartition(":")[0] for name in drivers if ".py:" in name]
     if files:
-        identity["policies"] = [sha256(file.read_bytes()).hexdigest() for file in files]
+        identity["policies"] = [sha256(Path(file).read_bytes()).hexdigest() for file in files]
     return dict(json_safe(identity))  # as it will be read: lists for tuples
 
 

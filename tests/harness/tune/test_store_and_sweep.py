@@ -88,14 +88,18 @@ def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None
         Store(tmp_path, PLANNED)
 
 
-def test_a_sweep_of_a_folders_rover_is_another_once_its_model_has_changed(tmp_path: Path) -> None:
-    rover = tmp_path / "mine"
-    shutil.copytree(LEO.folder, rover)
-    planned = plan((str(rover),), 2, 0, 5.0)
-    Store(tmp_path / "out", planned)
-    Store(tmp_path / "out", planned)
-    model = next(rover.glob("*.xml"))
-    model.write_text(model.read_text() + "<!-- changed -->")
+@pytest.mark.parametrize("changed", ["rover/leo.xml", "mine.py"])
+def test_a_sweep_of_files_of_ones_own_is_another_once_one_has_changed(
+    changed: str, tmp_path: Path, content: bytes
+) -> None:
+    shutil.copytree(LEO.folder, tmp_path / "rover")
+    (tmp_path / "mine.py").write_text("from harness.drivers.wander import Roam as Mine\n")
+    planned = plan((str(tmp_path / "rover"),), 4, 0, 5.0, f"{tmp_path / 'mine.py'}:Mine")
+    for left in (4, 0):
+        workers = Prepared(content)
+        sweeping.sweep(planned, Store(tmp_path / "out", planned), workers, lambda _: None)
+        assert len(workers.driven) == left
+    (tmp_path / changed).write_text((tmp_path / changed).read_text() + "\n")
     with pytest.raises(UsageError, match="another sweep's files"):
         Store(tmp_path / "out", planned)
 
