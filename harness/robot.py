@@ -1,4 +1,4 @@
-"""Command: make a rover of a URDF, and tell what is odd about a rover.
+"""Command: make a rover of a URDF or SDF, and tell what is odd about a rover.
 
     python -m harness.robot new my_rover --from robot.urdf
     python -m harness.robot check my_rover --picture my_rover.png
@@ -139,12 +139,12 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         required=True, metavar="COMMAND", parser_class=OneLineParser, help="COMMAND --help tells more"
     )
-    new = commands.add_parser("new", help="make a folder for --robot of a URDF")
+    new = commands.add_parser("new", help="make a folder for --robot of a URDF or a model in SDF")
     new.set_defaults(act=_new)
     new.add_argument("name", metavar="NAME", help="of the rover")
     made = new.add_mutually_exclusive_group(required=True)
-    about = "the URDF; its meshes beside it or in folders above; or give --template"
-    made.add_argument("--from", dest="source", type=Path, metavar="FILE.urdf", help=about)
+    about = "the URDF, SDF or folder of a Gazebo model; meshes beside it or above; or give --template"
+    made.add_argument("--from", dest="source", type=Path, metavar="FILE", help=about)
     kinds = "; ".join(f"{name}, {template.summary}" for name, template in TEMPLATES.items())
     about = f"begin with one of these, whose URDF is put into the folder too: {kinds}; default: none"
     made.add_argument("--template", choices=TEMPLATES, default="", metavar="NAME", help=about)

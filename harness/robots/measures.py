@@ -16,6 +16,7 @@ from harness.robots.spec import RoverSpec
 
 MODEST = 0.5  # of the top speed: what the scripted drivers command, at most CRUISE
 CRUISE, TURNING = 1.0, 1.0  # [m/s], [rad/s]
+ONE_AXLE = 0.01  # of the wheels' radius: so far apart along x, wheels are of one axle
 CARRIES = 0.15  # of the wheels' radius: so near to level ground, a caster touches it
 LOWEST = 0.01  # [m]: less clearance is none
 
@@ -96,7 +97,9 @@ class Measures(Drivetrain):
     def _wheelbase(self, places: NDArray[np.float64]) -> float:
         ahead = places[:, 0]
         if not self.steered_wheels:
-            return float(np.ptp(ahead)) or 2 * self._radius  # of one axle: what it needs of ground
+            span = float(np.ptp(ahead))
+            of_one_axle = span <= ONE_AXLE * self._radius
+            return 2 * self._radius if of_one_axle else span  # what it needs of ground
         steered = np.isin(self._wheels, self.steered_wheels)
         if steered.all():
             raise UsageError(

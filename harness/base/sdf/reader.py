@@ -54,3 +54,14 @@ def numbers(text: str, count: int, name: str) -> tuple[float, ...]:
         shown = " ".join(words)[:60]
         raise UsageError(f"{name} '{shown}' is not valid; give {how_many(count, 'finite number')}")
     return values
+
+
+def color_of(visual: Element) -> tuple[float, float, float, float] | None:
+    """Returns the colour of a visual's material, with its alpha; None if it has none."""
+    material = visual.find("material")
+    text = text_of(material, "diffuse") or text_of(material, "ambient")
+    values = text.split()
+    if len(values) not in (3, 4):
+        return None
+    red, green, blue, *alpha = numbers(text, len(values), "colour")
+    return red, green, blue, alpha[0] if alpha else 1.0

@@ -12,6 +12,7 @@ from harness.base.sdf.resources import Missing, Resources, model_file, of_gazebo
 from harness.base.xml import read_xml
 
 MOST_INCLUDES = 2_000
+ROOTS = ("sdf", "gazebo")  # as it is called, and was before version 1.3
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Scopes:
     def root(self, path: Path) -> Element:
         """Returns the root of a file; UsageError if it is no <sdf>."""
         root = read_xml(path)
-        if root.tag not in ("sdf", "gazebo"):
+        if root.tag not in ROOTS:
             raise UsageError(f"{path}: its root is <{root.tag}>, not <sdf>")
         self.files.append(path)
         return root

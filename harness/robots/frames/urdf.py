@@ -29,7 +29,7 @@ def write_urdf(frames: RoverFrames) -> str:
     model = frames.model
     robot = ET.Element("robot", name=frames.name)
     for index in range(model.nmat):
-        _add_material(robot, model.mat(index).name, model.mat_rgba[index])
+        add_material(robot, model.mat(index).name, model.mat_rgba[index])
     for link in frames.links:
         element = ET.SubElement(robot, "link", name=link.name)
         if link.carries:
@@ -41,13 +41,15 @@ def write_urdf(frames: RoverFrames) -> str:
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _add_material(above: ET.Element, name: str, rgba: Matrix) -> None:
+def add_material(above: ET.Element, name: str, rgba: Iterable[float]) -> None:
+    """Adds a material of a colour to a visual or a robot."""
     material = ET.SubElement(above, "material", name=name)
     ET.SubElement(material, "color", rgba=" ".join(f"{part:.4g}" for part in rgba))
 
 
-def _add_origin(above: ET.Element, pose: Matrix) -> None:
-    ET.SubElement(above, "origin", xyz=_text(pose[:3, 3]), rpy=_text(_angles(pose)))
+def add_origin(above: ET.Element, pose: Matrix) -> None:
+    """Adds a pose, shape (4, 4) [m], to a joint, an inertial or a shape."""
+    ET.SubElement(above, "origin", xyz=text_of_numbers(pose[:3, 3]), rpy=text_of_numbers(_angles(pose)))
 
 
 def _add_inertial(element: ET.Element, link: Link, frames: RoverFrames) -> None:
@@ -60,11 +62,11 @@ def _add_inertial(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     centre[:3, 3] = in_link[:3, 3]
     inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
     inertial = ET.SubElement(element, "inertial")
-    _add_origin(inertial, centre)
-    ET.SubElement(inertial, "mass", value=_text([model.body_mass[body]]))
+    add_origin(inertial, centre)
+    ET.SubElement(inertial, "mass", value=text_of_numbers([model.body_mass[body]]))
     rows, columns = np.triu_indices(3)
     cells = zip(rows, columns, strict=True)
-    named = {f"i{'xyz'[i]}{'xyz'[j]}": _text([inertia[i, j]]) for i, j in cells}
+    named = {f"i{'xyz'[i]}{'xyz'[j]}": text_of_numbers([inertia[i, j]]) for i, j in cells}
     ET.SubElement(inertial, "inertia", named)
 
 
@@ -77,12 +79,12 @@ def _add_visuals(element: ET.Element, link: Link, frames: RoverFrames) -> None:
         geom_in_link = np.linalg.inv(link.in_base) @ geom_in_base
         for shape, attributes, shape_in_geom in _shapes(model, geom):
             visual = ET.SubElement(element, "visual")
-            _add_origin(visual, geom_in_link @ shape_in_geom)
+            add_origin(visual, geom_in_link @ shape_in_geom)
             ET.SubElement(ET.SubElement(visual, "geometry"), shape, attributes)
             if model.geom_matid[geom] >= 0:
                 ET.SubElement(visual, "material", name=model.mat(model.geom_matid[geom]).name)
             else:
-                _add_material(visual, f"geom_{geom}", model.geom_rgba[geom])
+                add_material(visual, f"geom_{geom}", model.geom_rgba[geom])
 
 
 def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
@@ -91,16 +93,16 @@ def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
     if kind == MESH and model.mesh_pathadr[model.geom_dataid[geom]] >= 0:
         yield _mesh(model, int(model.geom_dataid[geom]))
     elif kind == BOX:
-        yield "box", {"size": _text([2 * x, 2 * y, 2 * z])}, np.eye(4)
+        yield "box", {"size": text_of_numbers([2 * x, 2 * y, 2 * z])}, np.eye(4)
     elif kind == SPHERE:
-        yield "sphere", {"radius": _text([x])}, np.eye(4)
+        yield "sphere", {"radius": text_of_numbers([x])}, np.eye(4)
     elif kind in (CYLINDER, CAPSULE):
-        yield "cylinder", {"radius": _text([x]), "length": _text([2 * y])}, np.eye(4)
+        yield "cylinder", {"radius": text_of_numbers([x]), "length": text_of_numbers([2 * y])}, np.eye(4)
         for end in (-y, y) if kind == CAPSULE else ():
-            yield "sphere", {"radius": _text([x])}, homogeneous((0.0, 0.0, end), np.eye(3))
+            yield "sphere", {"radius": text_of_numbers([x])}, homogeneous((0.0, 0.0, end), np.eye(3))
     else:
         centre, half_size = np.split(model.geom_aabb[geom], 2)
-        yield "box", {"size": _text(2 * half_size)}, homogeneous(centre, np.eye(3))
+        yield "box", {"size": text_of_numbers(2 * half_size)}, homogeneous(centre, np.eye(3))
 
 
 def _mesh(model: mujoco.MjModel, mesh: int) -> Shape:
@@ -108,7 +110,7 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> Shape:
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[mesh])
     path = Path(bytes(model.paths[model.mesh_pathadr[mesh] :]).split(b"\0")[0].decode())
-    attributes = {"filename": path.resolve().as_uri(), "scale": _text(model.mesh_scale[mesh])}
+    attributes = {"filename": path.resolve().as_uri(), "scale": text_of_numbers(model.mesh_scale[mesh])}
     mesh_in_file = homogeneous(model.mesh_pos[mesh], rotation)
     return "mesh", attributes, np.asarray(np.linalg.inv(mesh_in_file))
 
@@ -120,12 +122,15 @@ def _add_joint(robot: ET.Element, link: Link, frames: RoverFrames) -> None:
     element = ET.SubElement(robot, "joint", name=name, type=_joint_type(model, joint))
     ET.SubElement(element, "parent", link=link.parent)
     ET.SubElement(element, "child", link=link.name)
-    _add_origin(element, frames.in_parent(link))
+    add_origin(element, frames.in_parent(link))
     if joint < 0:
         return
-    ET.SubElement(element, "axis", xyz=_text(frames.axis(link)))
+    ET.SubElement(element, "axis", xyz=text_of_numbers(frames.axis(link)))
     dof = model.jnt_dofadr[joint]
-    damping, friction = _text([model.dof_damping[dof]]), _text([model.dof_frictionloss[dof]])
+    damping, friction = (
+        text_of_numbers([model.dof_damping[dof]]),
+        text_of_numbers([model.dof_frictionloss[dof]]),
+    )
     ET.SubElement(element, "dynamics", damping=damping, friction=friction)
     ET.SubElement(element, "limit", _limits(model, joint))
 
@@ -142,10 +147,10 @@ def _limits(model: mujoco.MjModel, joint: int) -> dict[str, str]:
     motors = np.flatnonzero(model.actuator_trnid[:, 0] == joint).tolist()
     effort = model.actuator_forcerange[motors, 1].sum()
     velocity = model.actuator_ctrlrange[motors, 1].max(initial=0.0)
-    limits = {"effort": _text([effort]), "velocity": _text([velocity])}
+    limits = {"effort": text_of_numbers([effort]), "velocity": text_of_numbers([velocity])}
     if model.jnt_limited[joint]:
         lower, upper = model.jnt_range[joint]
-        limits |= {"lower": _text([lower]), "upper": _text([upper])}
+        limits |= {"lower": text_of_numbers([lower]), "upper": text_of_numbers([upper])}
     return limits
 
 
@@ -158,6 +163,6 @@ def _angles(pose: Matrix) -> list[float]:
     return [math.atan2(pose[2, 1], pose[2, 2]), pitch, math.atan2(pose[1, 0], pose[0, 0])]
 
 
-def _text(values: Iterable[float]) -> str:
-    """Numbers to a picometre: what is left of roundings is 0."""
+def text_of_numbers(values: Iterable[float]) -> str:
+    """Returns numbers to a picometre: what is left of roundings is 0."""
     return " ".join(f"{round(float(value), 12) + 0.0:.12g}" for value in values)

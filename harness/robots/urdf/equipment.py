@@ -28,6 +28,8 @@ TIMESTEP = DEFAULT_TIMESTEP_NS / NANOSECONDS  # [s]
 STEERING_SPEED = 2.0  # [rad/s]
 STEERING_LIMIT = 0.5  # [rad]
 LIDAR = re.compile(r"lidar|laser|scan|velodyne|ouster|hokuyo|sick|livox", re.IGNORECASE)
+# of Gazebo's plugins: left_joint, rightFrontJoint, ...
+SIDE_JOINT = re.compile(r"(left|right)_?(front|middle|rear|back)?_?joint", re.IGNORECASE)
 IMU = re.compile(r"(^|_)imu(_|$)", re.IGNORECASE)
 
 
@@ -184,12 +186,18 @@ class _Workshop:
 
 
 def _driven(robot: ET.Element, joints: Joints) -> tuple[str, ...]:
-    """The wheels that the URDF gives motors, by transmissions or ros2_control; all if it gives none."""
+    """The wheels with motors, by transmissions, ros2_control or a drive's plugin; all if none tells."""
     stated = {
         joint.get("name")
         for holder in (*robot.iter("transmission"), *robot.iter("ros2_control"))
         for joint in holder.iter("joint")
         if holder.tag == "transmission" or joint.find("command_interface") is not None
+    }
+    stated |= {
+        (item.text or "").strip()
+        for plugin in robot.iter("plugin")
+        for item in plugin.iter()
+        if SIDE_JOINT.fullmatch(item.tag)
     }
     return tuple(name for name in joints.wheels if name in stated) or joints.wheels
 

@@ -12,6 +12,7 @@ from xml.sax.saxutils import quoteattr
 import mujoco
 
 from harness.base.errors import UsageError
+from harness.base.sdf.resources import Missing, model_file
 from harness.robots.measures import frame_name
 from harness.robots.model import compiled, free_root, show_what_collides, sort_geoms
 from harness.robots.reading import read_rover
@@ -59,7 +60,7 @@ def write_folder(
 
     Args:
         name: Of the rover.
-        urdf: Its file.
+        urdf: Its file, which may be SDF; or the folder of a model of Gazebo.
         folder: To be made; must not exist.
         left: Joints of the wheels on the left, front to rear; sorted by their places if left out.
         right: Joints of the wheels on the right.
@@ -73,6 +74,11 @@ def write_folder(
         raise UsageError(f"name '{name}' is not valid; give {NAMES}")
     if folder.exists():
         raise UsageError(f"{folder} exists already, not overwriting; choose another NAME or --out")
+    if urdf.is_dir():
+        try:
+            urdf = model_file(urdf)
+        except Missing as missing:
+            raise UsageError(f"{missing}; name its SDF file, or its URDF") from missing
     source = read_urdf(urdf, folders, trust_xacro=trust_xacro)
     spec = source.spec
     free_root(spec, urdf)

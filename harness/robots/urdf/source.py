@@ -20,8 +20,10 @@ from harness.base.errors import UsageError
 from harness.base.mesh import Mesh
 from harness.base.mesh_file import FACE, HEAD, SIMPLER, SUFFIXES, read_mesh
 from harness.base.mesh_file import MOST_BYTES as LARGEST
+from harness.base.sdf.scopes import ROOTS
 from harness.robots.model import keep_mujoco_quiet
 from harness.robots.strangers import COMMENT, parsed, read_text
+from harness.robots.urdf.sdf import urdf_of_sdf
 
 MUJOCO = (".stl", ".obj", ".msh")  # what its own decoders read
 MOST_FACES = 200_000  # that MuJoCo's decoder reads
@@ -38,7 +40,7 @@ class Source:
 
 
 def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Source:
-    """Returns a URDF as a model.
+    """Returns a URDF, or a model in SDF, as a model of MuJoCo.
 
     Args:
         path: Of the file.
@@ -49,8 +51,10 @@ def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Sour
         UsageError: It cannot be read, is not URDF, or a mesh that collides is missing.
     """
     robot = parsed(_text(path, folders, trust_xacro=trust_xacro), path)
-    _check_content(robot, path)
     notes: list[str] = []
+    if robot.tag in ROOTS:
+        robot, notes = urdf_of_sdf(robot, path, folders)
+    _check_content(robot, path)
     for link in robot.iter("link"):
         notes += _find_meshes(link, path, folders)
         notes += _implausible_inertia(link, path)
@@ -70,6 +74,7 @@ def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Sour
             triangles = _triangles(file)
             mesh.uservert, mesh.userface = triangles.vertices.ravel(), triangles.faces.ravel()
             mesh.file = ""
+    _wind_springs(spec, robot)
     without = {link.get("name") for link in robot.iter("link") if link.find("inertial") is None}
     for body in spec.bodies:
         if body.name in without:  # MuJoCo would give its shapes the density of water
@@ -78,9 +83,20 @@ def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Sour
     return Source(spec, robot, notes)
 
 
+def _wind_springs(spec: mujoco.MjSpec, robot: ET.Element) -> None:
+    """Gives joints the springs that SDF has, and URDF cannot say."""
+    for joint in robot.findall("joint"):
+        dynamics = joint.find("dynamics")
+        if dynamics is not None and float(dynamics.get("spring_stiffness", "0")):
+            sprung = spec.joint(joint.get("name"))
+            sprung.stiffness[0] = float(dynamics.get("spring_stiffness", "0"))
+            sprung.springref = float(dynamics.get("spring_reference", "0"))
+
+
 def _check_content(robot: ET.Element, path: Path) -> None:
     if robot.tag != "robot":
-        raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
+        mend = "give a file that holds <robot> or <sdf>"
+        raise UsageError(f"{path} is neither URDF nor SDF: it holds <{robot.tag}>; {mend}")
     if robot.find("link") is None:
         raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
     for joint in robot.findall("joint"):

@@ -10,7 +10,6 @@ from harness.base.errors import UsageError
 from harness.base.sdf.poses import IDENTITY, Transform, transform
 from harness.base.sdf.reader import is_true, numbers, text_of
 from harness.base.sdf.resources import Missing, Resources
-from harness.world.obstacles import Color
 from harness.world.solid import MeshFile, Plane, Primitive, Relief, Shape
 
 Placed = tuple[Shape, Transform]  # and where it is in the frame of its geometry
@@ -95,14 +94,3 @@ def _lengths(element: Element, tag: str, count: int, owner: str, default: str = 
     if not all(0.0 < value <= LARGEST_SIZE for value in values):
         raise UsageError(f"<{tag}> of {owner} '{text}' is not valid; give metres above 0, up to 100 km")
     return values
-
-
-def color_of(visual: Element) -> Color | None:
-    """Returns the colour of a visual's material, with its alpha; None if it has none."""
-    material = visual.find("material")
-    text = text_of(material, "diffuse") or text_of(material, "ambient")
-    values = text.split()
-    if len(values) not in (3, 4):
-        return None
-    red, green, blue, *alpha = numbers(text, len(values), "colour")
-    return red, green, blue, alpha[0] if alpha else 1.0

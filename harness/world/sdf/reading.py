@@ -11,13 +11,13 @@ from xml.etree.ElementTree import Element
 
 from harness.base.errors import UsageError
 from harness.base.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
-from harness.base.sdf.reader import numbers, read_list, text_of
+from harness.base.sdf.reader import color_of, numbers, read_list, text_of
 from harness.base.sdf.resources import Missing, Resources
 from harness.base.sdf.scopes import Call, Scopes, framed
 from harness.robots.spec import GRAVITY
 from harness.world.obstacles import Color
 from harness.world.sdf.document import Document, Person
-from harness.world.sdf.geometry import color_of, read_shapes
+from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.saved import restore
 from harness.world.solid import Primitive, Solid
 

@@ -402,7 +402,7 @@ def of_wheel(old: str, new: str) -> str:
 MASS, AXIS = 'mass value="2.637"', '<axis xyz="0 1 0"/>'
 MISTAKES = {
     "not XML": ("<robot", "is not XML"),
-    "not URDF": ("<sdf/>", "is not URDF: it holds <sdf>"),
+    "not URDF": ("<mujoco/>", "is neither URDF nor SDF: it holds <mujoco>"),
     "empty": ("<robot/>", "holds no <link>"),
     "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares a document type or entities"),
     "no wheels": (HUSKY.urdf.replace("continuous", "fixed"), "no wheels were found on both sides"),

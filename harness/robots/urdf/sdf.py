@@ -1,0 +1,217 @@
+"""A model in SDF as the URDF that says the same, of which a rover is made.
+
+SDF has a pose for each link and one for each joint; in URDF a link's frame is at the joint that carries
+it. So what hangs on a joint that moves gets its frame there, turned as it was.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from harness.base.errors import UsageError
+from harness.base.sdf.poses import IDENTITY, Transform, inverse, read_pose, transform
+from harness.base.sdf.reader import color_of, numbers, text_of
+from harness.robots.frames.urdf import add_material, add_origin, text_of_numbers
+from harness.robots.urdf.equipment import IMU, LIDAR
+from harness.robots.urdf.sdf_model import Joint, Model, read_model
+from rover_metrics.number import number
+
+SENSORS = {  # how their links are called, and the types that they have
+    "lidar": (LIDAR, ("gpu_lidar", "gpu_ray", "lidar", "ray")),
+    "imu": (IMU, ("imu",)),
+}
+SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
+SIZES["capsule"] = SIZES["cylinder"]
+AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
+LIMITLESS = 1e15  # [rad]: limits beyond it, as SDF's usual 1e16, are none
+TURNING, SLIDING, HELD = ("revolute", "continuous"), ("prismatic",), ("fixed", "ball")
+KINDS = (*TURNING, *SLIDING, *HELD)
+NO_JOINT = ("gearbox",)  # between links that have joints of their own
+
+
+def urdf_of_sdf(root: Element, path: Path, folders: Sequence[Path]) -> tuple[Element, list[str]]:
+    """Returns the <robot> that a model in SDF is, and what was left out or changed, a line each.
+
+    Args:
+        root: The <sdf>.
+        path: Its file.
+        folders: With what it includes, beside its own folder and those above.
+
+    Raises:
+        UsageError: It holds no rover or several, or something in it is not valid.
+    """
+    try:
+        model = read_model(root, path, folders)
+        return _Writing(model).robot(), model.notes
+    except UsageError as error:
+        text = str(error)
+        raise UsageError(text if text.startswith(f"{path}") else f"{path}: {text}") from error
+
+
+class _Writing:
+    def __init__(self, model: Model) -> None:
+        self._model, self._notes = model, model.notes
+        self._joints = {name: one for name, one in model.joints.items() if one.kind not in NO_JOINT}
+        carried: dict[str, str] = {}
+        for name, joint in self._joints.items():
+            self._check(name, joint)
+            if joint.child in carried:
+                both = f"joints '{carried[joint.child]}' and '{name}'"
+                raise UsageError(f"link '{joint.child}' hangs on {both}; take the loop apart")
+            carried[joint.child] = name
+        self._frames = {name: self._frame(name, carried.get(name, "")) for name in model.links}
+
+    def _check(self, name: str, joint: Joint) -> None:
+        if joint.kind not in KINDS:
+            raise UsageError(f"joint '{name}' is '{joint.kind}'; valid: {', '.join(KINDS)}")
+        for link in (joint.parent, joint.child):
+            if link not in self._model.links:
+                raise UsageError(f"joint '{name}' ties link '{link}', which is not there")
+
+    def _frame(self, name: str, carrier: str) -> Transform:
+        """The frame in which URDF says what is in a link: a root's is turned as the model, x ahead."""
+        pose = self._model.links[name].pose
+        if not carrier:
+            return transform(tuple(pose[:3, 3]), IDENTITY[:3, :3])
+        joint = self._joints[carrier]
+        return pose if joint.kind in HELD else transform(tuple(joint.pose[:3, 3]), pose[:3, :3])
+
+    def robot(self) -> Element:
+        """Returns the whole."""
+        robot = Element("robot", name=self._model.name)
+        for name in self._model.links:
+            self._link(SubElement(robot, "link", name=name), name)
+        for name, joint in self._joints.items():
+            self._joint(robot, name, joint)
+        for sensor in SENSORS:
+            self._sensor(robot, sensor)
+        SubElement(robot, "gazebo").extend(self._model.plugins)
+        light = [link.get("name", "") for link in robot.iter("link") if link.find("inertial") is None]
+        if light := [name for name in light if name in self._model.links]:
+            names = ", ".join(light)
+            self._notes.append(f"without <inertial>, so no mass, where Gazebo takes 1 kg each: {names}")
+        return robot
+
+    def _at(self, link: str, element: Element | None, owner: str) -> Transform:
+        """The pose of what is in a link, in the frame of URDF's."""
+        pose = IDENTITY if element is None else read_pose(element, owner)[0]
+        return inverse(self._frames[link]) @ self._model.links[link].pose @ pose
+
+    def _link(self, written: Element, name: str) -> None:
+        link = self._model.links[name].element
+        inertial = link.find("inertial")
+        if inertial is not None:
+            self._inertial(SubElement(written, "inertial"), inertial, name)
+        for kind in ("visual", "collision"):
+            for part in link.findall(kind):
+                owner = f"{kind} '{part.get('name')}' of link '{name}'"
+                shape = _shape(part, owner)
+                if isinstance(shape, str):
+                    self._notes.append(f"{owner}: {shape}; dropped")
+                    continue
+                element = SubElement(written, kind)
+                add_origin(element, self._at(name, part, owner))
+                SubElement(element, "geometry").append(shape)
+                if (color := color_of(part)) is not None:
+                    add_material(element, f"{name}_{part.get('name')}", color)
+
+    def _inertial(self, written: Element, inertial: Element, name: str) -> None:
+        moments = inertial.find("inertia")
+        if inertial.get("auto", "").lower() in ("1", "true"):
+            raise UsageError(f"link '{name}' leaves its inertia to Gazebo; give <mass> and <inertia>")
+        values = {
+            f"i{axes}": text_of(moments, f"i{axes}", "1" if axes in AXES[:3] else "0") for axes in AXES
+        }
+        add_origin(written, self._at(name, inertial, f"inertial of link '{name}'"))
+        SubElement(written, "mass", value=text_of(inertial, "mass", "1"))
+        SubElement(written, "inertia", values)
+
+    def _joint(self, robot: Element, name: str, joint: Joint) -> None:
+        axis = joint.element.find("axis")
+        limit = None if axis is None else axis.find("limit")
+        lower, upper = (_limit(limit, tag) for tag in ("lower", "upper"))
+        is_endless = not (-LIMITLESS < lower <= upper < LIMITLESS)
+        kind = ("continuous" if is_endless else "revolute") if joint.kind in TURNING else joint.kind
+        if joint.kind == "ball":
+            kind = "fixed"
+            self._notes.append(f"joint '{name}' is a ball's; held, so that what it carries slides")
+        written = SubElement(robot, "joint", name=name, type=kind)
+        SubElement(written, "parent", link=joint.parent)
+        SubElement(written, "child", link=joint.child)
+        frame = self._frames[joint.child]
+        add_origin(written, inverse(self._frames[joint.parent]) @ frame)
+        if kind == "fixed":
+            return
+        SubElement(written, "axis", xyz=text_of_numbers(frame[:3, :3].T @ joint.axis))
+        stated = {tag: max(_limit(limit, tag), 0.0) for tag in ("effort", "velocity")}
+        limits = {tag: f"{value if value < LIMITLESS else 0.0:g}" for tag, value in stated.items()}
+        ends = {} if is_endless else {"lower": f"{lower:.9g}", "upper": f"{upper:.9g}"}
+        SubElement(written, "limit", limits | ends)
+        dynamics = None if axis is None else axis.find("dynamics")
+        SubElement(written, "dynamics", dict(_dynamics(dynamics)))
+        if axis is not None and (mimic := axis.find("mimic")) is not None:
+            SubElement(written, "mimic", _mimic(mimic, name))
+
+    def _sensor(self, robot: Element, kind: str) -> None:
+        """Adds the link of the first lidar or IMU, unless it is at a link that is called so."""
+        pattern, types = SENSORS[kind]
+        for link, one in self._model.links.items():
+            for sensor in one.element.findall("sensor"):
+                if sensor.get("type") not in types:
+                    continue
+                at = self._at(link, sensor, f"sensor '{sensor.get('name')}'")
+                if pattern.search(link) and np.allclose(at, IDENTITY):
+                    return
+                name = sensor.get("name", kind)
+                name = name if pattern.search(name) else f"{name}_{kind}"
+                name = f"{link}_{name}" if name in self._model.links else name
+                SubElement(robot, "link", name=name)
+                joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
+                SubElement(joint, "parent", link=link)
+                SubElement(joint, "child", link=name)
+                add_origin(joint, at)
+                return
+
+
+def _shape(part: Element, owner: str) -> Element | str:
+    """The shape of a visual or a collision as in URDF, or why there is none."""
+    shape = next(iter(part.find("geometry") or ()), None)
+    if shape is None:
+        return "it has no shape"
+    if shape.tag == "mesh":
+        if text_of(shape.find("submesh"), "name"):
+            return "a part of a mesh is not taken alone"
+        scale = text_of_numbers(numbers(text_of(shape, "scale", "1 1 1"), 3, f"<scale> of {owner}"))
+        return Element("mesh", filename=text_of(shape, "uri"), scale=scale)
+    if shape.tag not in SIZES:
+        return f"no shape here is a <{shape.tag}>"
+    sizes = {tag: text_of(shape, tag) for tag in SIZES[shape.tag]}
+    for tag, text in sizes.items():
+        numbers(text, 3 if tag == "size" else 1, f"<{tag}> of {owner}")
+    return Element(shape.tag, sizes)
+
+
+def _limit(limit: Element | None, tag: str) -> float:
+    """A limit of a joint, which may be inf; without one SDF's usual."""
+    usual = {"lower": "-1e16", "upper": "1e16"}.get(tag, "-1")
+    try:
+        return number(text_of(limit, tag, usual))
+    except ValueError as error:
+        raise UsageError(f"<{tag}> of a joint: {error}") from error
+
+
+def _dynamics(dynamics: Element | None) -> Iterator[tuple[str, str]]:
+    for tag in ("damping", "friction", "spring_stiffness", "spring_reference"):
+        text = text_of(dynamics, tag, "0")
+        yield tag, text_of_numbers(numbers(text, 1, f"<{tag}> of a joint"))
+
+
+def _mimic(mimic: Element, name: str) -> dict[str, str]:
+    """SDF's multiplier x (leader - reference) + offset as multiplier x leader + offset."""
+    usual = {"multiplier": "1", "offset": "0", "reference": "0"}
+    texts = [text_of(mimic, tag, value) for tag, value in usual.items()]
+    multiplier, offset, reference = numbers(" ".join(texts), 3, f"<mimic> of joint '{name}'")
+    values = text_of_numbers([multiplier]), text_of_numbers([offset - multiplier * reference])
+    return {"joint": mimic.get("joint", ""), "multiplier": values[0], "offset": values[1]}
