@@ -12,12 +12,14 @@ from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.version import __version__
 from harness.drivers.base import OF_POLICY
+from harness.episode.assembly import world_of
 from harness.robots import ROVERS
 from harness.robots.reading import content_of
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.verdict import Attempt
 from harness.spec.run import Run
+from harness.world.files import is_heightmap, is_terrain_file
 from harness.world.soil_map import soil_files
 
 _ATTEMPT = TypeAdapter(Attempt)
@@ -89,7 +91,9 @@ class Progress:
 
 def _identity(cases: Sequence[Case], *, compare: bool) -> str:
     """A hash of all that the outcomes depend on, the contents of files included."""
-    files = {file for case in cases for file in (case.path, path_of(case.path), *_files_of(case.run))}
+    runs = {(case.run.world, case.run.rovers): case.run for case in cases}.values()  # of any seed
+    files = {file for case in cases for file in (case.path, path_of(case.path))}
+    files |= {file for run in runs for file in _files_of(run)}
     digest = hashlib.sha256(repr((__version__, compare)).encode())
     for path in sorted(files):
         if path.is_file():
@@ -103,7 +107,10 @@ def _files_of(run: Run) -> Iterator[Path]:
     """What a run may read: world, soil, people, targets, policy and the rover's folder."""
     world, driver = run.world, run.rover.driver
     yield from (Path(world.terrain), Path(driver.removeprefix(OF_POLICY)))
-    yield Path(driver.rpartition(":")[0])
+    yield from (Path(name.rpartition(":")[0]) for name in (driver, world.terrain))
+    if is_terrain_file(world.terrain) and not is_heightmap(world.terrain):
+        with suppress(UsageError):  # which the run tells
+            yield from (Path(file) for file, _ in world_of(run).files)
     yield from soil_files(world.soil)
     yield from (Path(actor.file) for actor in world.actors)
     yield from (Path(file) for target in world.targets for file in target.files)

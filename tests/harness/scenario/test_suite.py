@@ -152,6 +152,9 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
         "face.png",
         "net.npz",
         "own.py",
+        "hills.py",
+        "yard.sdf",
+        "rock.obj",
         "rover/rover.yaml",
         "rover/wheel.stl",
     )
@@ -159,11 +162,26 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
     files = {name: tmp_path / name for name in names} | {"": path_of(first.path)}  # its baseline
     for file in files.values():
         file.write_text("k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
-    terrain, soil, people, mesh, texture, net, own, *_ = map(str, files.values())
+    terrain, soil, people, mesh, texture, net, own, hills, yard, *_ = map(str, files.values())
+    files["hills.py"].write_text("from harness.world.terrains.ground import Slope as Hills\n")
+    files["rock.obj"].write_text(
+        "v 3 3 1\nv 4 3 1\nv 3 4 1\nv 3 3 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    )
+    ground = (
+        "<plane><normal>0 0 1</normal><size>20 20</size></plane>",
+        "<mesh><uri>rock.obj</uri></mesh>",
+    )
+    shapes = (
+        f"<collision name='{number}'><geometry>{shape}</geometry></collision>"
+        for number, shape in enumerate(ground)
+    )
+    model = f"<model name='m'><static>1</static><link name='l'>{''.join(shapes)}</link></model>"
+    files["yard.sdf"].write_text(f"<sdf version='1.9'><world name='w'>{model}</world></sdf>")
     world = {"terrain": terrain, "soil": soil, "actors": (people,)}
     world["targets"] = (f"{mesh}:texture={texture}",)
     drivers = (f"policy:{net}", f"{own}:Mine")
     runs = [Run.of(**world, driver=driver, robot=str(tmp_path / "rover")) for driver in drivers]
+    runs += [Run.of(terrain=other) for other in (f"{hills}:Hills", yard)]
     cases = [replace(first, run=run) for run in runs]
     for name, file in files.items():
         before = Progress(cases, tmp_path / "out", compare=True)
