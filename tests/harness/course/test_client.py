@@ -41,6 +41,7 @@ def test_a_client_is_where_it_was_last_told_to_be_while_its_poses_are_no_numbers
     assert times.tolist() == [50_000_000 * number for number in range(1, 41)]
     assert np.isfinite([x, y]).all()
     assert x[-1] > 0.2
+    assert 0.2 < np.mean(np.diff(x[10:]) == 0.0) < 0.8  # half of them tell it nothing
 
 
 def test_a_client_is_given_the_goals_that_are_published_with_their_headings() -> None:

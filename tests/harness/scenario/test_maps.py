@@ -33,7 +33,7 @@ LIMITS = Limits(slope=0.5, step=0.1, tip=0.8, span=0.5)
 
 def ramp(angle: float, *obstacles: Obstacle, middle: Where = (0.0, 0.0)) -> World:
     x = np.linspace(-5.0, 5.0, 101)
-    heights = np.broadcast_to(x * math.tan(angle), (101, 101)).copy()
+    heights = np.broadcast_to(x * math.tan(angle), (71, 101)).copy()
     return World("ramp", Heightfield(heights, 0.1, middle), obstacles, 0, None)
 
 
