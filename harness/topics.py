@@ -26,7 +26,7 @@ from rich.live import Live
 
 from harness.base.errors import HarnessError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
-from harness.spec.rover import namespace_of
+from harness.base.ros_names import namespace_of
 from rover_metrics.parser import OneLineParser, positive
 from rover_metrics.sheet.console import PlainConsole
 

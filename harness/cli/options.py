@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.base.errors import UsageError, find_named
+from harness.base.ros_names import namespace_of
 from harness.cli.files import Files
 from harness.cli.flags import flags_of, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR, parsed
@@ -17,7 +18,7 @@ from harness.episode.result import Outputs
 from harness.spec.fleet import parse_rovers
 from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import FrameOptions, RosOptions
-from harness.spec.rover import CMD_VEL, RoverSetup, namespace_of
+from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.run import PARTS, Run, from_fields
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.further import FURTHER

@@ -105,7 +105,7 @@ def result_of(case: Case, task: Task, driven: Drive, episode: Episode) -> Episod
 @lru_cache(maxsize=4)
 def weight_of(rover: RoverSpec) -> float:
     """Returns the weight of a rover [N]."""
-    from harness.robots.model import compiled, read_model  # noqa: PLC0415 - MuJoCo
+    from harness.robots.model import compiled_alone  # noqa: PLC0415 - MuJoCo
 
-    masses = compiled(read_model(rover), rover.model_path).body_mass.tolist()
-    return float(sum(masses)) * rover.gravity
+    model, _ = compiled_alone(rover)
+    return float(sum(model.body_mass.tolist())) * rover.gravity

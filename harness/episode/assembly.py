@@ -17,6 +17,7 @@ from harness.drivers.encounters import StagedEncounter
 from harness.faults.actuation import WHEEL, ActuatorFaults
 from harness.faults.injector import FaultInjector
 from harness.faults.lookup import find_faults
+from harness.physics.berths import Member, berth
 from harness.robots import RoverSpec, equipped, find_rover
 from harness.sensors.choice import chosen
 from harness.sensors.noise import PRESETS
@@ -27,7 +28,6 @@ from harness.spec.run import Run
 from harness.spec.target import TargetSpec
 from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
-from harness.world.berths import Member, berth
 from harness.world.files import check_terrain, file_world, is_terrain_file
 from harness.world.geodesy import Datum
 from harness.world.grading import GradedMap, Limits, graded

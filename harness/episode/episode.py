@@ -17,6 +17,7 @@ from harness.episode.pilot import Pilot
 from harness.episode.sensing import installed, sensor_noise
 from harness.episode.together import together
 from harness.physics.aside import Errand
+from harness.physics.berths import berth, overlaps
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
@@ -32,7 +33,6 @@ from harness.sensors.transforms import describe
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
-from harness.world.berths import berth, overlaps
 from harness.world.world import terrain_hash
 
 

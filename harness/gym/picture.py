@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from harness.base.errors import UsageError
 from harness.gym.course import Course
 from harness.gym.driven_rover import DrivenRover
+from harness.physics.berths import Member
 from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas, gl_context
 from harness.physics.stage import Quality, aim_sun, dress, visible_groups
 from harness.view.camera import chase_view
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks
-from harness.world.berths import Member
 
 QUALITY = Quality(width=640, height=400, samples=4, shadow_map=2048, slices=16)
 GOAL_COLOR = (0.05, 0.78, 0.86, 0.6)

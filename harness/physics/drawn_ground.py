@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.berths import Member
 from harness.physics.scene import Dress, Scene, build_scenes
 from harness.physics.stage import SOIL_TILE
 from harness.physics.world_geoms import (
@@ -23,7 +24,6 @@ from harness.physics.world_geoms import (
     VISUAL_GROUP,
     soil_ground,
 )
-from harness.world.berths import Member
 from harness.world.heightfield import Field
 from harness.world.world import World
 

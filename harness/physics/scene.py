@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from harness.physics.actuators import fit_motors, resist_rolling, sense_motors
+from harness.physics.berths import Member
 from harness.physics.world_geoms import (
     OBSTACLE_GROUP,
     TERRAIN,
@@ -26,7 +27,6 @@ from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, read_model, root_of
 from harness.robots.reading import model_hash
 from harness.soil.soils import SOIL_CONTACT
-from harness.world.berths import Member
 from harness.world.world import World
 
 ARENA = 40 << 20  # [B]: beyond the 32 MiB that glibc takes from its heap, where freed ones leave holes

@@ -55,13 +55,8 @@ def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
 @cache
 def _lidar_mount(rover: RoverSpec) -> tuple[Points, Points]:
     """Returns position [m] and rotation of the lidar in the model frame, from the rover's model file."""
-    import mujoco  # noqa: PLC0415 - not to publish
+    from harness.robots.model import compiled_alone  # noqa: PLC0415 - MuJoCo: not to publish
 
-    from harness.robots.model import read_model  # noqa: PLC0415
-
-    model = read_model(rover).compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    body, site = data.body(1), data.site("lidar")
-    to_rover = body.xmat.reshape(3, 3).T
-    return to_rover @ (site.xpos - body.xpos), to_rover @ site.xmat.reshape(3, 3)
+    _, data = compiled_alone(rover)
+    site = data.site("lidar")
+    return site.xpos.copy(), site.xmat.reshape(3, 3).copy()

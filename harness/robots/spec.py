@@ -22,8 +22,8 @@ from harness.robots.sections import (
     Tyres,
 )
 from harness.spec.value import Value
+from harness.spec.world import GRAVITY
 
-GRAVITY = 0.01, 100.0  # [m/s^2] on which rovers drive
 Bounds = tuple[Number, Number, Number, Number]  # x_min, x_max, y_min, y_max [m]
 _COLUMNS = {1: ("",), 2: ("front_", "rear_"), 3: ("front_", "middle_", "rear_")}
 

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from harness.base.errors import UsageError
-from harness.spec.rover import CMD_VEL, NAME, NAMES, RoverSetup
+from harness.base.ros_names import NAME, NAMES
+from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.value import made
 from rover_metrics.errors import shown
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from harness.base.errors import UsageError
+from harness.base.ros_names import namespace_of
 from harness.spec.live import FOXGLOVE_PORT, HERE, address_of
-from harness.spec.rover import namespace_of
 from harness.spec.value import AsText, Option, Value, checked, listed, made, parsed
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"

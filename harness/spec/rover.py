@@ -1,24 +1,20 @@
 """One rover of a run: its model, where it starts, who drives it, what it carries and what fails."""
 
 import math
-import re
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
 from harness.base.errors import UsageError
+from harness.base.ros_names import check_name
 from harness.base.sim_time import CONTROL_PERIOD, period_ticks
 from harness.spec.fault import FORM, FaultText
 from harness.spec.sensor import SensorChoices
 from harness.spec.value import Finite, Option, Value, checked, listed, numbers
-from rover_metrics.errors import shown
 
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 LIDAR_BEAMS, IMU_RATE = 640, 20
 DEFAULT_NOISE = "white"
-NAME = re.compile(r"(?!.*__)[A-Za-z][A-Za-z0-9_]{0,99}")
-NAMESPACE, LONGEST_NAMESPACE = re.compile(r"(?!.*__)[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII), 100
-NAMES = "give letters, digits and single _, a letter first, at most 100"
 
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] in the world
 Area = tuple[float, float, float, float]  # x from, to, y from, to [m]
@@ -41,26 +37,6 @@ def _check_area(area: Area) -> None:
         )
 
 
-def _check_name(name: str) -> None:
-    if name and not NAME.fullmatch(name):
-        raise UsageError(f"'{shown(name)}' is no name in ROS; {NAMES}")
-
-
-def namespace_of(text: str, flag: str = "--namespace") -> str:
-    """Returns a namespace, or a node's name, of ROS without the slashes around it; "" for the root.
-
-    Raises:
-        UsageError: ROS has no such name; the flag is named.
-    """
-    names = text.strip("/")
-    if names and not (NAMESPACE.fullmatch(names) and len(names) <= LONGEST_NAMESPACE):
-        raise UsageError(
-            f"{flag} '{shown(text)}' is no name in ROS; give letters, digits and single _, no digit "
-            f"first, / between names, at most {LONGEST_NAMESPACE} characters"
-        )
-    return names
-
-
 StartText = Annotated[
     tuple[Finite, Finite, Finite],
     AfterValidator(checked(_check_start)),
@@ -79,7 +55,7 @@ class RoverSetup(Value):
     `name` is the rover's namespace and its folder of logs among several; "" for a rover that is alone.
     """
 
-    name: Annotated[str, AfterValidator(checked(_check_name))] = ""
+    name: Annotated[str, AfterValidator(checked(check_name))] = ""
     robot: Annotated[str, Option("NAME|FOLDER")] = Field(
         default="leo", description="a rover that ships, or a folder (docs/robots.md)"
     )

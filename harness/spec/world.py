@@ -16,6 +16,7 @@ Altitude = Annotated[float, Field(ge=-500.0, le=9000.0)]  # [m]: of what rovers 
 
 SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
 LARGEST_RELIEF = 10_000.0  # [m]
+GRAVITY = 0.01, 100.0  # [m/s^2] on which rovers drive
 MESH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}  # length [m]
 MESH_AXES = ("z", "y", "x")
 

@@ -19,7 +19,7 @@ from harness.base.documents import LARGEST_JSON
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
 from harness.robots import RoverSpec
-from harness.robots.model import read_model
+from harness.robots.model import compiled_alone
 from harness.soil.rig_kernel import steady_wheels
 from harness.soil.soils import Soil
 from rover_metrics.number import number
@@ -171,7 +171,8 @@ def stall_slope_deg(soil: Soil, rover: RoverSpec) -> float:
     Each wheel bears the same share of its weight, and the soil is flat across; a slope at which no slip
     pulls as much as the rover's weight holds back is too steep.
     """
-    mass = float(read_model(rover).compile().body_subtreemass[0])
+    model, _ = compiled_alone(rover)
+    mass = float(model.body_subtreemass[0])
     share = mass * GRAVITY / len(rover.wheel_joints)
     slips = np.linspace(0.02, 0.95, 32)
     low, high = 0.0, math.radians(60.0)

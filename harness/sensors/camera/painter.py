@@ -21,7 +21,7 @@ from harness.sensors.camera.sensor import CameraOptions, CameraState
 if TYPE_CHECKING:
     from multiprocessing.process import BaseProcess
 
-    from harness.world.berths import Member
+    from harness.physics.berths import Member
     from harness.world.world import World
 
 EXIT_PATIENCE = 0.5  # [s] for the process to leave before it is killed

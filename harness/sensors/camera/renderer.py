@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.berths import Member
 from harness.physics.drawn_ground import DrawnGround
 from harness.physics.opengl import Canvas
 from harness.physics.stage import (
@@ -30,7 +31,6 @@ from harness.physics.world_geoms import OBSTACLE_BODIES
 from harness.robots.model import ROOT_ID
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraState
 from harness.sensors.camera.views import Assembly, View
-from harness.world.berths import Member
 from harness.world.heightfield import fractal
 from harness.world.obstacles import rotation_matrix
 from harness.world.world import World

@@ -14,7 +14,7 @@ from harness.base.sdf.poses import IDENTITY, Frames, Transform, inverse, read_po
 from harness.base.sdf.reader import color_of, numbers, read_list, text_of
 from harness.base.sdf.resources import Missing, Resources
 from harness.base.sdf.scopes import Call, Scopes, framed
-from harness.robots.spec import GRAVITY
+from harness.spec.world import GRAVITY
 from harness.world.obstacles import Color
 from harness.world.sdf.document import Document, Person
 from harness.world.sdf.geometry import read_shapes

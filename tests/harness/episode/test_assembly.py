@@ -22,12 +22,12 @@ from harness.episode.assembly import (
 from harness.episode.episode import episodes_of
 from harness.episode.metrics_feed import metric_settings
 from harness.episode.together import together
+from harness.physics.berths import GAP
 from harness.robots import ROVERS, find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
 from harness.world.actors.random_walk import KEPT_CLEAR
-from harness.world.berths import GAP
 from harness.world.obstacles import ObstacleKind
 from tests.harness.robots.test_model import brought_along
 from tests.support.rovers import LEO

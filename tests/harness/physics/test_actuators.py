@@ -15,6 +15,7 @@ from harness.faults.actuation import ActuatorFaults
 from harness.faults.lookup import find_faults
 from harness.physics.actuators import MOTOR_SPEED, MOTOR_TORQUE, PLAY, Drag
 from harness.physics.base_controller import base_controller
+from harness.physics.berths import Member
 from harness.physics.motor_power import MotorPower
 from harness.physics.scene import Scene, build_scene, build_scenes
 from harness.physics.simulation import Simulation
@@ -23,7 +24,6 @@ from harness.robots import IDEAL, REAL, ROVERS, RoverSpec, equipped
 from harness.samples import Twist
 from harness.spec.fault import parse_fault
 from harness.spec.run import Run
-from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.soil_map import soils_on
 from harness.world.world import World

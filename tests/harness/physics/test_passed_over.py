@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from harness.base.errors import RunFailed
+from harness.physics.berths import Member
 from harness.physics.passed_over import obstacles_of, pass_over, restore
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.robots import ROVERS
-from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World

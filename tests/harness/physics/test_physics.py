@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from harness.base.errors import Diverged, RunFailed
+from harness.physics.berths import Member
 from harness.physics.scene import build_scene, build_scenes
 from harness.physics.simulation import Simulation, simulations
-from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World

@@ -11,6 +11,7 @@ import trimesh
 from harness.base import xml
 from harness.base.errors import UsageError
 from harness.base.mesh_file import read_mesh
+from harness.base.ros_names import namespace_of
 from harness.base.sdf.resources import Resources
 from harness.drivers import find_driver
 from harness.episode.assembly import check, world_of
@@ -18,7 +19,6 @@ from harness.scenario.case import cases_of
 from harness.scenario.reading import read_scenario
 from harness.sensors.depth import DepthOptions
 from harness.sensors.height_scan import HeightScanOptions
-from harness.spec.rover import namespace_of
 from harness.spec.run import Run
 from harness.spec.target import parse_target
 from harness.world.actors.people import read_trajectories
@@ -186,7 +186,7 @@ def four_runs(folder: Path) -> None:
         ("harness.world.sdf.reading.MOST_SOLIDS", 2, two_solids),
         ("harness.base.mesh_file.MOST_TRIANGLES", 12, twelve_triangles),
         ("harness.scenario.case.MOST_RUNS", 4, four_runs),
-        ("harness.spec.rover.LONGEST_NAMESPACE", 5, lambda _: namespace_of("a/b_c")),
+        ("harness.base.ros_names.LONGEST_NAMESPACE", 5, lambda _: namespace_of("a/b_c")),
         ("harness.sensors.ranging.MOST_RAYS", 160 * 120, lambda _: DepthOptions(name="d")),
         ("harness.sensors.height_scan.MOST_CELLS", 400, lambda _: HeightScanOptions(name="h")),
         (

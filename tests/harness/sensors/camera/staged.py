@@ -5,9 +5,9 @@ from importlib import import_module
 
 import numpy as np
 
+from harness.physics.berths import Member
 from harness.robots import find_rover
 from harness.sensors.camera.sensor import CameraOptions
-from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World

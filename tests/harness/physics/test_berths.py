@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.world.berths import GAP, berth
+from harness.physics.berths import GAP, berth
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
