@@ -56,10 +56,7 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
         series: Every quantity that is bounded, by its label.
     """
     # Only what is not the default: an argument that a later version adds changes nothing.
-    defaults, fields = Run().fields(), case.run.fields()
-    for name, before in (("terrain", ""), ("soil", ""), ("driver", OF_POLICY)):
-        if fields[name].startswith(before):  # the file's place may change
-            fields[name] = before + Path(fields[name].removeprefix(before)).name
+    defaults, fields = Run().fields(), _without_places(case.run).fields()
     arguments = {k: value for k, value in fields.items() if value != defaults[k]}
     if case.params:
         arguments["params"] = case.params
@@ -77,6 +74,24 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
         },
         log=tuple(log.read_bytes().decode().split("\r\n")) if log else (),
     )
+
+
+def _without_places(run: Run) -> Run:
+    """The run with the names of its files alone, whose places may change."""
+
+    def named(file: str) -> str:
+        before = OF_POLICY if file.startswith(OF_POLICY) else ""
+        return before + Path(file.removeprefix(before)).name
+
+    changes: dict[str, Any] = {
+        name: named(run.fields()[name]) for name in ("terrain", "soil", "robot", "driver")
+    }
+    changes["resource_path"] = tuple(map(named, run.world.resource_path))
+    changes["actors"] = tuple(
+        one.in_file(named(one.file)) if one.file else one for one in run.world.actors
+    )
+    changes["targets"] = tuple(one.in_file(*map(named, one.files)) for one in run.world.targets)
+    return run.alone(**changes)
 
 
 def path_of(scenario: Path) -> Path:

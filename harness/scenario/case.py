@@ -65,9 +65,9 @@ class Case:
     @property
     def expected_failure(self) -> ExpectedFailure | None:
         """Returns why this run is known to fail, or None."""
-        terrain = Path(self.run.world.terrain).name
+        robot, terrain = self.run.rover.robot, _called(self.run.world.terrain)
         for known in self.scenario.expected_to_fail:
-            if known.robot in (None, self.run.rover.robot) and known.terrain in (None, terrain):
+            if known.robot in (None, robot, _called(robot)) and known.terrain in (None, terrain):
                 return known
         return None
 

@@ -1,15 +1,19 @@
 """Recorded runs: what their values are called, what can be compared, and what a file keeps."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from harness.base.errors import UsageError
+from harness.episode.result import RunResult
 from harness.scenario.baseline import (
     Recorded,
     check_comparable,
     first_difference,
+    record,
     write_baselines,
 )
 from tests.harness.scenario.conftest import MakeCases
@@ -48,6 +52,18 @@ def test_the_first_cell_that_differs_is_told_with_both_values(
         Recorded(of={}, log=now), Recorded(of={}, log=("t,x,y", "1,2,3", "4,5,6"))
     )
     assert difference == (told and f"same_bytes: {told}")
+
+
+def test_where_files_are_makes_no_other_run(make_cases: MakeCases) -> None:
+    (case,), found = make_cases("{truth.speed: {max: 1}}"), list[dict[str, Any]]()
+    files = {"terrain": "@w.sdf", "soil": "@s.yaml", "robot": "@mine", "driver": "policy:@p.npz"}
+    more = {"actors": ["g=@walk.sdf:push=1"], "targets": ["t=@r.obj:texture=@p.png,x=1,y=2"]}
+    stated = json.dumps(files | more | {"resource_path": ["@models"]})
+    for place in ("", "a/", "b/c/"):
+        run = case.run.alone(**json.loads(stated.replace("@", place)))
+        found.append(record(replace(case, run=run), RunResult(run=run, mode=""), {}).of)
+    assert found[0] == found[1] == found[2]
+    assert found[0].items() >= json.loads(stated.replace("@", "")).items()
 
 
 def test_runs_are_written_beside_those_that_the_file_has(make_cases: MakeCases, tmp_path: Path) -> None:

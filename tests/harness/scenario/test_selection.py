@@ -141,7 +141,7 @@ def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_case
     )
     (case,) = make_cases(SPEED, f"expected_to_fail: {known}")
     found = []
-    for robot in ("leo", "rover_zero4wd"):
+    for robot in ("leo", "robots/rover_zero4wd"):
         for terrain in ("flat", "slope", "maps/hill.npy"):
             told = replace(case, run=case.run.alone(robot=robot, terrain=terrain))
             found.append(told.expected_failure and told.expected_failure.reason)
