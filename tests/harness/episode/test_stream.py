@@ -125,7 +125,8 @@ def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None
     ],
 )
 def test_a_rover_of_a_fleet_does_and_tells_what_it_would_alone_by_its_own_seed(own: str) -> None:
-    shared = config(terrain="flat", driver="goal", goal_area=(1.0, 4.0, 1.0, 4.0), lidar_beams=16)
+    led = {"driver": "goal", "goal_area": (2.0, 3.0, 2.0, 3.0), "targets": ["post:x=2.5,y=2.5"]}
+    shared = config(terrain="flat", lidar_beams=16, **led)
     words = ("rover_zero4wd:a", f"{own},x=2,y=-4,yaw=2")
     two = fleet(shared, parse_rovers(words, shared.rover))
     alone = two.but(rovers=two.rovers[1:], seed=two.own_seed(1))
