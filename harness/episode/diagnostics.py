@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
+from harness.base.message_types import made
 from harness.messages.blank import blank, cdr
 from harness.messages.refilled import set_stamp
-from harness.sensors.message_types import made
 from harness.sensors.table import Topic
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import Thresholds

@@ -11,7 +11,7 @@ from itertools import chain
 from harness.base.sim_time import LOOK_PERIOD_NS
 from harness.episode.assembly import actor_names, scenery, sensor_rows, world_of
 from harness.episode.diagnostics import METRICS
-from harness.messages.maps import MAP, occupancy_bytes
+from harness.episode.maps import MAP, occupancy_bytes
 from harness.messages.optional import Draw
 from harness.messages.outlets import CLOCK, Outlets, bursts, clock, outlets
 from harness.messages.refilled import Fill

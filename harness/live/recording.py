@@ -12,11 +12,11 @@ import numpy as np
 from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.made_of_files import modified_ns
+from harness.base.message_types import read_message
 from harness.episode.assembly import actor_names
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Truth
-from harness.sensors.message_types import read_message
 from harness.spec.run import Run
 from harness.view.states import PERIOD_NS, people_row
 from rover_metrics.bag.bag_reader import Bag

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from rosbags.interfaces import Nodetype
 
-from harness.sensors.message_types import typestore
+from harness.base.message_types import typestore
 
 Message = Any  # rosbags makes its classes
 DEFAULTS: dict[str, dict[str, float]] = {  # those that are not zero

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from rosbags.interfaces import Nodetype
 
-from harness.sensors.message_types import typestore
+from harness.base.message_types import typestore
 
 HEADER = 4  # [B]: of the encapsulation
 LETTERS = {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}

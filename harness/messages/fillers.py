@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness import samples
+from harness.base.message_types import made
 from harness.messages import optional
 from harness.messages.blank import Message, blank, kind_of
 from harness.messages.refilled import Fill, refilled
@@ -23,7 +24,6 @@ from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
-from harness.sensors.message_types import made
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import POINT_CLOUD, SensorRow, Topic

@@ -11,6 +11,7 @@ from operator import attrgetter
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.message_types import GRID_MAP, made
 from harness.base.sim_time import NANOSECONDS
 from harness.messages.blank import Message, cdr
 from harness.messages.refilled import Fill, refilled, set_stamp
@@ -21,7 +22,6 @@ from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
-from harness.sensors.message_types import GRID_MAP, made
 from harness.sensors.ranging import RangeReading
 
 Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL

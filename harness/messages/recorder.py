@@ -17,11 +17,11 @@ from mcap.writer import CompressionType, Writer
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.files import check_target
+from harness.base.message_types import typestore
 from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
 from harness.messages.cdr import without_padding
 from harness.messages.sink import Endpoint, Intake
-from harness.sensors.message_types import typestore
 
 CHUNK_SIZE = 1024 * 1024  # [B]
 SEPARATOR = "=" * 80 + "\n"

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Sequence
 
+from harness.base.message_types import made, read_message
 from harness.base.sim_time import NANOSECONDS
 from harness.messages.blank import cdr
 from harness.messages.cdr import Template, places
 from harness.robots.frames.tree import Edge
 from harness.samples import Transforms
-from harness.sensors.message_types import made, read_message
 from harness.sensors.table import Topic
 
 TF_MESSAGE = "tf2_msgs/msg/TFMessage"

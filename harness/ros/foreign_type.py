@@ -17,7 +17,7 @@ from typing import Any
 from geometry_msgs.msg import PoseArray
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from harness.sensors.message_types import typestore
+from harness.base.message_types import typestore
 
 FAST_DDS = "rmw_fastrtps_cpp"
 TYPE_SUPPORT = b"rosidl_typesupport_fastrtps_c"

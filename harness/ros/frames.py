@@ -8,6 +8,7 @@ from collections import deque
 from rclpy.node import Node
 
 from harness.base.errors import RunFailed
+from harness.base.message_types import read_message
 from harness.messages.transforms import (
     DESCRIPTION,
     STATIC,
@@ -21,7 +22,6 @@ from harness.ros.channel import open_channel
 from harness.ros.context import owner_of
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
-from harness.sensors.message_types import read_message
 from harness.sensors.table import SENSORS
 from rover_metrics.errors import shown
 from rover_metrics.ros.parameters import BEST_EFFORT

@@ -17,8 +17,8 @@ from harness import samples
 from harness.base.sim_time import NANOSECONDS
 from harness.drivers import takes_goals
 from harness.episode.assembly import graded_world, world_of
+from harness.episode.maps import GRADED, MAP, graded_bytes, occupancy_bytes
 from harness.episode.stream import RoverOrders
-from harness.messages.maps import GRADED, MAP, graded_bytes, occupancy_bytes
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, open_channel

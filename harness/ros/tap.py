@@ -11,10 +11,10 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 
+from harness.base.message_types import typestore
 from harness.messages.sink import Endpoint, Intake, Sink
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, Message
-from harness.sensors.message_types import typestore
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 Record = Callable[[Message], bytes]

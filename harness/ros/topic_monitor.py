@@ -13,9 +13,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
+from harness.base.message_types import GRID_MAP
 from harness.messages.transforms import TF_MESSAGE
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.sensors.message_types import GRID_MAP
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
 from rover_metrics.ros.subscriptions import keep_last
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import unknown
+from harness.base.message_types import numbers_at
 from harness.base.sim_time import NANOSECONDS
 from harness.scenario.names import OF_TOPICS, HeardQuantity
 from harness.scenario.series import Series
-from harness.sensors.message_types import numbers_at
 from rover_metrics.topics import stamp_ns
 
 SAMPLED_NS = NANOSECONDS // 20  # between two values of a rate

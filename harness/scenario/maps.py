@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.message_types import GRID_MAP
 from harness.base.sim_time import NANOSECONDS
 from harness.scenario.names import HeardQuantity
 from harness.scenario.series import Series
-from harness.sensors.message_types import GRID_MAP
 from harness.world.grading import Cells, GradedMap
 from harness.world.heightfield import EDGE_MARGIN
 from rover_metrics.core import rotation

@@ -7,8 +7,8 @@ pose.FRAME->FRAME.WHAT; map./TOPIC.WHAT, cell by cell against the world graded f
 import re
 from typing import NamedTuple
 
+from harness.base.message_types import check_path
 from harness.sensors.choice import by_default
-from harness.sensors.message_types import check_path
 
 TOPIC, POSE, MAP = "topic.", "pose.", "map."
 COUNT, RATE, AGE, LATENCY = "count", "rate", "age", "latency"

@@ -9,6 +9,7 @@ from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
 from harness.base.errors import UsageError
+from harness.base.message_types import read_message
 from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
@@ -17,7 +18,6 @@ from harness.scenario.arrivals import Arrivals
 from harness.scenario.judged import readers
 from harness.scenario.names import AGE, HeardQuantity, check_messages, heard_quantity
 from harness.scenario.spec import Scenario
-from harness.sensors.message_types import read_message
 
 Record = Callable[[str, Subscription], Callable[[Any], object] | None]
 

@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 from mcap.reader import make_reader
 
+from harness.base.message_types import read_message
 from harness.run import main
-from harness.sensors.message_types import read_message
 from tests.support.documents import ROOT
 
 CLIENTS = ROOT / "build" / "clients"

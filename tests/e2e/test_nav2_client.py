@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.interrupt import StopRequest
+from harness.base.message_types import typestore
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.episode.result import Outputs
@@ -21,7 +22,6 @@ from harness.ros.context import spin_until
 from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.samples import GroundTruth
-from harness.sensors.message_types import typestore
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.run import Run
 from harness.world.occupancy import occupancy

@@ -28,6 +28,7 @@ from rosbags.highlevel import AnyReader
 from std_srvs.srv import Trigger
 
 from harness.base.interrupt import StopRequest
+from harness.base.message_types import typestore
 from harness.episode import assembly
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
@@ -41,7 +42,6 @@ from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
-from harness.sensors.message_types import typestore
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from tests.e2e.topic_oracle.expected import BEAMS, Topic, differences, topics

@@ -15,10 +15,10 @@ from rosgraph_msgs.msg import Clock
 from scipy.spatial.transform import Rotation, Slerp
 from sensor_msgs.msg import LaserScan
 
+from harness.base.message_types import typestore
 from harness.episode.batch import Batch
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.sensors.message_types import typestore
 from tests.support.waiting import PATIENCE
 
 Pose = tuple[Rotation, NDArray[np.float64]]

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.base.message_types import typestore
 from harness.course.planner import Planner
 from harness.episode.assembly import check_world, fleet, graded_world, world_of
 from harness.episode.episode import episodes_of
+from harness.episode.maps import MAP, occupancy_bytes
 from harness.episode.together import together
 from harness.gym.places import Places
-from harness.messages.maps import MAP, occupancy_bytes
 from harness.report.hillshade import map_layout, shade
 from harness.samples import ActorPoses, GroundTruth, LaserScan, Sample, TruthState
 from harness.sensors.height_scan import HeightScan
-from harness.sensors.message_types import typestore
 from harness.spec import Run
 from harness.spec.fleet import parse_rovers
 from harness.view.ground import drawn

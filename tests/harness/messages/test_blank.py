@@ -6,14 +6,14 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from rclpy.serialization import deserialize_message, serialize_message
 
+from harness.base.message_types import GRID_MAP
 from harness.episode.diagnostics import METRICS
+from harness.episode.maps import MAP
 from harness.messages.blank import blank, cdr
 from harness.messages.cdr import without_padding
-from harness.messages.maps import MAP
 from harness.messages.outlets import CLOCK, GOAL, PERSON
 from harness.messages.transforms import DESCRIPTION, TF_MESSAGE
 from harness.ros.foreign_type import message_type
-from harness.sensors.message_types import GRID_MAP
 from harness.sensors.table import SENSORS
 
 TOLD = {topic.message_type for topic in (METRICS, MAP, CLOCK, GOAL, DESCRIPTION)} | {PERSON}

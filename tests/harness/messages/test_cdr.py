@@ -9,10 +9,10 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from rclpy.serialization import serialize_message
 
+from harness.base.message_types import GRID_MAP, numbers_at, read_message
 from harness.messages.cdr import Template, places
 from harness.messages.transforms import TF_MESSAGE
 from harness.ros.foreign_type import message_type
-from harness.sensors.message_types import GRID_MAP, numbers_at, read_message
 from harness.sensors.table import SENSORS
 
 KINDS = sorted({topic.message_type for row in SENSORS for topic in row.topics} - {TF_MESSAGE, GRID_MAP})

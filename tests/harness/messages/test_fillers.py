@@ -18,6 +18,7 @@ from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image, NavSatFix
 
 from harness import samples
+from harness.base.message_types import GRID_MAP, typestore
 from harness.episode.assembly import sensor_rows
 from harness.episode.topics import painter
 from harness.messages.blank import blank
@@ -30,7 +31,6 @@ from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.choice import chosen
 from harness.sensors.gnss import GnssFix
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
-from harness.sensors.message_types import GRID_MAP, typestore
 from harness.sensors.ranging import RangeReading
 from harness.sensors.table import Topic
 from harness.spec.rover import RoverSetup

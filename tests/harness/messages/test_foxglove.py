@@ -22,10 +22,10 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from harness.base.errors import UsageError
+from harness.base.message_types import read_message
 from harness.messages.foxglove import Foxglove
 from harness.messages.outlets import CLOCK
 from harness.messages.sink import endpoint
-from harness.sensors.message_types import read_message
 from tests.support.waiting import PATIENCE, free_port
 
 WORDS = ("--terrain", "flat", "--duration", "600", "--rate", "3", "--lidar-beams", "45")

@@ -8,10 +8,10 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 
 from sensor_msgs.msg import Imu
 
+from harness.base.message_types import GRID_MAP, typestore
 from harness.ros import foreign_type
 from harness.ros.context import make_executor, spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
-from harness.sensors.message_types import GRID_MAP, typestore
 from rover_metrics.ros.subscriptions import keep_last
 
 TF = "tf2_msgs/msg/TFMessage"

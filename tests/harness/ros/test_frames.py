@@ -12,6 +12,7 @@ from tests.support.waiting import PATIENCE
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.errors import RunFailed
+from harness.base.message_types import typestore
 from harness.messages.transforms import TF_MESSAGE, transform_fill, transforms_bytes
 from harness.robots.frames.tree import Description, Edge
 from harness.ros import frames
@@ -20,7 +21,6 @@ from harness.ros.context import spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import NO_TYPE
 from harness.samples import Tick, Transforms
-from harness.sensors.message_types import typestore
 from tests.support.ros import Ros
 
 BASE = ("odom", "base_footprint")

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.message_types import GRID_MAP, read_message
 from harness.episode.assembly import graded_world
 from harness.messages.optional import grid_map
 from harness.robots import ROVERS, find_rover
 from harness.robots.model import tip_limit
 from harness.scenario.case import plan
 from harness.scenario.maps import Grid, grids_of, share
-from harness.sensors.message_types import GRID_MAP, read_message
 from harness.spec.run import Run
 from harness.validate.grounds import floor
 from harness.validate.rig import Rig

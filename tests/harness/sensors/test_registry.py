@@ -8,6 +8,7 @@ from pkgutil import resolve_name
 import numpy as np
 import pytest
 
+from harness.base.message_types import typestore
 from harness.base.sim_time import period_ticks
 from harness.episode.assembly import sensor_rows
 from harness.episode.episode import Episode
@@ -16,7 +17,6 @@ from harness.robots.frames.rover_frames import rover_frames
 from harness.samples import Imu, LaserScan, Odometry, Sample, Source, Transforms, TruthState, source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import by_default
-from harness.sensors.message_types import typestore
 from harness.sensors.suite import SensorSuite
 from harness.sensors.table import SENSORS, SensorRow, by_fault_name
 from harness.spec.ros import FrameOptions

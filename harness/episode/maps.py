@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from harness.base.message_types import GRID_MAP
 from harness.messages.blank import blank, cdr
 from harness.messages.optional import grid_map
 from harness.messages.refilled import set_stamp
-from harness.sensors.message_types import GRID_MAP
 from harness.sensors.table import Topic
 from harness.world.grading import GradedMap
 from harness.world.occupancy import OccupancyMap

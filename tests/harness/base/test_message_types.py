@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.sensors.message_types import check_path, numbers_at, typestore
+from harness.base.message_types import check_path, numbers_at, typestore
 
 ODOMETRY, SCAN = "nav_msgs/msg/Odometry", "sensor_msgs/msg/LaserScan"
 POSES, GRID = "geometry_msgs/msg/PoseArray", "grid_map_msgs/msg/GridMap"
