@@ -7,9 +7,9 @@ import numpy as np
 from harness.fit.estimate import Estimate
 from harness.fit.ground import UNITS
 from harness.fit.outcome import Outcome
-from harness.fit.response import controlled
 from harness.page.figure import INK, METRIC, SCAN, Plot, common_layout, line, titled
 from harness.page.shell import fill
+from harness.validate.replay import controlled
 from rover_metrics.sheet.sheet import NONE, Sheet
 
 DIFFERENCES = "Ours less the recorded, root mean square"

@@ -1,17 +1,13 @@
 """How wheels follow commands: dead time, lag, what the driver makes of yaw rates; without physics."""
 
-from itertools import pairwise
-
 import numpy as np
 
 from harness.base.sim_time import TICK
 from harness.fit.estimate import Estimate, minimise, of, with_values
-from harness.physics.base_controller import base_controller
 from harness.recordings.recording import Recording, Series, at, changes
 from harness.robots import RoverSpec
-from harness.samples import Twist
 from harness.validate.real.commanded import as_driven
-from harness.validate.replay import replay
+from harness.validate.replay import controlled, replay
 
 TOLERANCE = 0.03  # [m/s]
 STEP = 0.02  # [s], [m]: for derivatives, above a tick
@@ -93,24 +89,6 @@ def _lost(rover: RoverSpec | None, recording: Recording) -> Series | float:
     own = driven.wheels[:, 0]
     off = np.column_stack([own, at(wanted, own) - driven.wheels[:, 1:]])
     return at(off, times).ravel()
-
-
-def controlled(rover: RoverSpec, recording: Recording) -> Series:
-    """Returns the speeds of the sides that a rover's controller wants of a recording's commands.
-
-    Returns:
-        Times [s], left and right [m/s].
-    """
-    drive, wheels = base_controller(rover, TICK), recording.wheels
-    left = np.array([name in rover.drive.left for name in rover.drive.driven])
-    ends = TICK * np.arange(1, round(wheels[-1, 0] / TICK) + 1)
-    speeds = np.empty((ends.size, left.size))
-    commanded = at(recording.commands, ends - TICK + 1e-9)
-    for first, last in pairwise([*np.flatnonzero(changes(commanded)).tolist(), ends.size]):
-        drive.command(Twist(*commanded[first].tolist()))
-        speeds[first:last] = drive.ahead(last - first)[:, : left.size]
-    rims = speeds * rover.controller_radius
-    return np.column_stack([ends, rims[:, left].mean(axis=1), rims[:, ~left].mean(axis=1)])
 
 
 def _late(rover: RoverSpec, recording: Recording) -> float:

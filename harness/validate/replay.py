@@ -1,13 +1,16 @@
-"""A rover of ours driven by recorded commands on level ground, and what it then has recorded."""
+"""A rover of ours driven by recorded commands: what it then has recorded, what its controller wants."""
+
+from itertools import pairwise
 
 import numpy as np
 
 from harness.base.sim_time import HIGHEST_RATE, TICK
 from harness.episode.sensing import vibration_of
-from harness.physics.base_controller import mean_of
+from harness.physics.base_controller import base_controller, mean_of
 from harness.physics.motor_power import MotorPower
-from harness.recordings.recording import Recording, Series
+from harness.recordings.recording import Recording, Series, at, changes
 from harness.robots import RoverSpec
+from harness.samples import Twist
 from harness.sensors.state import ImuSensor
 from harness.validate.grounds import Course, flat
 from harness.validate.rig import Rig
@@ -63,3 +66,21 @@ def replay(
             logs["poses"].append((now, stance.ahead, stance.aside, stance.yaw - rig.heading))
     series = {name: np.array(rows) for name, rows in logs.items()}
     return Recording(rover.name, commands=commands, **series)  # type: ignore[arg-type]  # names of series alone
+
+
+def controlled(rover: RoverSpec, recording: Recording) -> Series:
+    """Returns the speeds of the sides that a rover's controller wants of a recording's commands.
+
+    Returns:
+        Times [s], left and right [m/s].
+    """
+    drive, wheels = base_controller(rover, TICK), recording.wheels
+    left = np.array([name in rover.drive.left for name in rover.drive.driven])
+    ends = TICK * np.arange(1, round(wheels[-1, 0] / TICK) + 1)
+    speeds = np.empty((ends.size, left.size))
+    commanded = at(recording.commands, ends - TICK + 1e-9)
+    for first, last in pairwise([*np.flatnonzero(changes(commanded)).tolist(), ends.size]):
+        drive.command(Twist(*commanded[first].tolist()))
+        speeds[first:last] = drive.ahead(last - first)[:, : left.size]
+    rims = speeds * rover.controller_radius
+    return np.column_stack([ends, rims[:, left].mean(axis=1), rims[:, ~left].mean(axis=1)])

@@ -28,14 +28,14 @@ from harness.fit.mount import mount, placed
 from harness.fit.outcome import split
 from harness.fit.page import render
 from harness.fit.reading import read
-from harness.fit.response import controlled, response
+from harness.fit.response import response
 from harness.fit.steady import Steady, kinds, window
 from harness.recordings.bags import recording_of_bag
 from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.spec.run import Run
 from harness.validate.grounds import flat
-from harness.validate.replay import replay
+from harness.validate.replay import controlled, replay
 from tests.support.complaint import complaint
 
 HUSKY = equipped(ROVERS["husky"], REAL, "")
