@@ -61,7 +61,12 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
             axes.fill_between(grid, low, high, color=style["color"], alpha=0.2, linewidth=0)
             axes.plot(grid, mean, **style, label=f"{group} ({counted(len(curves), 'episode')})")
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
-            lowest = min(lowest, float(np.nanquantile(low, 0.03)))
+            # A band that leads below 0 where no value does is cut: there is no such clearance or speed.
+            end = float(np.nanquantile(low, 0.03))
+            lowest = min(lowest, max(end, 0.0) if np.nanmin(curves) >= 0.0 else end)
+    if math.isinf(lowest):
+        styling.say_that_nothing_is_there(axes)
+        return
     bounds = study.bounds(metric)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
     end = max(top, 1.3 * styling.ends_of(bounds)[1]) or (1.0 if lowest >= 0 else -0.1 * lowest)

@@ -1,6 +1,5 @@
 """Groups side by side: every observation a point, the mean with its interval; or logs as boxes."""
 
-import math
 import textwrap
 from collections.abc import Sequence
 from typing import Any
@@ -66,6 +65,10 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
         interval = t_interval(values, mean, study.options.confidence)
         if interval is not None:
             axes.vlines(place + 0.28, *interval, color=colour, linewidth=2)
+    axes.set_title(axes.get_title(loc="left").replace(" [", "\n["), loc="left")
+    if not any(values.size for values in groups):
+        styling.say_that_nothing_is_there(axes)
+        return
     axes.set_xticks(range(len(groups)), study.groups)
     axes.set_xlim(-0.6, 1.6)
     axes.set_ylim(*_limits(axes, groups))
@@ -74,7 +77,6 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
     p = comparison.p_holm
     verdict = "no test" if p is None else f"p {'' if p < 0.001 else '= '}{probability(p)}{effect}"
     axes.set_title(verdict, loc="right", fontsize=8, pad=4)
-    axes.set_title(axes.get_title(loc="left").replace(" [", "\n["), loc="left")
 
 
 def _spread(values: Floats) -> Floats:
@@ -85,7 +87,7 @@ def _spread(values: Floats) -> Floats:
 def _limits(axes: Axes, groups: Sequence[Floats]) -> tuple[float, float]:
     """Ends the axis at the intervals, or soon beyond the points: intervals of two points are endless."""
     values = np.concatenate(groups)
-    if not values.size or not values.any():
+    if not values.any():
         return 0.0, 1.0
     low, high = (float(end) for end in axes.get_ylim())
     lowest, highest = float(values.min()), float(values.max())
@@ -110,10 +112,12 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
     ticks = range(0, len(study.members), -(-len(study.members) // _MOST_TICKS))
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])
     axes.set_xlim(-0.6, len(study.members) - 0.4)
+    if not shown:
+        styling.say_that_nothing_is_there(axes)
+        return
     bounds = study.bounds(metric)
     lowest, highest = styling.ends_of(bounds)
-    lowest = min(lowest, *shown, math.inf)
-    bottom = styling.lower_end(lowest, max(shown)) if shown else 0.0
+    bottom = styling.lower_end(min(lowest, *shown), max(shown))
     top = axes.get_ylim()[1]
     if not bottom:
         top = max(top, 1.3 * highest)

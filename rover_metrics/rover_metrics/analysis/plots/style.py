@@ -85,6 +85,12 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
             stacked[place] += 1
 
 
+def say_that_nothing_is_there(axes: Axes) -> None:
+    """Says in a panel that no log has a value of its metric."""
+    axes.set(xticks=[], yticks=[])
+    axes.annotate("no value", (0.5, 0.5), xycoords="axes fraction", ha="center", color=THRESHOLD_LINE)
+
+
 def _free_above(value: float, lines: Sequence[float], room: float) -> float:
     """Returns the lowest of some sorted lines, from a value on, above which there is room."""
     for line in lines:
