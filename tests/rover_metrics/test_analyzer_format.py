@@ -61,7 +61,7 @@ def test_every_column_the_analyzer_needs_is_there_and_numeric(log: Path) -> None
         assert is_numeric_dtype(table[column]), column
         assert table[column].notna().all(), column
     infinite = table.drop(columns="Notes").stack()[lambda cells: cells.abs() == float("inf")]
-    assert list(infinite.index) == [(0, "Obstacle Clearance")]  # before the first scan
+    assert list(infinite.index) == [(0, "Obstacle Clearance")]  # before the first range
 
 
 def test_the_header_is_the_first_line_and_no_row_is_longer_or_shorter(log: Path) -> None:

@@ -41,7 +41,7 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
     for name in filter(asked.__contains__, table.cells):
         findings += table.cells[name].describe("cell", f" without a number in {name}")
     for name in filter(asked.__contains__, table.infinite):
-        when = ", as before the first scan" if name == of.CLEARANCE else ""
+        when = ", as before anything came into range" if name == of.CLEARANCE else ""
         findings += table.infinite[name].describe("infinite value", f" in {name}{when}")
     return findings
 
