@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, how_many
 from harness.base.files import PAGES, check_target, write_whole
 from harness.cli.console import counted
 from harness.cli.sheets import files_of, write_sheets
@@ -69,8 +69,13 @@ def verify(options: argparse.Namespace, console: Console) -> int:
     lines = differences(receipt, again)
     for line in lines:
         console.print(line, soft_wrap=True)
-    verdict = f"{len(lines)} figures differ" if lines else "every figure is the same"
-    console.print(f"{len(cases)} episodes driven again (--seed {seed}): {verdict}", soft_wrap=True)
+    verdict = (
+        f"{how_many(len(lines), 'figure')} {'differs' if len(lines) == 1 else 'differ'}"
+        if lines
+        else "every figure is the same"
+    )
+    episodes = how_many(len(cases), "episode")
+    console.print(f"{episodes} driven again (--seed {seed}): {verdict}", soft_wrap=True)
     return int(bool(lines))
 
 

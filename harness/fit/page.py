@@ -7,6 +7,7 @@ import numpy as np
 from harness.fit.estimate import Estimate
 from harness.fit.ground import UNITS
 from harness.fit.outcome import Outcome
+from harness.fit.steady import TURNING
 from harness.page.figure import INK, METRIC, SCAN, Plot, common_layout, line, titled
 from harness.page.shell import fill
 from harness.validate.replay import controlled
@@ -25,7 +26,8 @@ def tables(outcome: Outcome) -> list[Sheet]:
         for one in known
     ]
     left = [(*named, *map(_number, pair)) for named, pair in outcome.residuals.items()]
-    if outcome.held[0].size:
+    left_out = outcome.held[0].size
+    if left_out:
         steps = f"ends of {outcome.held[0].size} held-back steps"
         error = [_number(float(np.median(ends))) for ends in outcome.held]
         within = [f"{np.mean(ends <= WITHIN):.0%}" for ends in outcome.held]
@@ -33,10 +35,12 @@ def tables(outcome: Outcome) -> list[Sheet]:
         left += [(f"{steps} within {WITHIN:.0%}", "", *within)]
     titles = "parameter", "unit", "rover.yaml", "before", "after", "95 %"
     unknown = [{"parameter": one.name, "why": one.why} for one in outcome.estimates if not one.is_known]
+    turns = f"Turns: sides that differ by more than {TURNING:g} m/s."
+    caption = f"{turns} Of the last third, which is held back, nothing counts." if left_out else turns
     sheets = [
         Sheet(titles, tuple(rows), "Parameters"),
         Sheet(("quantity", "unit", "before", "after"), tuple(left), DIFFERENCES),
-        Sheet.of(unknown, "What the recording does not tell"),
+        Sheet.of(unknown, "What the recording does not tell", caption=caption),
     ]
     return [sheet for sheet in sheets if sheet.rows]
 

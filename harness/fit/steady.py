@@ -18,6 +18,7 @@ SLOWEST = 0.05  # [m/s] of the faster side
 PAIRS = 21  # of poses
 FEWEST = 5  # samples of the wheels
 APART = 0.1  # [m/s] of sides whose windows are of one kind
+TURNING = 2 * APART  # by which sides differ in a turn
 SKEW = 0.1  # of the speed by which the sides may differ straight on
 MOST = 8  # kinds
 
@@ -62,7 +63,7 @@ class Steady:
     @property
     def turns(self) -> Flags:
         """Which windows turn."""
-        return np.abs(self.difference) > 2 * APART
+        return np.abs(self.difference) > TURNING
 
     @property
     def spots(self) -> Flags:
