@@ -60,7 +60,7 @@ def _change(path: Path, rover: RoverSpec, known: dict[str, float], source: str, 
     document = YAML()
     document.width = 100
     values: Any = document.load(path.read_text(encoding="utf-8"))
-    values["model"] = rover.model_path.name
+    values["model"] = rover.model or rover.model_path.name
     for key, value in known.items():
         section, _, name = key.rpartition(".")
         if section != "imu":

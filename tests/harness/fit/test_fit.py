@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -413,7 +414,11 @@ def test_what_a_recording_does_not_tell_of_a_mount_stays_as_it_was(tmp_path: Pat
     yaw, x = (
         Estimate(name, "", f"imu.{name}", 0.0, value) for name, value in (("yaw", 0.4), ("x", 0.1))
     )
-    folders = [HUSKY.folder, tmp_path / "turned", tmp_path / "moved"]
+    own, *_ = folders = [tmp_path / name for name in ("own", "turned", "moved")]
+    (own / "models").mkdir(parents=True)
+    shutil.copy(HUSKY.model_path, own / "models")
+    said = (HUSKY.folder / "rover.yaml").read_text()
+    (own / "rover.yaml").write_text(f"model: models/{HUSKY.model_path.name}\n{said}")
     for before, out, known in zip(folders, folders[1:], ([yaw], [x]), strict=False):
         write_folder(find_rover(str(before)), known, out, "drive.csv", "", "")
     place, angles = placed(find_rover(str(folders[-1])))
