@@ -108,7 +108,7 @@ class Pilot:
 
     def begin(self) -> None:
         """Has a driver that has done nothing yet, at a rover that stands."""
-        scene, (rng, *_) = self._simulation.scene, generators(self._run.own_seed(self._number), 3)
+        scene, (rng, *_) = self._simulation.scene, generators(self._run.own_seed(self._number))
         self._began_ns = self._simulation.time_ns
         self._base = base_controller(scene.rover, TICK)
         self._faults = actuator_faults(self._run, self._number)

@@ -58,7 +58,7 @@ def sensor_noise(
     """
     if preset is None and not shakes:
         return None
-    _, scan_rng, imu_rng = generators(seed, 3)
+    _, scan_rng, imu_rng = generators(seed)
     vibration = vibration_of(shakes, seed)
     limits = lidar.range_min, lidar.range_max
     chosen = EXACT if preset is None else PRESETS[preset]
@@ -74,6 +74,6 @@ def vibration_of(shakes: tuple[Shake, ...], seed: int) -> "Vibration | None":
     return Vibration(shakes, generator(seed, VIBRATION))
 
 
-def generators(seed: int, count: int) -> list[np.random.Generator]:
+def generators(seed: int) -> list[np.random.Generator]:
     """Returns an episode's generators: of its driver, of its scans' noise, of its IMU's."""
-    return [np.random.default_rng(child) for child in seeded(seed, EPISODE).spawn(count)]
+    return [np.random.default_rng(child) for child in seeded(seed, EPISODE).spawn(3)]
