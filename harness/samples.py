@@ -1,4 +1,4 @@
-"""Sensor readings and what a tick of an episode carries: plain values, no ROS.
+"""Sensor readings, the truth and what a tick of an episode carries: plain values, no ROS.
 
 They flow from harness.sensors through harness.episode either into harness.ros.bridge (as topics) or
 straight into rover_metrics (harness.episode.direct). Stamps are simulation time in nanoseconds; frames
