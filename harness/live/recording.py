@@ -115,13 +115,13 @@ def read_tracks(recording: Path, run: Run) -> list[Track]:
         UsageError: It cannot be read, or has no pose of a rover.
     """
     tracks = [Track() for _ in run.rovers]
-    takers = {
-        topic: (track, kind, rover.robot)
-        for rover, track in zip(run.rovers, tracks, strict=True)
-        for topic, kind in _topics(f"/{rover.name}" if rover.name else "", actor_names(run.world))
-    }
     try:
         with Bag(recording) as bag:
+            takers = {
+                topic: (track, kind, rover.robot)
+                for rover, track in zip(run.rovers, tracks, strict=True)
+                for topic, kind in _topics(_space(rover.name, bag), actor_names(run.world))
+            }
             for message in bag.messages(takers.keys()):
                 if message.topic in takers:
                     track, kind, robot = takers[message.topic]
@@ -132,6 +132,12 @@ def read_tracks(recording: Path, run: Run) -> list[Track]:
     if not all(track.poses.times for track in tracks):
         raise UsageError(f"{recording} has no {POSE} of a rover of the run")
     return tracks
+
+
+def _space(name: str, bag: Bag) -> str:
+    """The namespace of a rover's topics with its slash; one without a name has it of --namespace."""
+    given = [topic.removesuffix(POSE) for topic in bag.topics if topic.endswith(POSE)]
+    return f"/{name}" if name else min(given, key=len, default="")
 
 
 def _topics(space: str, people: Sequence[str]) -> list[tuple[str, str | int]]:

@@ -37,7 +37,9 @@ class Kept:
             self.at[batch.truth.time_ns] = seen.sight, seen.ranges, seen.people
 
 
-@pytest.mark.parametrize("fleet", [(), ("leo:a", "rover_zero4wd:b,x=3,y=3")], ids=["one", "two"])
+@pytest.mark.parametrize(
+    "fleet", [(), ("leo:a", "rover_zero4wd:b,x=3,y=3"), ("leo:a",)], ids=["one", "two", "below"]
+)
 def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: tuple[str, ...]) -> None:
     run = Run.of(terrain="posts", duration=3.0, lidar_beams=36, actors=["anna=2,2/4,2", "ben=-2,2/-4,3"])
     run = run.but(rovers=parse_rovers(fleet, run.rover)) if fleet else run
@@ -56,6 +58,8 @@ def test_at_a_time_a_recording_shows_what_was_seen_then(tmp_path: Path, fleet: t
     for found, each in zip(near, given, strict=True):
         each.write_text(found.read_text().replace('"seed": 0,', '"seed": 7,'))
     assert run_of(file, given, near) == run.but(seed=7)
+    if len(fleet) == 1:  # as one without a name that has driven in a namespace
+        again = again.but(rovers=(again.rover.but(name=""),))
     for track, one in zip(read_tracks(file, again), kept, strict=True):
         for at, (sight, ranges, people) in one.at.items():
             watch = Watch()
