@@ -141,7 +141,8 @@ def _line(table: Table[Any], name: str, point: EntryPoint) -> str:
     except PluginError as error:
         return str(error)
     about = getattr(value, "summary", "") or getattr(value, "meaning", "")
-    return f"{table.name}: {name}, {about or str(value.__doc__).partition('.')[0]} ({_package(point)})"
+    about = about or (value.__doc__ or "").partition(".")[0]
+    return f"{table.name}: {', '.join(filter(None, (name, about)))} ({_package(point)})"
 
 
 @cache

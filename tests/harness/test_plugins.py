@@ -83,6 +83,17 @@ def logged(folder: Path) -> tuple[bytes, dict[str, dict[str, str]]]:
     return log.read_bytes(), json.loads(log.with_suffix(".json").read_text())["plugins"]
 
 
+def test_a_part_without_a_word_about_it_is_listed_by_its_name(tmp_path: Path) -> None:
+    (tmp_path / "bare.py").write_text("def still(truth, action):\n    return 0.0\n")
+    (about := tmp_path / "bare-1.dist-info").mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: bare\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[rover_harness.rewards]\nstill = bare:still\n")
+    surroundings = os.environ | {"PYTHONPATH": str(tmp_path)}
+    assert " rewards: still (bare 1)\n" in said(
+        "from harness.run import main; main(['--list'])", surroundings
+    )
+
+
 def test_an_installed_package_adds_to_each_table_and_a_file_gives_the_same_bytes(
     surroundings: Mapping[str, str], tmp_path: Path
 ) -> None:
