@@ -72,7 +72,7 @@ def show_recording(run: Run, tracks: Sequence["Track"], options: LiveOptions, st
         UsageError: viser is missing, or it cannot be served there.
     """
     from harness.live.page import LivePage  # noqa: PLC0415 - its extra may be missing
-    from harness.live.player import FRAME, Player  # noqa: PLC0415
+    from harness.live.recording import FRAME, Player  # noqa: PLC0415
 
     helm = Helm(1.0, stop)
     player = Player(max(track.poses.times[-1] for track in tracks))

@@ -17,7 +17,7 @@ from harness.spec.run import Run
 from rover_metrics.errors import complain
 
 if TYPE_CHECKING:
-    from harness.live.player import Player
+    from harness.live.recording import Player
 
 FRAME, SLOWLY = 0.04, 0.25  # [s] of wall time between two frames; between two of charts and paths
 PATIENCE = 5.0  # [s] for the last frame to be drawn

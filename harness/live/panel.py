@@ -17,7 +17,7 @@ from harness.spec.run import Run
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 
 if TYPE_CHECKING:
-    from harness.live.player import Player
+    from harness.live.recording import Player
 
 RATES: dict[str, float | None] = {
     **{f"{rate:g}x": rate for rate in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)},

@@ -1,4 +1,7 @@
-"""A recording as what was seen of each rover at each time; its manifest says what run it is of."""
+"""A recording as what was seen of each rover at each time, and the clock by which it is played.
+
+Its manifest says what run it is of.
+"""
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
@@ -13,7 +16,9 @@ from harness.base.documents import parse_json
 from harness.base.errors import UsageError
 from harness.base.made_of_files import modified_ns
 from harness.base.message_types import read_message
+from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.assembly import actor_names
+from harness.episode.helm import Helm
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Truth
@@ -23,6 +28,7 @@ from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
 from rover_metrics.topics import quaternion, vector
 
+FRAME = 0.05  # [s] of wall time between two states that are shown
 POSE, JOINTS, SCAN = "/rover/pose_array", "/joint_states", "/scan"
 
 
@@ -59,6 +65,30 @@ class Track:
         watch.path = [position for position, _ in driven[::stride]]
         sight = None if pose is None or joints is None else Sight(pose[0], pose[1], joints)
         watch.see(sight, Truth(time_ns), self.scans.at(time_ns))
+
+
+class Player:
+    """The time of a recording that is played, `time_ns` of `end_ns`; it may be put elsewhere."""
+
+    def __init__(self, end_ns: int) -> None:
+        self.end_ns, self.time_ns = end_ns, 0
+
+    @property
+    def end_s(self) -> float:
+        """When the recording ends [s]."""
+        return self.end_ns / NANOSECONDS
+
+    def seek(self, time_s: float) -> None:
+        """Goes to a time."""
+        self.time_ns = round(time_s * NANOSECONDS)
+
+    def go_on(self, helm: Helm) -> None:
+        """Goes on by a frame at the helm's rate, or by a step; at its end it stands."""
+        if not helm.paused:
+            self.time_ns += round(FRAME * NANOSECONDS * (helm.rate or self.end_s))
+        elif helm.take_step():
+            self.time_ns += CONTROL_PERIOD_NS
+        self.time_ns = min(self.time_ns, self.end_ns)
 
 
 def manifests_near(*folders: Path) -> list[Path]:

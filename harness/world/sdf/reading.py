@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+import numpy as np
+
 from harness.base.errors import UsageError
 from harness.base.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.base.sdf.reader import color_of, numbers, read_list, text_of
@@ -18,12 +20,12 @@ from harness.spec.world import GRAVITY
 from harness.world.obstacles import Color
 from harness.world.sdf.document import Document, Person
 from harness.world.sdf.geometry import read_shapes
-from harness.world.sdf.saved import restore
 from harness.world.solid import Primitive, Solid
 
 MOST_SOLIDS = 20_000
 ON_EARTH = ("latitude_deg", "longitude_deg", "elevation")
 EARTH = "0 0 -9.8"  # SDF's default
+NEAR = 1e-3  # [m]: a model that has settled as little is where it was
 
 
 def read_document(path: Path, resources: Resources) -> Document:
@@ -77,7 +79,7 @@ class _Reading:
         where = [text_of(world.find("spherical_coordinates"), tag, "0") for tag in ON_EARTH]
         if any(word.strip("-+.0") for word in where):
             self._left_out(f"<spherical_coordinates>; --datum {','.join(where)} says the same")
-        self._document.restored += restore(world)
+        self._document.restored += _restore(world)
         self._scope(world, Frames("world"), place)
         if world is root:
             several = models is not None or sum(item.tag in ("model", "include") for item in root) > 1
@@ -155,3 +157,22 @@ class _Reading:
         if friction is not None and friction < 0.0:
             raise UsageError(f"<mu> of {name} '{mu}' is not valid; give 0 or more")
         return [Solid(name, shape, own @ at, friction, color) for shape, at in shapes]
+
+
+def _restore(world: Element) -> list[str]:
+    """Puts models where the world's <state> says, as Gazebo classic does; returns their names.
+
+    Gazebo classic adds it to a world that it saves; later ones neither write nor read any.
+    """
+    models, moved = {model.get("name"): model for model in world.findall("model")}, []
+    for state in world.findall("state/model"):
+        name, pose = state.get("name", ""), state.find("pose")
+        model = models.get(name)
+        if model is None or pose is None:
+            continue
+        if not np.allclose(read_pose(state, name)[0], read_pose(model, name)[0], atol=NEAR):
+            for old in model.findall("pose"):
+                model.remove(old)
+            model.append(pose)
+            moved.append(name)
+    return moved

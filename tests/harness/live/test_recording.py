@@ -11,8 +11,7 @@ from harness.episode.direct import run_direct
 from harness.episode.helm import Helm
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Outputs
-from harness.live.player import Player
-from harness.live.recording import manifests_near, read_tracks, run_of
+from harness.live.recording import Player, manifests_near, read_tracks, run_of
 from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.play import main
 from harness.samples import Truth
