@@ -108,8 +108,10 @@ def run_of(recording: Path, given: Sequence[Path], near: Sequence[Path]) -> Run:
         near: Where to look: files among which they are, the latest last.
 
     Raises:
-        UsageError: One that is given is not of that recording, or none is found.
+        UsageError: The file is not there, one that is given is not of that recording, or none is found.
     """
+    if not recording.exists():
+        raise UsageError(f"{recording} does not exist")
     runs = dict(_run_in(file, recording) for file in given) or dict(_runs_in(near, recording))
     if not runs:
         raise UsageError(f"{recording}: no manifest of its run is near; give it: --manifest FILE.json")

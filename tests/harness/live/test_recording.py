@@ -109,6 +109,9 @@ def test_a_recording_stands_at_its_end_and_goes_on_step_by_step() -> None:
 def test_a_mistake_is_one_line(
     words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    assert main([str(tmp_path / "gone.mcap")]) == 2
+    assert "gone.mcap does not exist" in capsys.readouterr().err
+    (tmp_path / "run.mcap").touch()
     (tmp_path / "other.json").write_text('{"recording": 5}')
     words = tuple(str(tmp_path / word) if word.endswith(".json") else word for word in words)
     assert main([str(tmp_path / "run.mcap"), *words]) == 2
