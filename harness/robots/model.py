@@ -184,7 +184,7 @@ def extent(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns the lowest and the highest x, y, z of some geoms [m]; infinite for none.
 
-    They are those of a mesh's corners, whose own box leans as its inertia does, and of others' boxes.
+    They are exact: of a mesh its corners count, whose own box leans as its inertia does.
 
     Args:
         model: The rover's.
@@ -201,10 +201,21 @@ def extent(
             ends = corners.min(axis=0), corners.max(axis=0)
         else:
             centre = data.geom_xpos[geom] + axes @ model.geom_aabb[geom, :3]
-            half = np.abs(axes) @ model.geom_aabb[geom, 3:]
+            half = _half(mujoco.mjtGeom(model.geom_type[geom]), axes, model.geom_aabb[geom, 3:])
             ends = centre - half, centre + half
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
     return low, high
+
+
+def _half(kind: mujoco.mjtGeom, axes: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Half the extent along x, y, z of a shape with these axes [m], whose half in them is given."""
+    if kind in (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_ELLIPSOID):
+        return np.asarray(np.hypot.reduce(axes * half, axis=1))
+    if kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        return np.asarray(half[0] * np.hypot(axes[:, 0], axes[:, 1]) + half[2] * np.abs(axes[:, 2]))
+    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+        return np.asarray(half[0] + (half[2] - half[0]) * np.abs(axes[:, 2]))
+    return np.asarray(np.abs(axes) @ half)
 
 
 def body_box(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> np.ndarray:

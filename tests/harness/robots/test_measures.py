@@ -15,7 +15,7 @@ def wheel(
 ) -> str:
     """A body on a hinge about y; its mass is that of its shape."""
     sizes = f"{radius} {width / 2}" if shape == "cylinder" else f"{radius} {radius} {width / 2}"
-    geom = f'<geom type="{shape}" size="{sizes}" zaxis="0 1 0"/>'
+    geom = f'<geom type="{shape}" size="{sizes}" euler="90 0 40"/>'
     return f'<body name="{name}" pos="{place}"><joint name="{name}" axis="0 1 0"/>{geom}</body>'
 
 
