@@ -25,6 +25,7 @@ class Call:
     model: Element
     include: Element | None
     chain: tuple[Path, ...]  # the files that led there, each including the next
+    version: str = ""  # of SDF, of the last of them; "" if nobody says
 
     @property
     def name(self) -> str:
@@ -74,17 +75,18 @@ class Scopes:
         self.files.append(path)
         return root
 
-    def calls(self, scope: Element, chain: tuple[Path, ...]) -> list[Call]:
+    def calls(self, scope: Element, chain: tuple[Path, ...], version: str = "") -> list[Call]:
         """Returns the models and actors of a scope, its own before those that it includes.
 
         Args:
             scope: The element.
             chain: The files that led there; the last one holds it.
+            version: Of SDF, of the last one.
 
         Raises:
             UsageError: A file includes itself or is not valid, or there are too many.
         """
-        calls = [Call(item, None, chain) for item in scope if item.tag in ("model", "actor")]
+        calls = [Call(item, None, chain, version) for item in scope if item.tag in ("model", "actor")]
         for include in scope.findall("include"):
             calls += self._included(include, chain)
         return calls
@@ -107,7 +109,8 @@ class Scopes:
             raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
         if any(item.tag.endswith(":params") for item in include):
             self._left_out(f"changes by <experimental:params> of {uri}")
-        return [Call(item, include, below) for item in _entities(self.root(path))]
+        root = self.root(path)
+        return [Call(item, include, below, root.get("version", "")) for item in _entities(root)]
 
 
 def framed(scope: Element, calls: Sequence[Call], frames: Frames) -> list[Frames]:

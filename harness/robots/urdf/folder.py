@@ -79,7 +79,7 @@ def write_folder(
             urdf = model_file(urdf)
         except Missing as missing:
             raise UsageError(f"{missing}; name its SDF file, or its URDF") from missing
-    source = read_urdf(urdf, folders, trust_xacro=trust_xacro)
+    source = read_urdf(urdf, folders, name, trust_xacro=trust_xacro)
     spec = source.spec
     free_root(spec, urdf)
     sort_geoms(spec)

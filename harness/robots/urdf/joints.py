@@ -117,8 +117,12 @@ def _no_wheels(
     ]
     told = f"; without a <collision>, so no wheels: {', '.join(bare)}" if bare else ""
     if across:
-        told += f"; about x, which must point ahead: {', '.join(across)}; put a root link before all, "
-        told += "whose fixed joint turns by 90 deg about z"
+        told += (
+            f"; about x, which must point ahead: {', '.join(across)}; put a root link before all, whose "
+        )
+        told += (
+            "fixed joint turns by 90 deg about z; of SDF, <include> it so in a <model>, with a <pose>"
+        )
     return told
 
 

@@ -4,14 +4,16 @@ SDF has a pose for each link and one for each joint; in URDF a link's frame is a
 it. So what hangs on a joint that moves gets its frame there, turned as it was.
 """
 
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.base.sdf.poses import IDENTITY, Transform, inverse, read_pose, transform
+from harness.base.sdf.poses import IDENTITY, Transform, inverse, transform
 from harness.base.sdf.reader import color_of, numbers, text_of
 from harness.robots.frames.urdf import add_material, add_origin, text_of_numbers
 from harness.robots.urdf.equipment import IMU, LIDAR
@@ -31,19 +33,22 @@ KINDS = (*TURNING, *SLIDING, *HELD)
 NO_JOINT = ("gearbox",)  # between links that have joints of their own
 
 
-def urdf_of_sdf(root: Element, path: Path, folders: Sequence[Path]) -> tuple[Element, list[str]]:
+def urdf_of_sdf(
+    root: Element, path: Path, folders: Sequence[Path], name: str
+) -> tuple[Element, list[str]]:
     """Returns the <robot> that a model in SDF is, and what was left out or changed, a line each.
 
     Args:
         root: The <sdf>.
         path: Its file.
         folders: With what it includes, beside its own folder and those above.
+        name: Of the model, where it holds several.
 
     Raises:
         UsageError: It holds no rover or several, or something in it is not valid.
     """
     try:
-        model = read_model(root, path, folders)
+        model = read_model(root, path, folders, name)
         return _Writing(model).robot(), model.notes
     except UsageError as error:
         text = str(error)
@@ -55,11 +60,16 @@ class _Writing:
         self._model, self._notes = model, model.notes
         self._joints = {name: one for name, one in model.joints.items() if one.kind not in NO_JOINT}
         carried: dict[str, str] = {}
-        for name, joint in self._joints.items():
-            self._check(name, joint)
+        children = {joint.child for joint in self._joints.values()}
+        for name, stated in self._joints.items():
+            self._check(name, stated)
+            joint = stated
+            if joint.child in carried and _kind(joint) == "fixed" and joint.parent not in children:
+                joint = replace(joint, parent=joint.child, child=joint.parent)  # it hangs on the other
             if joint.child in carried:
                 both = f"joints '{carried[joint.child]}' and '{name}'"
                 raise UsageError(f"link '{joint.child}' hangs on {both}; take the loop apart")
+            self._joints[name] = joint
             carried[joint.child] = name
         self._frames = {name: self._frame(name, carried.get(name, "")) for name in model.links}
 
@@ -76,13 +86,14 @@ class _Writing:
         if not carrier:
             return transform(tuple(pose[:3, 3]), IDENTITY[:3, :3])
         joint = self._joints[carrier]
-        return pose if joint.kind in HELD else transform(tuple(joint.pose[:3, 3]), pose[:3, :3])
+        return pose if _kind(joint) in HELD else transform(tuple(joint.pose[:3, 3]), pose[:3, :3])
 
     def robot(self) -> Element:
         """Returns the whole."""
         robot = Element("robot", name=self._model.name)
+        moved = {joint.child for joint in self._joints.values() if _kind(joint) not in HELD}
         for name in self._model.links:
-            self._link(SubElement(robot, "link", name=name), name)
+            self._link(SubElement(robot, "link", name=name), name, moves=name in moved)
         for name, joint in self._joints.items():
             self._joint(robot, name, joint)
         for sensor in SENSORS:
@@ -96,12 +107,13 @@ class _Writing:
 
     def _at(self, link: str, element: Element | None, owner: str) -> Transform:
         """The pose of what is in a link, in the frame of URDF's."""
-        pose = IDENTITY if element is None else read_pose(element, owner)[0]
-        return inverse(self._frames[link]) @ self._model.links[link].pose @ pose
+        return inverse(self._frames[link]) @ self._model.links[link].at(element, owner)
 
-    def _link(self, written: Element, name: str) -> None:
+    def _link(self, written: Element, name: str, *, moves: bool) -> None:
         link = self._model.links[name].element
         inertial = link.find("inertial")
+        if inertial is None and moves:
+            inertial = Element("inertial")
         if inertial is not None:
             self._inertial(SubElement(written, "inertial"), inertial, name)
         for kind in ("visual", "collision"):
@@ -121,6 +133,9 @@ class _Writing:
         moments = inertial.find("inertia")
         if inertial.get("auto", "").lower() in ("1", "true"):
             raise UsageError(f"link '{name}' leaves its inertia to Gazebo; give <mass> and <inertia>")
+        if moments is None:
+            missing = "<inertia>, so" if len(inertial) else "<inertial>, so 1 kg and"
+            self._notes.append(f"link '{name}' has no {missing} 1 kg m^2, as in Gazebo")
         values = {
             f"i{axes}": text_of(moments, f"i{axes}", "1" if axes in AXES[:3] else "0") for axes in AXES
         }
@@ -133,7 +148,7 @@ class _Writing:
         limit = None if axis is None else axis.find("limit")
         lower, upper = (_limit(limit, tag) for tag in ("lower", "upper"))
         is_endless = not (-LIMITLESS < lower <= upper < LIMITLESS)
-        kind = ("continuous" if is_endless else "revolute") if joint.kind in TURNING else joint.kind
+        kind = ("continuous" if is_endless else "revolute") if _kind(joint) in TURNING else _kind(joint)
         if joint.kind == "ball":
             kind = "fixed"
             self._notes.append(f"joint '{name}' is a ball's; held, so that what it carries slides")
@@ -155,24 +170,52 @@ class _Writing:
             SubElement(written, "mimic", _mimic(mimic, name))
 
     def _sensor(self, robot: Element, kind: str) -> None:
-        """Adds the link of the first lidar or IMU, unless it is at a link that is called so."""
+        """Adds the link of the lidar that sees most or the first IMU, unless it is at one called so."""
         pattern, types = SENSORS[kind]
-        for link, one in self._model.links.items():
-            for sensor in one.element.findall("sensor"):
-                if sensor.get("type") not in types:
-                    continue
-                at = self._at(link, sensor, f"sensor '{sensor.get('name')}'")
-                if pattern.search(link) and np.allclose(at, IDENTITY):
-                    return
-                name = sensor.get("name", kind)
-                name = name if pattern.search(name) else f"{name}_{kind}"
-                name = f"{link}_{name}" if name in self._model.links else name
-                SubElement(robot, "link", name=name)
-                joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
-                SubElement(joint, "parent", link=link)
-                SubElement(joint, "child", link=name)
-                add_origin(joint, at)
-                return
+        sensors = [
+            (sensor, link)
+            for link, one in self._model.links.items()
+            for sensor in one.element.findall("sensor")
+            if sensor.get("type") in types
+        ]
+        sensor, link = max(sensors, key=lambda of: _width(of[0]), default=(None, ""))
+        if sensor is None:
+            return
+        if len(sensors) > 1:
+            names = ", ".join(of.get("name", kind) for of, _ in sensors)
+            taken = sensor.get("name") if _width(sensor) else "none, as they are single rays"
+            self._notes.append(f"of several sensors for the {kind} ({names}) it has {taken}")
+        if not _width(sensor):
+            return
+        at = self._at(link, sensor, f"sensor '{sensor.get('name')}'")
+        name = link
+        if not (pattern.search(link) and np.allclose(at, IDENTITY)):
+            name = sensor.get("name", kind)
+            name = name if pattern.search(name) else f"{name}_{kind}"
+            name = f"{link}_{name}" if name in self._model.links else name
+            SubElement(robot, "link", name=name)
+            joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
+            SubElement(joint, "parent", link=link)
+            SubElement(joint, "child", link=name)
+            add_origin(joint, at)
+        robot.set(kind, name)
+
+
+def _kind(joint: Joint) -> str:
+    """A joint's type; one whose limits are both 0, as is usual where nothing shall turn, is `fixed`."""
+    limit = joint.element.find("axis/limit")
+    return joint.kind if any(_limit(limit, tag) for tag in ("lower", "upper")) else "fixed"
+
+
+def _width(sensor: Element) -> float:
+    """The angle that a sensor sees [rad], to a tenth; 0 of a single ray, as that of a cliff's sensor."""
+    horizontal = next(sensor.iter("horizontal"), None)
+    if horizontal is None:
+        return 2 * math.pi
+    usual = {"samples": "640", "min_angle": "0", "max_angle": "0"}
+    text = " ".join(text_of(horizontal, tag, value) for tag, value in usual.items())
+    samples, start, end = numbers(text, 3, f"<horizontal> of sensor '{sensor.get('name')}'")
+    return round(end - start, 1) if samples > 1 else 0.0
 
 
 def _shape(part: Element, owner: str) -> Element | str:
@@ -184,7 +227,7 @@ def _shape(part: Element, owner: str) -> Element | str:
         if text_of(shape.find("submesh"), "name"):
             return "a part of a mesh is not taken alone"
         scale = text_of_numbers(numbers(text_of(shape, "scale", "1 1 1"), 3, f"<scale> of {owner}"))
-        return Element("mesh", filename=text_of(shape, "uri"), scale=scale)
+        return Element("mesh", filename=text_of(shape, "uri", text_of(shape, "filename")), scale=scale)
     if shape.tag not in SIZES:
         return f"no shape here is a <{shape.tag}>"
     sizes = {tag: text_of(shape, tag) for tag in SIZES[shape.tag]}

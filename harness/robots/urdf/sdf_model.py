@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
-from harness.base.sdf.poses import IDENTITY, Frames, Transform
+from harness.base.sdf.poses import IDENTITY, Frames, Transform, read_pose
 from harness.base.sdf.reader import is_true, numbers, text_of
 from harness.base.sdf.resources import Resources
 from harness.base.sdf.scopes import Call, Scopes, framed
@@ -17,14 +17,22 @@ from harness.base.sdf.scopes import Call, Scopes, framed
 MODEL = "__model__"
 WORLD = "world"  # as the parent of a joint
 OLD = [1, 4]  # the version up to which axes are in the model's frame
+USUAL = "1.6"  # the version of a file that does not tell
 
 
 @dataclass(frozen=True)
 class Link:
-    """A link; the pose is in the model, shape (4, 4)."""
+    """A link; its pose, and that of the model in which it is, are in the rover, shape (4, 4)."""
 
     element: Element
     pose: Transform
+    frames: Frames  # of its model
+    model: Transform
+
+    def at(self, part: Element | None, owner: str) -> Transform:
+        """Returns the pose in the rover of what is in the link, called so in messages."""
+        pose, reference = (IDENTITY, "") if part is None else read_pose(part, owner)
+        return (self.model @ self.frames.find(reference) if reference else self.pose) @ pose
 
 
 @dataclass(frozen=True)
@@ -54,73 +62,87 @@ class Model:
     notes: list[str] = field(default_factory=list)  # what could not be had, a line each
 
 
-def read_model(root: Element, path: Path, folders: Sequence[Path]) -> Model:
-    """Returns the one model of a file that has joints which move.
+def read_model(root: Element, path: Path, folders: Sequence[Path], name: str) -> Model:
+    """Returns the one model of a file that has joints which move, or that of a name among several.
 
     Args:
         root: The <sdf>.
         path: Its file.
         folders: With what it includes, beside its own folder and those above.
+        name: The rover's.
 
     Raises:
         UsageError: There is none or more than one, or something in it is not valid.
     """
     notes: list[str] = []
     scopes, world = Scopes(Resources(folders), notes.append), root.find(WORLD)
-    calls = scopes.calls(root if world is None else world, (path.resolve(),))
+    version = root.get("version", USUAL)
+    calls = scopes.calls(root if world is None else world, (path.resolve(),), version)
     models = [call for call in calls if call.model.tag == "model"]
-    moving = [call for call in models if _moves(call.model)]
+    moving = [call for call in models if not call.is_static and _moves(call, scopes)]
+    moving = [call for call in moving if call.name == name] or moving
     if len(moving) != 1:
+        mend = "call the rover as one of them" if moving else "give a file of a rover"
         which = "several models" if moving else "no model"
         names = ", ".join(call.name for call in moving or models) or "none at all"
-        raise UsageError(f"it holds {which} with joints that move: {names}; give a file of one rover")
+        raise UsageError(f"it holds {which} with joints that move: {names}; {mend}")
     notes.clear()  # of what stands around it
-    version = [int(word) for word in root.get("version", "1.6").split(".") if word.isdecimal()]
     model = Model(moving[0].name, notes=notes)
-    _Reading(model, scopes, is_old=version <= OLD).scope(moving[0], Frames(MODEL), IDENTITY, ())
+    _Reading(model, scopes).scope(moving[0], Frames(MODEL), IDENTITY, ())
     return model
 
 
-def _moves(model: Element) -> bool:
-    return any(joint.get("type") != "fixed" for joint in model.iter("joint"))
+def _moves(call: Call, scopes: Scopes) -> bool:
+    """Whether a model, or one that is in it, has joints that move."""
+    if any(joint.get("type") != "fixed" for joint in call.model.findall("joint")):
+        return True
+    return any(_moves(one, scopes) for one in scopes.calls(call.model, call.chain, call.version))
+
+
+def _is_old(version: str) -> bool:
+    return [int(word) for word in (version or USUAL).split(".") if word.isdecimal()] <= OLD
 
 
 class _Reading:
-    def __init__(self, model: Model, scopes: Scopes, *, is_old: bool) -> None:
-        self._model, self._scopes, self._is_old = model, scopes, is_old
+    def __init__(self, model: Model, scopes: Scopes) -> None:
+        self._model, self._scopes = model, scopes
 
     def scope(self, call: Call, frames: Frames, at: Transform, names: tuple[str, ...]) -> None:
         """Adds what is in a model whose origin is at a pose, within models of these names."""
-        calls = [one for one in self._scopes.calls(call.model, call.chain) if one.model.tag == "model"]
+        calls = self._scopes.calls(call.model, call.chain, call.version)
+        calls = [one for one in calls if one.model.tag == "model"]
         inner = framed(call.model, calls, frames)
         for element in call.model.findall("link"):
             name = element.get("name", "link")
-            self._model.links[_joined(*names, name)] = Link(element, at @ frames.find(name))
+            link = Link(element, at @ frames.find(name), frames, at)
+            self._model.links[_joined(*names, name)] = link
         for element in call.model.findall("joint"):
-            self._joint(element, frames, at, names)
+            self._joint(element, frames, at, names, is_old=_is_old(call.version))
         self._model.plugins += call.model.findall("plugin")
         for one, nested in zip(calls, inner, strict=True):
             pose, reference = one.pose(nested)
             below = names if one.is_merged else (*names, one.name)
             self.scope(one, nested, at @ frames.find(reference) @ pose, below)
 
-    def _joint(self, element: Element, frames: Frames, at: Transform, names: tuple[str, ...]) -> None:
+    def _joint(
+        self, element: Element, frames: Frames, at: Transform, names: tuple[str, ...], *, is_old: bool
+    ) -> None:
         name, parent = element.get("name", "joint"), text_of(element, "parent")
         if parent == WORLD:
             self._model.notes.append(f"joint '{name}' holds it fast in the world; left out")
             return
-        axis = at[:3, :3] @ self._axis(element, name, frames)
-        ends = (_joined(*names, link) for link in (parent, text_of(element, "child")))
-        self._model.joints[_joined(*names, name)] = Joint(element, at @ frames.find(name), axis, *ends)
-
-    def _axis(self, joint: Element, name: str, frames: Frames) -> NDArray[np.float64]:
-        """The axis of a joint in the frame of its model."""
-        axis = joint.find("axis")
+        child = text_of(element, "child")
+        pose, reference = read_pose(element, name)  # not by its name, which a link may have too
+        pose = frames.find(reference or child) @ pose
+        axis = element.find("axis")
         xyz = None if axis is None else axis.find("xyz")
         vector = numbers(text_of(axis, "xyz", "0 0 1"), 3, f"<xyz> of joint '{name}'")
-        of_model = self._is_old or is_true(text_of(axis, "use_parent_model_frame"))
+        of_model = is_old or is_true(text_of(axis, "use_parent_model_frame"))
         stated = "" if xyz is None else xyz.get("expressed_in", "")
-        return np.asarray(frames.find(stated or (MODEL if of_model else name))[:3, :3] @ vector)
+        frame = frames.find(stated or MODEL) if stated or of_model else pose
+        turned = np.asarray((at @ frame)[:3, :3] @ vector)
+        ends = (_joined(*names, link) for link in (parent, child))
+        self._model.joints[_joined(*names, name)] = Joint(element, at @ pose, turned, *ends)
 
 
 def _joined(*names: str) -> str:

@@ -39,12 +39,13 @@ class Source:
     notes: list[str] = field(default_factory=list)  # what was dropped or mended, a line each
 
 
-def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Source:
+def read_urdf(path: Path, folders: Sequence[Path], name: str, *, trust_xacro: bool) -> Source:
     """Returns a URDF, or a model in SDF, as a model of MuJoCo.
 
     Args:
         path: Of the file.
         folders: With meshes and packages, beside its own and those of packages above it.
+        name: The rover's; of several models in SDF, that of this name is read.
         trust_xacro: Whether it may be xacro, which runs what its author wrote.
 
     Raises:
@@ -53,7 +54,7 @@ def read_urdf(path: Path, folders: Sequence[Path], *, trust_xacro: bool) -> Sour
     robot = parsed(_text(path, folders, trust_xacro=trust_xacro), path)
     notes: list[str] = []
     if robot.tag in ROOTS:
-        robot, notes = urdf_of_sdf(robot, path, folders)
+        robot, notes = urdf_of_sdf(robot, path, folders, name)
     _check_content(robot, path)
     for link in robot.iter("link"):
         notes += _find_meshes(link, path, folders)

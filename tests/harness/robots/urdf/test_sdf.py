@@ -19,7 +19,13 @@ from tests.support.foreign_rovers import BUGGY, HUSKY
 Matrix = NDArray[np.float64]
 URDFS = {"husky": HUSKY.urdf, "buggy": BUGGY.urdf, "rocker": urdf_of("r", TEMPLATES["rocker"])}
 NEAR = 1e-5  # MuJoCo writes six digits
-STYLES = ("1.4", "1.6", "1.6 of the model", "1.9")  # how poses of joints and axes are given
+INCLUDED = {
+    " in a world": "<sdf version='1.9'><world name='w'><include><uri>{}</uri></include></world></sdf>",
+    " in a model": """<sdf version='1.9'><model name='o'><include merge='true'><uri>{}</uri>
+      <pose>0 0 0 0 0 0</pose></include></model></sdf>""",
+}
+# how poses of joints and axes are given
+STYLES = ("1.4", "1.6", "1.6 of the model", "1.9", *(f"1.4{where}" for where in INCLUDED))
 
 
 def pose_of(element: ET.Element | None) -> Matrix:
@@ -132,7 +138,11 @@ def written(folder: Path, text: str, name: str) -> Written:
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize("rover", URDFS)
 def test_frames_of_links_and_joints_are_no_matter(rover: str, style: str, tmp_path: Path) -> None:
-    ours = written(tmp_path, ET.tostring(Sdf(URDFS[rover], style).sdf, encoding="unicode"), "model.sdf")
+    text = ET.tostring(Sdf(URDFS[rover], style).sdf, encoding="unicode")
+    if (where := style.removeprefix("1.4")) in INCLUDED:
+        (tmp_path / "old.sdf").write_text(text)
+        text = INCLUDED[where].format("old.sdf")
+    ours = written(tmp_path, text, "model.sdf")
     theirs = written(tmp_path, URDFS[rover], "robot.urdf")
     assert ours.rover.drive == theirs.rover.drive
     one, other = (read_model(made.rover).compile() for made in (ours, theirs))
@@ -159,7 +169,7 @@ def test_frames_of_links_and_joints_are_no_matter(rover: str, style: str, tmp_pa
 
 WHEEL = """<sdf version='1.9'><model name='wheel'><link name='link'>
   <inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.03</iyy><izz>0.02</izz></inertia></inertial>
-  <collision name='c'><pose degrees='true'>0 0 0 90 0 0</pose><geometry><cylinder>
+  <collision name='c'><pose degrees='true'>0 0 0 90 40 0</pose><geometry><cylinder>
     <radius>0.15</radius><length>0.1</length></cylinder></geometry></collision></link></model></sdf>"""
 
 
@@ -176,15 +186,19 @@ def of_parts(more: str = "", kind: str = "revolute", part: str = "left::link") -
     )
     inertia = "<inertia><ixx>0.2</ixx><iyy>0.3</iyy><izz>0.4</izz></inertia>"
     return f"""<sdf version='1.9'><world name='w'><include><uri>model://ground_plane</uri></include>
+      <model name='gate'><static>1</static><joint type='revolute'/></model>
       <model name='rover'><pose>4 5 0 0 0 1</pose><link name='chassis'><pose>0 0 0.25 0 0 0</pose>
       <inertial><mass>8</mass>{inertia}</inertial>
       <collision name='c'><geometry><box><size>0.6 0.4 0.2</size></box></geometry></collision>
       <visual name='cone'><geometry><cone><radius>1</radius></cone></geometry></visual>
       <visual name='hood'><geometry><mesh><uri>hood.stl</uri><submesh><name>a</name></submesh></mesh>
       </geometry></visual>
-      <sensor name='front' type='gpu_lidar'><pose>0.1 0 0.3 0 0 0</pose></sensor>
+      <visual name='old'><geometry><mesh><filename>shell.stl</filename></mesh></geometry></visual>
+      <sensor name='cliff' type='ray'><ray><scan><horizontal><samples>1</samples></horizontal></scan>
+      </ray></sensor>
       <sensor name='imu' type='imu'><pose>0 0.05 0 0 0 0</pose></sensor></link>
-      <link name='mast'/>
+      <frame name='eye' attached_to='chassis'><pose>0 0 0.3 0 0 0</pose></frame><link name='mast'>
+      <sensor name='front' type='gpu_lidar'><pose relative_to='eye'>0.1 0 0 0 0 0</pose></sensor></link>
       <joint name='mast' type='fixed'><parent>chassis</parent><child>mast</child></joint>
       <link name='ball'><pose>-0.25 0 0.05 0 0 0</pose><inertial><mass>0.5</mass>
       <inertia><ixx>0.001</ixx><iyy>0.001</iyy><izz>0.001</izz></inertia></inertial>
@@ -204,14 +218,16 @@ def of_gazebo(folder: Path, text: str) -> Path:
 
 
 def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path) -> None:
-    arm = """<link name='arm'><pose>0.2 0 0.4 0 0 0</pose><inertial><mass>1</mass><inertia>
-      <ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial></link>
-      <joint name='arm' type='prismatic'>
+    arm = """<link name='arm'><pose>0.2 0 0.4 0 0 0</pose></link><link name='scanner'/>
+      <joint name='scanner' type='revolute'><parent>scanner</parent><child>ball</child>
+      <axis><limit><lower>0</lower><upper>-0.0</upper></limit></axis></joint>
+      <joint name='arm' type='prismatic'><pose>0 0 0.1 0 0 0</pose>
       <parent>chassis</parent><child>arm</child><axis><xyz>0 0 1</xyz><limit><lower>0</lower>
       <upper>0.1</upper></limit><dynamics><spring_stiffness>500</spring_stiffness>
       <spring_reference>0.02</spring_reference></dynamics></axis></joint>
       <joint name='gear' type='gearbox'><parent>left::link</parent><child>right::link</child></joint>"""
-    made = write_folder("made", of_gazebo(tmp_path, of_parts(arm)), tmp_path / "made")
+    text = of_parts(arm).replace("</world>", f"{ANOTHER}</world>")
+    made = write_folder("rover", of_gazebo(tmp_path, text), tmp_path / "made")
     rover = made.rover
     model = read_model(rover).compile()
     data = mujoco.MjData(model)
@@ -227,12 +243,19 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
     assert model.actuator("left").forcerange == pytest.approx([-5.0, 5.0])
     assert model.actuator("left").ctrlrange == pytest.approx([-8.0, 8.0])
     assert model.joint("left").damping == pytest.approx([0.1])
+    assert data.joint("arm").xanchor - chassis == pytest.approx([0.2, 0.0, 0.25])
+    assert model.body("arm").mass == [1.0]
+    assert model.body("scanner").parentid == model.body("ball").id
+    assert model.njnt == 4  # of all that is said to be a joint
     assert (model.joint("arm").stiffness, model.joint("arm").qpos_spring) == ([500.0], [0.02])
-    assert made.notes[:4] == (
+    assert any("shell.stl is not there" in note for note in made.notes)
+    assert made.notes[:6] == (
         "visual 'cone' of link 'chassis': no shape here is a <cone>; dropped",
         "visual 'hood' of link 'chassis': a part of a mesh is not taken alone; dropped",
+        "link 'arm' has no <inertial>, so 1 kg and 1 kg m^2, as in Gazebo",
         "joint 'ball' is a ball's; held, so that what it carries slides",
-        "without <inertial>, so no mass, where Gazebo takes 1 kg each: mast",
+        "of several sensors for the lidar (cliff, front) it has front",
+        "without <inertial>, so no mass, where Gazebo takes 1 kg each: mast, scanner",
     )
 
 
@@ -244,8 +267,8 @@ MISTAKES = {
         "joints that move: post",
     ),
     "two": (
-        of_parts().replace("</world>", "<model name='b'><joint type='ball'/></model></world>"),
-        "b; give",
+        of_parts().replace("</world>", f"{ANOTHER}</world>"),
+        "rover, b; call",
     ),
     "a loop": (of_parts(JOINT.format("ball", "mast")), "link 'mast' hangs on joints 'mast' and 'j'"),
     "nothing": (of_parts(JOINT.format("ball", "bowl")), "frame 'bowl' does not exist"),
