@@ -121,7 +121,7 @@ def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None
     "own",
     [
         "leo:b,driver=goal,noise=hardware,sensors=gnss,fault=motor.left:weak=0.2@1,fault=pose:spike=2",
-        "husky:b,actuators=real,sensors=battery,fault=cmd_vel:dropout=0.5,fault=scan:dropout=0.5",
+        "husky:b,actuators=real,surface=wet_grass,sensors=battery,fault=cmd_vel:dropout=0.5,fault=scan:dropout=0.5",
     ],
 )
 def test_a_rover_of_a_fleet_does_and_tells_what_it_would_alone_by_its_own_seed(own: str) -> None:

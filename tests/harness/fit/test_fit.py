@@ -566,7 +566,9 @@ def test_a_dead_encoder_gives_way_to_odometry_or_is_told(tmp_path: Path, said: f
     assert recording_of_bag(tmp_path / "bag", HUSKY).wheels[0, 1:] == pytest.approx([0.4, 0.4])
 
 
-@pytest.mark.parametrize("stamps", ["none", "of another clock", "all but the first"])
+@pytest.mark.parametrize(
+    "stamps", ["none", "of another clock", "all but the first", "the first before it was set"]
+)
 def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(
     stamps: str, tmp_path: Path, capsys: Capsys
 ) -> None:
@@ -586,7 +588,8 @@ def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(
             own = recorded - round(late * 1e9)
             header = types["std_msgs/msg/Header"](time(*divmod(own, 10**9)), "")
             if stamps != "none":
-                own = own - 1_000 * 10**9 if stamps == "of another clock" else own * (n > 0)
+                first = 0 if stamps == "all but the first" else 5 * 10**9
+                own = own - 1_000 * 10**9 if stamps == "of another clock" else own if n else first
                 own_header = types["std_msgs/msg/Header"](time(*divmod(own, 10**9)), "")
                 said = types[twist](own_header, said)
             writer.write(commands, recorded, store.serialize_cdr(said, twist))
@@ -596,6 +599,7 @@ def test_what_has_no_stamp_is_put_on_the_clock_of_what_has_one(
     chosen = read([bag], HUSKY, {"commands": "/drive"})
     turned, commanded = (series[series[:, 1] > 0.5, 0][0] for series in (chosen.wheels, chosen.commands))
     assert turned - commanded == pytest.approx(0.0, abs=0.01)
+    assert chosen.wheels[-1, 0] == pytest.approx(300 * 0.05, abs=0.11)
     words = [str(bag), "--robot", "husky", "--out", str(tmp_path / "out"), "--topic"]
     assert "no commands can be read of /joint_states" in complaint(
         main, [*words, "commands=/joint_states"], capsys

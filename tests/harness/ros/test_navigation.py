@@ -12,7 +12,8 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
 
-from harness.episode.assembly import world_of
+from harness.base.message_types import GRID_MAP, read_message
+from harness.episode.assembly import graded_world, world_of
 from harness.robots import find_rover
 from harness.ros.navigation import Navigation
 from harness.samples import Place
@@ -32,10 +33,11 @@ KINDS = {"initialpose": PoseWithCovarianceStamped, "goal_pose": PoseStamped}
 class Scene:
     """A bridge that serves a navigation stack, and who asks; the orders are only kept."""
 
-    def __init__(self, ros: Ros, run: Run = RUN) -> None:
+    def __init__(self, ros: Ros, run: Run = RUN, *, truth_map: bool = False) -> None:
         self.ros, self.ordered, self.at_ns = ros, list[tuple[str, Place]](), 1_250_000_000
         self.bridge, self.stack = ros.bridge(), ros.node("stack")
-        self.navigation = Navigation(self.bridge, run, len(run.rovers) - 1, self)  # type: ignore[arg-type]  # two of its orders
+        number = len(run.rovers) - 1
+        self.navigation = Navigation(self.bridge, run, number, self, truth_map=truth_map)  # type: ignore[arg-type]  # two of its orders
         self._publishers = {
             topic: self.stack.create_publisher(KINDS[topic], topic, 1) for topic in KINDS
         }
@@ -158,3 +160,21 @@ def test_the_map_goes_out_once_when_somebody_listens(ros: Ros) -> None:
     )
     assert (info.origin.orientation.w, message.header.frame_id) == (1.0, "map")
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == (2, 300_000_000)
+
+
+def test_the_graded_map_is_that_of_the_rover_whose_topic_it_is(ros: Ros) -> None:
+    navigation, kept = Scene(ros, truth_map=True).navigation, list[bytes]()
+    assert navigation.graded is not None
+
+    def record(data: bytes) -> bytes:
+        kept.append(bytes(data))
+        return data
+
+    navigation.graded.record = record
+    navigation.look_around()
+    navigation.look_around()
+    (data,) = kept
+    message = read_message(data, GRID_MAP)
+    margins = np.sort(message.data[message.layers.index("tip_margin")].data)
+    expected = np.sort(graded_world(RUN, 1).layers["tip_margin"], axis=None)
+    np.testing.assert_allclose(margins, expected, atol=1e-6)
