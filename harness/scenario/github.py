@@ -4,9 +4,10 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from harness.base.errors import how_many
 from harness.scenario.case import scenario_name
 from harness.scenario.terminal import kept_limits
-from harness.scenario.verdict import Attempt, Verdict, bad_runs, passed_of, reasons_of
+from harness.scenario.verdict import Verdict, bad_runs, passed_of, reasons_of
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 
@@ -15,22 +16,37 @@ DATA = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A"})
 
 
 def tell_github(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> None:
-    """Annotates each bad run and appends to the summary, if `GITHUB_ACTIONS` says that it is a job."""
+    """Annotates what was not kept and appends to the summary, if `GITHUB_ACTIONS` says so."""
     if environment.get("GITHUB_ACTIONS") != "true":
         return
-    for line in dict.fromkeys(map(annotation, bad_runs(verdicts))):  # each text once
+    for line in annotations(verdicts):
         print(line)
     if target := environment.get("GITHUB_STEP_SUMMARY"):
         with Path(target).open("a", encoding="utf-8") as file:
             file.write(summary(verdicts, environment))
 
 
-def annotation(attempt: Attempt) -> str:
-    """Returns the workflow command that marks the line of a scenario which a run did not keep."""
-    path, reason = attempt.case.path, reasons_of(attempt)[0]
-    place = f"file={str(path).translate(PROPERTY)},line={_line(path, reason)}"
-    title = scenario_name(path).translate(PROPERTY)
-    return f"::error {place},title={title}::{reason.translate(DATA)}"
+def annotations(verdicts: Sequence[Verdict]) -> list[str]:
+    """Returns the workflow commands that mark each line of a scenario which runs did not keep, once.
+
+    GitHub shows few of a job: the first run of a line is told, and how many more there are.
+    """
+    told = dict[tuple[Path, int, str], dict[str, str]]()  # what each run did there
+    for attempt in bad_runs(verdicts):
+        path, reasons = attempt.case.path, reasons_of(attempt)
+        for reason in reasons if attempt.error is None else reasons[:1]:
+            line = _line(path, reason)
+            runs = told.setdefault((path, line, "" if line else reason), {})
+            runs.setdefault(attempt.case.name, reason)
+    return [_annotation(path, line, runs) for (path, line, _), runs in told.items()]
+
+
+def _annotation(path: Path, line: int, runs: Mapping[str, str]) -> str:
+    (name, reason), more = next(iter(runs.items())), len(runs) - 1
+    others = f" and {how_many(more, 'more run')}" if more else ""
+    said = f"{reason} ({name}{others})"
+    place = f"file={str(path).translate(PROPERTY)},line={line or 1}"
+    return f"::error {place},title={scenario_name(path).translate(PROPERTY)}::{said.translate(DATA)}"
 
 
 def summary(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> str:
@@ -54,11 +70,11 @@ def summary(verdicts: Sequence[Verdict], environment: Mapping[str, str]) -> str:
 
 
 def _line(path: Path, reason: str) -> int:
-    """The line of a scenario's file that names the quantity of a breach; the first one if none does."""
+    """The line of a scenario's file that names the quantity of a breach; 0 if none does."""
     name = reason.partition(": ")[0].partition(" of ")[0]
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
     key = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*:")
-    return next((number for number, line in enumerate(lines, 1) if key.match(line)), 1)
+    return next((number for number, line in enumerate(lines, 1) if key.match(line)), 0)
 
 
 def _run_of(environment: Mapping[str, str]) -> str:

@@ -14,6 +14,7 @@ duration: 1
 expect:
   truth.tilt_deg: {max: 25}
   truth.speed: {max: LIMIT}
+  truth.path_length: {max: LIMIT}
 """
 NO_BASELINE = """about: as it was
 duration: 1
@@ -37,8 +38,11 @@ def test_github_gets_the_line_of_what_failed_and_a_summary(
     words = ["a,b.scenario.yaml", "good.scenario.yaml", "base.scenario.yaml", "--jobs", "1"]
     assert main([*words, "--out", "runs"]) == 2
     told = capsys.readouterr().out
-    failed, lacks = (line for line in told.splitlines() if line.startswith("::error "))
+    failed, too, lacks = (line for line in told.splitlines() if line.startswith("::error "))
     assert failed.startswith("::error file=a%2Cb.scenario.yaml,line=7,title=a%2Cb::truth.speed: ")
+    assert too.startswith("::error file=a%2Cb.scenario.yaml,line=8,title=a%2Cb::truth.path_length: ")
+    assert failed.endswith(" (a,b[0])")
+    assert lacks.endswith(" and 1 more run)")
     assert lacks.startswith("::error file=base.scenario.yaml,line=1,title=base::there is no baseline")
     assert told.count("there is no baseline of it") == 1 + 1, "by the terminal and by the annotation"
     assert "and 1 more run for the same reason" in told
