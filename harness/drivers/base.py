@@ -83,6 +83,11 @@ class TakesGoals(Protocol):
         ...
 
 
+def aside(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns how far directions are from straight ahead, to either side, 0 to pi [rad]."""
+    return np.abs(np.remainder(angles + math.pi, math.tau) - math.pi)
+
+
 def turning(error: float, rover: RoverSpec, gain: float = 2.0) -> float:
     """Returns the yaw rate that turns a rover towards a heading [rad/s].
 

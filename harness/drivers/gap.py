@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.drivers.base import DriverContext, Observation, turning
+from harness.drivers.base import DriverContext, Observation, aside, turning
 from harness.drivers.beeline import Beeline
 from harness.samples import LaserScan, Sample, Twist
 
@@ -46,8 +46,7 @@ class Gap(Beeline):
 
     def _heading(self, room: NDArray[np.float64], error: float) -> float:
         """The direction whose detour is least among those that are open, or the one with most room."""
-        off = np.abs(np.remainder(self._directions - error + math.pi, math.tau) - math.pi)
-        cost = off + 2.0 * (FAR - room) + 0.2 * np.abs(self._directions)
+        cost = aside(self._directions - error) + 2.0 * (FAR - room) + 0.2 * np.abs(self._directions)
         return float(self._directions[int(np.argmin(cost))])
 
     def _room(self, ranges: NDArray[np.float32] | None, most: float) -> NDArray[np.float64]:
@@ -57,9 +56,8 @@ class Gap(Beeline):
             return free
         near = np.flatnonzero((ranges > 0.0) & (ranges < FAR))
         distance = ranges[near].astype(np.float64)
-        off = self._directions[:, None] - self._bearings[near][None, :]
-        off = np.abs(np.remainder(off + math.pi, math.tau) - math.pi)
-        aside, along = distance * np.sin(off), distance * np.cos(off)
-        blocks = (aside < self._width) & (along > 0.0)
+        off = aside(self._directions[:, None] - self._bearings[near][None, :])
+        across, along = distance * np.sin(off), distance * np.cos(off)
+        blocks = (across < self._width) & (along > 0.0)
         free = np.where(blocks, along, FAR).min(axis=1, initial=FAR)
         return np.where(free >= min(most, FAR), FAR, free)

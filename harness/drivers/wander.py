@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import NANOSECONDS
-from harness.drivers.base import DriverContext, Observation, turning
+from harness.drivers.base import DriverContext, Observation, aside, turning
 from harness.samples import LaserScan, Sample, Twist
 
 GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
@@ -99,7 +99,7 @@ class Wander:
 
     def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
         usable = np.minimum(free, LOOKAHEAD)
-        cost = np.abs(np.remainder(HEADINGS - error + math.pi, math.tau) - math.pi) - 1.5 * usable
+        cost = aside(HEADINGS - error) - 1.5 * usable
         heading = float(HEADINGS[cost.argmin()])
         ahead = float(free[len(HEADINGS) // 2])
         if ahead < self._stop_range:
@@ -153,7 +153,7 @@ def _corridors(bearings: NDArray[np.float64], half_width: float) -> NDArray[np.f
     A return at range r and angle a off the heading lies r sin(a) beside it: it blocks a corridor of
     the rover's half width if r < half_width / sin(a), and never when it lies behind.
     """
-    off = np.abs(np.remainder(bearings[:, None] - HEADINGS[None, :] + math.pi, math.tau) - math.pi)
+    off = aside(bearings[:, None] - HEADINGS[None, :])
     with np.errstate(divide="ignore"):
         corridor = np.where(off < math.pi / 2, half_width / np.sin(off), 0.0)
     return np.minimum(corridor, LOOKAHEAD)
