@@ -244,7 +244,10 @@ class Tick:
 
     def of(self, kind: type[S]) -> S | None:
         """Returns the first sample of a type; None if this tick has none."""
-        return next((sample for sample in self.samples if isinstance(sample, kind)), None)
+        for sample in self.samples:  # a generator takes twice as long
+            if isinstance(sample, kind):
+                return sample
+        return None
 
 
 @dataclass(frozen=True, slots=True)

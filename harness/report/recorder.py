@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness import samples
 from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
@@ -115,8 +116,7 @@ class RunRecorder:
                     case samples.Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case samples.LaserScan():
-                        finite = sample.ranges[np.isfinite(sample.ranges)]
-                        nearest = min(nearest, float(finite.min(initial=np.inf)))
+                        nearest = min(nearest, _nearest_finite(sample.ranges))
                         if pose := tick.of(samples.Pose):
                             self.last_scan = PlacedScan(sample, pose)
         truth, touched_s = batch.truth, self._contact_s
@@ -140,6 +140,12 @@ class RunRecorder:
         rover, time_s = self._place[:2], stamp_ns / NANOSECONDS
         places = (person[:2] for person in self._people)
         return tuple(Approach(math.dist(rover, place), time_s, rover, place) for place in places)
+
+
+def _nearest_finite(ranges: NDArray[np.floating]) -> float:
+    """The nearest finite range [m], or inf; mostly it is simply the nearest."""
+    nearest = float(np.minimum.reduce(ranges, initial=np.inf))
+    return nearest if math.isfinite(nearest) else float(ranges[np.isfinite(ranges)].min(initial=np.inf))
 
 
 def _nearest(one: tuple[Approach, ...], other: tuple[Approach, ...]) -> tuple[Approach, ...]:

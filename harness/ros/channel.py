@@ -23,6 +23,7 @@ class Channel:
 
     Attributes:
         publisher: Of the topic.
+        send: Publishes bytes by it; rclpy's own `publish` looks at their kind each time.
         fill: Makes a message of a sample.
         topic: The resolved name, which a publisher forgets at shutdown.
         published: How many messages have been.
@@ -33,6 +34,7 @@ class Channel:
     """
 
     publisher: Publisher
+    send: Callable[[bytes], object]
     fill: Fill
     topic: str
     published: int = 0
@@ -49,7 +51,7 @@ class Channel:
         if message is None:
             return
         data = message if self.record is None else self.record(message)
-        self.publisher.handle.publish_raw(data)  # rclpy's own `publish` looks at the kind each time
+        self.send(data)
         self.published += 1
         self.size = len(data)
 
@@ -72,4 +74,6 @@ def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
     qos = keep_last(topic.depth, reliability, latched=topic.latched)
     publisher = node.create_publisher(kind, topic.name, qos)
     forget_missing_definition()
-    return Channel(publisher, fill, publisher.topic_name, on_demand=topic.on_demand)
+    return Channel(
+        publisher, publisher.handle.publish_raw, fill, publisher.topic_name, on_demand=topic.on_demand
+    )

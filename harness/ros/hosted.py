@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from rclpy.parameter import Parameter
 
 from harness.base.errors import RunFailed, UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.result import TopicCount
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
@@ -88,9 +89,9 @@ class HostedMetrics:
         Raises:
             RunFailed: Messages arrived that this run did not send.
         """
-        for channel in channels:
-            if (take := self._take.get(channel.topic)) is not None:
-                take()
+        handled = [self._handles_one(channel) for channel in channels]
+        if channels and all(handled):
+            return
         deadline, overdue = time.monotonic() + PATIENCE, False
         while missing := self._missing():
             if overdue:
@@ -100,11 +101,26 @@ class HostedMetrics:
             overdue = time.monotonic() > deadline  # who was stopped for long has yet to look what came
             self._executor.spin_once(timeout_sec=0.0)  # with nothing to be served it naps
             for topic in missing:
-                self._take[topic]()
+                self._take[topic](None)
 
-    def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - it counts
+    def _handles_one(self, channel: Channel) -> bool:
+        """Has the node handle one message of a topic that it listens to; whether that was the last."""
+        topic = channel.topic
+        if (take := self._take.get(topic)) is None:
+            return True
+        take(1)
+        is_clock = channel is self._clock_channel
+        handled = self.node.clocks - self._clocks_before if is_clock else self.node.received[topic]
+        return bool(handled + self.lost[topic] == channel.published)
+
+    def wait_for_clock(self, stamp_ns: int) -> None:
         """Has the node take the time, at which it serves its timer; as for samples."""
-        self.wait_for_samples((self._clock_channel,))
+        if stamp_ns % NANOSECONDS == 0:  # whether somebody else has sent messages, too
+            for take in self._take.values():
+                take(None)
+            self.wait_for_samples()
+        else:
+            self.wait_for_samples((self._clock_channel,))
 
     def _missing(self) -> dict[str, int]:
         """How many messages are not handled yet, of each topic that has any."""

@@ -51,7 +51,7 @@ class StateWriter:
     def take(self, batch: Batch) -> None:
         """Writes the states of a batch; a fault may have taken one."""
         for tick in batch.ticks:
-            if people := tick.of(ActorPoses):
+            if self._people and (people := tick.of(ActorPoses)):
                 self._people = people_row(people)  # not on every tick of a state: the latest
             if tick.stamp_ns % PERIOD_NS:
                 continue

@@ -23,7 +23,7 @@ try:
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
-    from rover_metrics.ros.subscriptions import Listening, take_all
+    from rover_metrics.ros.subscriptions import Listening, taker
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
@@ -157,21 +157,21 @@ class MetricsNode(GuardedNode):
         if self.in_lock_step:
             self.timer.serve()
 
-    def host(self, topics: Iterable[str]) -> dict[str, Callable[[], None]]:
+    def host(self, topics: Iterable[str]) -> dict[str, Callable[[int | None], None]]:
         """Takes note that a simulator in this process waits for it, whose clock is yet to begin.
 
         Args:
             topics: Those whose messages no executor is to serve that is given the node after this.
 
         Returns:
-            What handles the messages that have come, by topic.
+            What handles so many of the messages that have come, None for all, by topic.
         """
         self.is_hosted = self.in_lock_step = True
         self.timer.detach()
         own = {each.topic_name: each for each in self.subscriptions}
         taken = {topic: own[topic] for topic in topics}
         self._taken = tuple(taken.values())
-        return {topic: partial(take_all, subscription) for topic, subscription in taken.items()}
+        return {topic: taker(subscription) for topic, subscription in taken.items()}
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:

@@ -113,7 +113,7 @@ def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
     contact, traversal = nodes.bridge.channels_of[TruthState]
     assert (nodes.hosted.received()[contact.topic], nodes.hosted.received()[traversal.topic]) == (1, 1)
     contact.published += 1  # one that DDS swallowed
-    nodes.advance(tick(2))
+    nodes.hosted.wait_for_samples([contact])
     assert nodes.hosted.lost[contact.topic] == 1
 
 
