@@ -209,6 +209,15 @@ def test_a_response_under_a_load_that_is_known_is_that_of_the_controller_alone()
     assert len(told) == 3
 
 
+def test_wheels_whose_motors_give_all_they_have_do_not_tell_of_the_controller() -> None:
+    leo = equipped(ROVERS["leo"], REAL, "")
+    off = with_values(leo, [("controller_separation", 0.9 * leo.controller_separation)])
+    twists = np.array([(0.0, 0.6, 1.0), (4.0, 0.2, 0.8), (7.0, 0.6, -1.0), (11.0, 0.4, -0.5)])
+    found = response(leo, replay(leo, twists, 14.0, course=flat(*PLANE, 0.3)), loaded=off)
+    told = {one.key: one.after for one in found if one.is_known}
+    assert told == pytest.approx({key: of(leo, key) for key in told}, abs=0.01)
+
+
 def test_a_limit_of_the_sides_difference_is_told_where_commands_met_it() -> None:
     assert HUSKY.actuators is not None
     true = HUSKY.but(actuators=HUSKY.actuators.but(turn_limit=0.5))
