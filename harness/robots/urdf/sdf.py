@@ -91,9 +91,9 @@ class _Writing:
     def robot(self) -> Element:
         """Returns the whole."""
         robot = Element("robot", name=self._model.name)
-        moved = {joint.child for joint in self._joints.values() if _kind(joint) not in HELD}
+        held = {joint.child for joint in self._joints.values() if _kind(joint) in HELD}
         for name in self._model.links:
-            self._link(SubElement(robot, "link", name=name), name, moves=name in moved)
+            self._link(robot, SubElement(robot, "link", name=name), name, moves=name not in held)
         for name, joint in self._joints.items():
             self._joint(robot, name, joint)
         for sensor in SENSORS:
@@ -109,10 +109,12 @@ class _Writing:
         """The pose of what is in a link, in the frame of URDF's."""
         return inverse(self._frames[link]) @ self._model.links[link].at(element, owner)
 
-    def _link(self, written: Element, name: str, *, moves: bool) -> None:
+    def _link(self, robot: Element, written: Element, name: str, *, moves: bool) -> None:
         link = self._model.links[name].element
         inertial = link.find("inertial")
-        if inertial is None and moves:
+        is_root = all(joint.child != name for joint in self._joints.values())
+        shapes = link.findall("collision")
+        if inertial is None and moves and (shapes or not is_root):
             inertial = Element("inertial")
         if inertial is not None:
             self._inertial(SubElement(written, "inertial"), inertial, name)
@@ -123,7 +125,10 @@ class _Writing:
                 if isinstance(shape, str):
                     self._notes.append(f"{owner}: {shape}; dropped")
                     continue
-                element = SubElement(written, kind)
+                holder, is_ball = written, kind == "collision" and shape.tag == "sphere"
+                if is_ball and shapes[1:] and (is_root or not moves):  # a caster, as part of a hull
+                    holder = _hung(robot, f"{name}_{part.get('name')}", name, IDENTITY)
+                element = SubElement(holder, kind)
                 add_origin(element, self._at(name, part, owner))
                 SubElement(element, "geometry").append(shape)
                 if (color := color_of(part)) is not None:
@@ -193,12 +198,17 @@ class _Writing:
             name = sensor.get("name", kind)
             name = name if pattern.search(name) else f"{name}_{kind}"
             name = f"{link}_{name}" if name in self._model.links else name
-            SubElement(robot, "link", name=name)
-            joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
-            SubElement(joint, "parent", link=link)
-            SubElement(joint, "child", link=name)
-            add_origin(joint, at)
+            _hung(robot, name, link, at)
         robot.set(kind, name)
+
+
+def _hung(robot: Element, name: str, parent: str, at: Transform) -> Element:
+    """A new link, held by another one."""
+    joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
+    SubElement(joint, "parent", link=parent)
+    SubElement(joint, "child", link=name)
+    add_origin(joint, at)
+    return SubElement(robot, "link", name=name)
 
 
 def _kind(joint: Joint) -> str:

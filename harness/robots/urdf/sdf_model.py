@@ -79,8 +79,9 @@ def read_model(root: Element, path: Path, folders: Sequence[Path], name: str) ->
     version = root.get("version", USUAL)
     calls = scopes.calls(root if world is None else world, (path.resolve(),), version)
     models = [call for call in calls if call.model.tag == "model"]
-    moving = [call for call in models if not call.is_static and _moves(call, scopes)]
+    moving = [call for call in models if _moves(call, scopes)]
     moving = [call for call in moving if call.name == name] or moving
+    moving = [call for call in moving if not call.is_static] or moving  # as tutorials leave it
     if len(moving) != 1:
         mend = "call the rover as one of them" if moving else "give a file of a rover"
         which = "several models" if moving else "no model"

@@ -1,5 +1,6 @@
 """Rovers in SDF, whatever frames their file uses: the same model as of the URDF that says the same."""
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -227,13 +228,16 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
       <spring_reference>0.02</spring_reference></dynamics></axis></joint>
       <joint name='gear' type='gearbox'><parent>left::link</parent><child>right::link</child></joint>"""
     text = of_parts(arm).replace("</world>", f"{ANOTHER}</world>")
+    text = re.sub("<inertial><mass>8.*?</inertial>", SKID, text).replace(
+        "'rover'>", "'rover'><static>1</static>"
+    )
     made = write_folder("rover", of_gazebo(tmp_path, text), tmp_path / "made")
     rover = made.rover
     model = read_model(rover).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert (rover.drive.left, rover.drive.right) == (("left",), ("right",))
-    assert (rover.casters, rover.controller_separation) == (("ball",), 0.62)
+    assert (rover.casters, rover.controller_separation) == (("chassis_skid", "ball"), 0.62)
     assert (rover.track, rover.wheelbase) == pytest.approx((0.6, 0.3))  # of one axle: two radii
     chassis = data.body("chassis").xpos
     assert data.site("lidar").xpos - chassis == pytest.approx([0.1, 0.0, 0.3])
@@ -244,12 +248,13 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
     assert model.actuator("left").ctrlrange == pytest.approx([-8.0, 8.0])
     assert model.joint("left").damping == pytest.approx([0.1])
     assert data.joint("arm").xanchor - chassis == pytest.approx([0.2, 0.0, 0.25])
-    assert model.body("arm").mass == [1.0]
+    assert [model.body(name).mass for name in ("chassis", "arm")] == [[1.0], [1.0]]
     assert model.body("scanner").parentid == model.body("ball").id
     assert model.njnt == 4  # of all that is said to be a joint
     assert (model.joint("arm").stiffness, model.joint("arm").qpos_spring) == ([500.0], [0.02])
     assert any("shell.stl is not there" in note for note in made.notes)
-    assert made.notes[:6] == (
+    assert made.notes[:7] == (
+        "link 'chassis' has no <inertial>, so 1 kg and 1 kg m^2, as in Gazebo",
         "visual 'cone' of link 'chassis': no shape here is a <cone>; dropped",
         "visual 'hood' of link 'chassis': a part of a mesh is not taken alone; dropped",
         "link 'arm' has no <inertial>, so 1 kg and 1 kg m^2, as in Gazebo",
@@ -259,6 +264,8 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
     )
 
 
+SKID = """<collision name='skid'><pose>0.25 0 -0.2 0 0 0</pose><geometry><sphere><radius>0.05</radius>
+  </sphere></geometry></collision>"""
 JOINT = "<joint name='j' type='fixed'><parent>{}</parent><child>{}</child></joint>"
 ANOTHER = "<model name='b'><joint type='ball'/></model>"
 MISTAKES = {
