@@ -29,6 +29,7 @@ from harness.spec.run import Run
 from rover_metrics.errors import ParameterError, sibling
 from rover_metrics.extended.energy_columns import EnergyColumns
 from rover_metrics.extended.parameter_file import read_values
+from rover_metrics.plugins import FILE
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
 Selected = tuple[tuple[str, str], ...]  # names and values of the matrix, as text
@@ -142,10 +143,11 @@ def _check_number(runs: int, where: str = "") -> None:
         raise UsageError(f"{where}{runs:,} runs are more than {MOST_RUNS:,}; give fewer seeds or values")
 
 
-def _beside(path: Path, name: str) -> Path:
-    """A file beside the scenario if it is there, else the name as it is."""
-    there = path.parent / name
-    return there if there.is_file() else Path(name)
+def _beside(path: Path, name: str) -> str:
+    """A file, also that of FILE.py:NAME, beside the scenario if it is there, else the name as it is."""
+    file, is_part, part = name.partition(FILE)
+    there = path.parent / (f"{file}.py" if is_part else name)
+    return f"{there}:{part}" if is_part and there.is_file() else str(there if there.is_file() else name)
 
 
 def _robot_beside(path: Path, robot: str) -> str:
@@ -155,14 +157,14 @@ def _robot_beside(path: Path, robot: str) -> str:
 
 
 def _driver_beside(path: Path, driver: str) -> str:
-    """A driver; the file of a policy is the one beside the scenario if it is there."""
-    file = driver.removeprefix(OF_POLICY)
-    return driver if file == driver else f"{OF_POLICY}{_beside(path, file)}"
+    """A driver; its file is the one beside the scenario if it is there."""
+    kind = OF_POLICY if driver.startswith(OF_POLICY) else ""
+    return f"{kind}{_beside(path, driver.removeprefix(OF_POLICY))}"
 
 
 def _params(path: Path, name: str | None) -> dict[str, Any]:
     try:
-        return {} if name is None else read_values(_beside(path, name), None)
+        return {} if name is None else read_values(Path(_beside(path, name)), None)
     except ParameterError as error:
         raise UsageError(f"params: {error}") from error
 
@@ -172,15 +174,17 @@ def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run
     places = {"terrain": _beside, "soil": _beside, "robot": _robot_beside, "driver": _driver_beside}
     for name, place in places.items():
         if values.get(name):
-            values[name] = str(place(path, values[name]))
+            values[name] = place(path, values[name])
+    if values.get("sensors"):
+        values["sensors"] = tuple(_beside(path, str(choice)) for choice in values["sensors"])
     folders = [(path.parent / name, name) for name in values.get("resource_path", ())]
     values["resource_path"] = tuple(str(there) if there.is_dir() else name for there, name in folders)
     values["actors"] = tuple(
-        actor.in_file(str(_beside(path, actor.file))) if actor.file else actor
+        actor.in_file(_beside(path, actor.file)) if actor.file else actor
         for actor in values.get("actors", ())
     )
     values["targets"] = tuple(
-        target.in_file(*(str(_beside(path, file)) if file else "" for file in target.files))
+        target.in_file(*(_beside(path, file) if file else "" for file in target.files))
         for target in values.get("targets", ())
     )
     events, goal = scenario.events, scenario.goal

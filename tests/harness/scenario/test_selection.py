@@ -1,6 +1,7 @@
 """Files and folders of scenarios to runs."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from harness.robots import MODELS_DIR
 from harness.scenario.case import find_files, plan
 from harness.spec.run import Run
 from tests.harness.scenario.conftest import MakeCases, cases_with
+from tests.support.documents import ROOT
 
 SPEED = "{truth.speed: {min: 0}}"
 HEAD = "about: a test\nterrain: flat\nduration: 2\n"
@@ -132,6 +134,19 @@ def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
     assert [case.name for case in cases] == ["two[near.yaml-0]", "two[None-0]"]
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
         cases_with(make_cases, tmp_path, near.replace("old", "ol"))
+
+
+def test_parts_in_a_file_stand_beside_the_scenario_too(tmp_path: Path) -> None:
+    shutil.copy(ROOT / "examples/plugin/my_rover_parts.py", tmp_path / "parts.py")
+    own = {"soil": "REGOLITH", "driver": "Weave", "terrain": "Crater"}
+    lines = [f"{key}: parts.py:{name}" for key, name in own.items()]
+    path = tmp_path / "own.scenario.yaml"
+    about = ["about: a test", "duration: 2", f"expect: {SPEED}", "sensors: [parts.py:INCLINOMETER]"]
+    path.write_text("\n".join([*about, *lines]))
+    (case,) = plan([path])
+    world, rover, there = case.run.world, case.run.rover, f"{tmp_path / 'parts.py'}:"
+    assert [world.soil, rover.driver, world.terrain] == [f"{there}{name}" for name in own.values()]
+    assert [str(choice) for choice in rover.sensors or ()] == [f"{there}INCLINOMETER"]
 
 
 def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
