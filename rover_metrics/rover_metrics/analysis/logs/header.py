@@ -112,6 +112,8 @@ def _check_names(names: list[str], text: str) -> None:
         raise UnreadableLog(f"the header names {', '.join(twice)} more than once")
     if STAMP in known and len(known) > 1:
         return
+    if {"time_s", "speed_mps"}.issubset(names):
+        raise UnreadableLog("it is a log of people around a rover; rover-social reads it")
     if not known:
         raise UnreadableLog(f"the first line is not the header of a metrics log but {shown(text)}")
     missing = STAMP if STAMP not in known else f"any of {', '.join(METRIC_COLUMNS)}"

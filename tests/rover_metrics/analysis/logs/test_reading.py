@@ -208,9 +208,11 @@ def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, 
 
 def test_what_is_no_text_or_no_file_is_refused(tmp_path: Path, write_log: WriteLog, row: Row) -> None:
     (tmp_path / "noise.csv").write_bytes(np.random.default_rng(0).bytes(10_000))
+    (tmp_path / "people.csv").write_text("step,time_s,robot_x,robot_y,speed_mps,dmin\n1,1.0,0,0,0,9\n")
     os.mkfifo(tmp_path / "pipe")
     for name, reason in {
         "noise.csv": "the first line is not the header of a metrics log",
+        "people.csv": "it is a log of people around a rover; rover-social reads it",
         ".": "this is a folder; name the CSV files in it",
         "missing.csv": "there is no such file",
         "pipe": "this is not a regular file",
