@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -86,6 +87,8 @@ def _without_places(run: Run) -> Run:
     changes: dict[str, Any] = {
         name: named(run.fields()[name]) for name in ("terrain", "soil", "robot", "driver")
     }
+    sensors = run.rover.sensors
+    changes["sensors"] = sensors and tuple(replace(one, name=named(one.name)) for one in sensors)
     changes["resource_path"] = tuple(map(named, run.world.resource_path))
     changes["actors"] = tuple(
         one.in_file(named(one.file)) if one.file else one for one in run.world.actors

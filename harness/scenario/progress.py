@@ -104,10 +104,11 @@ def _identity(cases: Sequence[Case], *, compare: bool) -> str:
 
 
 def _files_of(run: Run) -> Iterator[Path]:
-    """What a run may read: world, soil, people, targets, policy and the rover's folder."""
-    world, driver = run.world, run.rover.driver
+    """What a run may read: world, soil, people, targets, policy, FILE.py of parts, rover's folder."""
+    world, driver, sensors = run.world, run.rover.driver, run.rover.sensors or ()
     yield from (Path(world.terrain), Path(driver.removeprefix(OF_POLICY)))
-    yield from (Path(name.rpartition(":")[0]) for name in (driver, world.terrain))
+    parts = (driver, world.terrain, world.soil, *(choice.name for choice in sensors))
+    yield from (Path(name.rpartition(":")[0]) for name in parts)
     if is_terrain_file(world.terrain) and not is_heightmap(world.terrain):
         with suppress(UsageError):  # which the run tells
             yield from (Path(file) for file, _ in world_of(run).files)

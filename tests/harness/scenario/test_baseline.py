@@ -58,7 +58,7 @@ def test_where_files_are_makes_no_other_run(make_cases: MakeCases) -> None:
     (case,), found = make_cases("{truth.speed: {max: 1}}"), list[dict[str, Any]]()
     files = {"terrain": "@w.sdf", "soil": "@s.yaml", "robot": "@mine", "driver": "policy:@p.npz"}
     more = {"actors": ["g=@walk.sdf:push=1"], "targets": ["t=@r.obj:texture=@p.png,x=1,y=2"]}
-    stated = json.dumps(files | more | {"resource_path": ["@models"]})
+    stated = json.dumps(files | more | {"resource_path": ["@models"], "sensors": ["@p.py:Clock=fast"]})
     for place in ("", "a/", "b/c/"):
         run = case.run.alone(**json.loads(stated.replace("@", place)))
         found.append(record(replace(case, run=run), RunResult(run=run, mode=""), {}).of)

@@ -157,6 +157,8 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
         "rock.obj",
         "rover/rover.yaml",
         "rover/wheel.stl",
+        "clay.py",
+        "radar.py",
     )
     (tmp_path / "rover").mkdir()
     files = {name: tmp_path / name for name in names} | {"": path_of(first.path)}  # its baseline
@@ -164,6 +166,7 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
         file.write_text("k_phi: 1.0e+6\nn: 1.0\nfriction_angle_deg: 30\nshear_length: 0.01\n")
     terrain, soil, people, mesh, texture, net, own, hills, yard, *_ = map(str, files.values())
     files["hills.py"].write_text("from harness.world.terrains.ground import Slope as Hills\n")
+    files["clay.py"].write_text("from harness.soil.soils import SOILS\nClay = SOILS['firm']\n")
     files["rock.obj"].write_text(
         "v 3 3 1\nv 4 3 1\nv 3 4 1\nv 3 3 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
     )
@@ -182,6 +185,7 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
     drivers = (f"policy:{net}", f"{own}:Mine")
     runs = [Run.of(**world, driver=driver, robot=str(tmp_path / "rover")) for driver in drivers]
     runs += [Run.of(terrain=other) for other in (f"{hills}:Hills", yard)]
+    runs.append(Run.of(soil=f"{files['clay.py']}:Clay", sensors=[f"{files['radar.py']}:Radar"]))
     cases = [replace(first, run=run) for run in runs]
     for name, file in files.items():
         before = Progress(cases, tmp_path / "out", compare=True)
