@@ -28,7 +28,8 @@ SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius"
 SIZES["capsule"] = SIZES["cylinder"]
 AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
 LIMITLESS = 1e15  # [rad]: limits beyond it, as SDF's usual 1e16, are none
-TURNING, SLIDING, HELD = ("revolute", "continuous"), ("prismatic",), ("fixed", "ball")
+ENDLESS = "continuous"  # whatever limits it states
+TURNING, SLIDING, HELD = ("revolute", ENDLESS), ("prismatic",), ("fixed", "ball")
 KINDS = (*TURNING, *SLIDING, *HELD)
 NO_JOINT = ("gearbox",)  # between links that have joints of their own
 
@@ -78,7 +79,8 @@ class _Writing:
             raise UsageError(f"joint '{name}' is '{joint.kind}'; valid: {', '.join(KINDS)}")
         for link in (joint.parent, joint.child):
             if link not in self._model.links:
-                raise UsageError(f"joint '{name}' ties link '{link}', which is not there")
+                links = ", ".join(self._model.links)
+                raise UsageError(f"joint '{name}' ties '{link}', which is no link; available: {links}")
 
     def _frame(self, name: str, carrier: str) -> Transform:
         """The frame in which URDF says what is in a link: a root's is turned as the model, x ahead."""
@@ -127,7 +129,7 @@ class _Writing:
                     continue
                 holder, is_ball = written, kind == "collision" and shape.tag == "sphere"
                 if is_ball and shapes[1:] and (is_root or not moves):  # a caster, as part of a hull
-                    holder = _hung(robot, f"{name}_{part.get('name')}", name, IDENTITY)
+                    holder = self._hung(robot, f"{name}_{part.get('name')}", name, IDENTITY)
                 element = SubElement(holder, kind)
                 add_origin(element, self._at(name, part, owner))
                 SubElement(element, "geometry").append(shape)
@@ -152,8 +154,8 @@ class _Writing:
         axis = joint.element.find("axis")
         limit = None if axis is None else axis.find("limit")
         lower, upper = (_limit(limit, tag) for tag in ("lower", "upper"))
-        is_endless = not (-LIMITLESS < lower <= upper < LIMITLESS)
-        kind = ("continuous" if is_endless else "revolute") if _kind(joint) in TURNING else _kind(joint)
+        is_endless = joint.kind == ENDLESS or not (-LIMITLESS < lower <= upper < LIMITLESS)
+        kind = (ENDLESS if is_endless else "revolute") if _kind(joint) in TURNING else _kind(joint)
         if joint.kind == "ball":
             kind = "fixed"
             self._notes.append(f"joint '{name}' is a ball's; held, so that what it carries slides")
@@ -198,21 +200,24 @@ class _Writing:
             name = sensor.get("name", kind)
             name = name if pattern.search(name) else f"{name}_{kind}"
             name = f"{link}_{name}" if name in self._model.links else name
-            _hung(robot, name, link, at)
+            name = self._hung(robot, name, link, at).get("name", "")
         robot.set(kind, name)
 
-
-def _hung(robot: Element, name: str, parent: str, at: Transform) -> Element:
-    """A new link, held by another one."""
-    joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
-    SubElement(joint, "parent", link=parent)
-    SubElement(joint, "child", link=name)
-    add_origin(joint, at)
-    return SubElement(robot, "link", name=name)
+    def _hung(self, robot: Element, name: str, parent: str, at: Transform) -> Element:
+        """A new link, held by another one; its name ends in _ where that one is taken."""
+        while name in self._model.links or f"{name}_joint" in self._joints:
+            name += "_"
+        joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
+        SubElement(joint, "parent", link=parent)
+        SubElement(joint, "child", link=name)
+        add_origin(joint, at)
+        return SubElement(robot, "link", name=name)
 
 
 def _kind(joint: Joint) -> str:
     """A joint's type; one whose limits are both 0, as is usual where nothing shall turn, is `fixed`."""
+    if joint.kind == ENDLESS:
+        return joint.kind
     limit = joint.element.find("axis/limit")
     return joint.kind if any(_limit(limit, tag) for tag in ("lower", "upper")) else "fixed"
 

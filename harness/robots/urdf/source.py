@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 from xml.etree import ElementTree as ET
@@ -109,6 +110,13 @@ def _check_content(robot: ET.Element, path: Path) -> None:
     joints = Counter(joint.get("name", "") for joint in robot.findall("joint"))
     if twice := [name for name, times in joints.items() if times > 1]:
         raise UsageError(f"{path}: {joints[twice[0]]} joints are called '{twice[0]}'; rename them")
+    ends = [{end.tag: end.get("link", "") for end in joint} for joint in robot.findall("joint")]
+    above = {end["child"]: [end["parent"]] for end in ends if {"child", "parent"} <= end.keys()}
+    try:
+        TopologicalSorter(above).prepare()
+    except CycleError as error:
+        loop = " -> ".join(error.args[1])
+        raise UsageError(f"{path}: links hang in a loop, {loop}; take a joint of it out") from error
     for mimic in robot.iterfind("joint/mimic"):
         if (name := mimic.get("joint")) not in joints:
             raise UsageError(f"{path}: a joint mimics '{name}', which is not there; take <mimic> out")

@@ -1,5 +1,6 @@
 """Rovers in SDF, whatever frames their file uses: the same model as of the URDF that says the same."""
 
+import math
 import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -178,12 +179,12 @@ def of_parts(more: str = "", kind: str = "revolute", part: str = "left::link") -
     """A rover of two included wheels and a ball beside another model of its world."""
     wheels = "".join(
         f"""<include><uri>model://wheel</uri><name>{side}</name><pose>0.2 {y} 0.15 0 0 0</pose></include>
-        <joint name='{side}' type='{kind if side == "left" else "revolute"}'><parent>chassis</parent>
+        <joint name='{side}' type='{kind if side == "left" else "continuous"}'><parent>chassis</parent>
         <child>{part if side == "left" else "right::link"}</child>
         <axis><xyz expressed_in='__model__'>0 1 0</xyz><dynamics><damping>0.1</damping></dynamics>
-        <limit><lower>-inf</lower><upper>inf</upper><effort>5</effort><velocity>8</velocity></limit>
+        <limit><lower>{end}</lower><upper>{-end}</upper><effort>5</effort><velocity>8</velocity></limit>
         </axis></joint>"""
-        for side, y in (("left", 0.3), ("right", -0.3))
+        for side, y, end in (("left", 0.3, -math.inf), ("right", -0.3, 0.0))
     )
     inertia = "<inertia><ixx>0.2</ixx><iyy>0.3</iyy><izz>0.4</izz></inertia>"
     return f"""<sdf version='1.9'><world name='w'><include><uri>model://ground_plane</uri></include>
@@ -227,6 +228,7 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
       <upper>0.1</upper></limit><dynamics><spring_stiffness>500</spring_stiffness>
       <spring_reference>0.02</spring_reference></dynamics></axis></joint>
       <joint name='gear' type='gearbox'><parent>left::link</parent><child>right::link</child></joint>"""
+    arm += "<link name='chassis_skid'/>" + JOINT.format("mast", "chassis_skid")
     text = of_parts(arm).replace("</world>", f"{ANOTHER}</world>")
     text = re.sub("<inertial><mass>8.*?</inertial>", SKID, text).replace(
         "'rover'>", "'rover'><static>1</static>"
@@ -237,7 +239,7 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert (rover.drive.left, rover.drive.right) == (("left",), ("right",))
-    assert (rover.casters, rover.controller_separation) == (("chassis_skid", "ball"), 0.62)
+    assert (rover.casters, rover.controller_separation) == (("chassis_skid_", "ball"), 0.62)
     assert (rover.track, rover.wheelbase) == pytest.approx((0.6, 0.3))  # of one axle: two radii
     chassis = data.body("chassis").xpos
     assert data.site("lidar").xpos - chassis == pytest.approx([0.1, 0.0, 0.3])
@@ -260,7 +262,7 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
         "link 'arm' has no <inertial>, so 1 kg and 1 kg m^2, as in Gazebo",
         "joint 'ball' is a ball's; held, so that what it carries slides",
         "of several sensors for the lidar (cliff, front) it has front",
-        "without <inertial>, so no mass, where Gazebo takes 1 kg each: mast, scanner",
+        "without <inertial>, so no mass, where Gazebo takes 1 kg each: mast, scanner, chassis_skid",
     )
 
 
@@ -278,6 +280,10 @@ MISTAKES = {
         "rover, b; call",
     ),
     "a loop": (of_parts(JOINT.format("ball", "mast")), "link 'mast' hangs on joints 'mast' and 'j'"),
+    "a ring": (
+        of_parts(JOINT.format("mast", "chassis")),
+        "links hang in a loop, mast -> chassis -> mast; take",
+    ),
     "nothing": (of_parts(JOINT.format("ball", "bowl")), "frame 'bowl' does not exist"),
     "a part that is not there": (of_parts(part="left::rim"), "rim"),
     "universal": (of_parts(kind="universal"), "joint 'left' is 'universal'; valid: revolute, "),
