@@ -33,7 +33,8 @@ class HostedMetrics:
     """
 
     def __init__(self, bridge: Bridge, node: MetricsNode) -> None:
-        self._executor, self.node = bridge.executor, node
+        self._bridge, self._executor, self.node = bridge, bridge.executor, node
+        self._looked_ns = 0  # when it was last seen whether others have sent messages, too
         self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_channel, self._clocks_before = bridge.clock_channel, node.clocks
         self._take = node.host(channel.topic for channel in (*self._channels, self._clock_channel))
@@ -113,9 +114,10 @@ class HostedMetrics:
         handled = self.node.clocks - self._clocks_before if is_clock else self.node.received[topic]
         return bool(handled + self.lost[topic] == channel.published)
 
-    def wait_for_clock(self, stamp_ns: int) -> None:
+    def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - it may stand still
         """Has the node take the time, at which it serves its timer; as for samples."""
-        if stamp_ns % NANOSECONDS == 0:  # whether somebody else has sent messages, too
+        if self._bridge.time_ns >= self._looked_ns + NANOSECONDS:
+            self._looked_ns = self._bridge.time_ns
             for take in self._take.values():
                 take(None)
             self.wait_for_samples()
