@@ -1,6 +1,7 @@
 """What a rover in SDF consists of: links and joints in the frame of its model, also of its parts."""
 
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -13,6 +14,7 @@ from harness.base.sdf.poses import IDENTITY, Frames, Transform, read_pose
 from harness.base.sdf.reader import is_true, numbers, text_of
 from harness.base.sdf.resources import Resources
 from harness.base.sdf.scopes import Call, Scopes, framed
+from harness.robots.urdf.equipment import SIDE_JOINT
 
 MODEL = "__model__"
 WORLD = "world"  # as the parent of a joint
@@ -119,7 +121,7 @@ class _Reading:
             self._model.links[_joined(*names, name)] = link
         for element in call.model.findall("joint"):
             self._joint(element, frames, at, names, is_old=_is_old(call.version))
-        self._model.plugins += call.model.findall("plugin")
+        self._model.plugins += [_named(plugin, names) for plugin in call.model.findall("plugin")]
         for one, nested in zip(calls, inner, strict=True):
             pose, reference = one.pose(nested)
             below = names if one.is_merged else (*names, one.name)
@@ -143,7 +145,19 @@ class _Reading:
         frame = frames.find(stated or MODEL) if stated or of_model else pose
         turned = np.asarray((at @ frame)[:3, :3] @ vector)
         ends = (_joined(*names, link) for link in (parent, child))
-        self._model.joints[_joined(*names, name)] = Joint(element, at @ pose, turned, *ends)
+        joint = Joint(_named(element, names), at @ pose, turned, *ends)
+        self._model.joints[_joined(*names, name)] = joint
+
+
+def _named(element: Element, names: tuple[str, ...]) -> Element:
+    """A copy of a joint or a plugin that calls the joints it refers to as they are called in the rover."""
+    copy = deepcopy(element)
+    for item in copy.iter():
+        if item.tag == "mimic":
+            item.set("joint", _joined(*names, item.get("joint", "")))
+        elif SIDE_JOINT.fullmatch(item.tag):
+            item.text = _joined(*names, (item.text or "").strip())
+    return copy
 
 
 def _joined(*names: str) -> str:

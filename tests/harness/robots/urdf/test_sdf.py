@@ -25,6 +25,8 @@ INCLUDED = {
     " in a world": "<sdf version='1.9'><world name='w'><include><uri>{}</uri></include></world></sdf>",
     " in a model": """<sdf version='1.9'><model name='o'><include merge='true'><uri>{}</uri>
       <pose>0 0 0 0 0 0</pose></include></model></sdf>""",
+    " as a part": """<sdf version='1.9'><model name='o'><include><uri>{}</uri><name>p</name>
+      <pose>0 0 0 0 0 0</pose></include></model></sdf>""",
 }
 # how poses of joints and axes are given
 STYLES = ("1.4", "1.6", "1.6 of the model", "1.9", *(f"1.4{where}" for where in INCLUDED))
@@ -145,7 +147,10 @@ def test_frames_of_links_and_joints_are_no_matter(rover: str, style: str, tmp_pa
         (tmp_path / "old.sdf").write_text(text)
         text = INCLUDED[where].format("old.sdf")
     ours = written(tmp_path, text, "model.sdf")
-    theirs = written(tmp_path, URDFS[rover], "robot.urdf")
+    urdf = URDFS[rover]
+    if where == " as a part":
+        urdf = re.sub(r"""(<(link|joint) name=|\b(link|joint)=)(["'])""", r"\1\4p_", urdf)
+    theirs = written(tmp_path, urdf, "robot.urdf")
     assert ours.rover.drive == theirs.rover.drive
     one, other = (read_model(made.rover).compile() for made in (ours, theirs))
     first, second = mujoco.MjData(one), mujoco.MjData(other)
