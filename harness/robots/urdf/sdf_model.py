@@ -150,7 +150,7 @@ class _Reading:
 
 
 def _named(element: Element, names: tuple[str, ...]) -> Element:
-    """A copy of a joint or a plugin that calls the joints it refers to as they are called in the rover."""
+    """A copy of a joint or a plugin that names other joints as they are named in the rover."""
     copy = deepcopy(element)
     for item in copy.iter():
         if item.tag == "mimic":
