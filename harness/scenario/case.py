@@ -156,10 +156,11 @@ def _robot_beside(path: Path, robot: str) -> str:
     return str(there) if robot not in ROVERS and (there / "rover.yaml").is_file() else robot
 
 
-def _driver_beside(path: Path, driver: str) -> str:
-    """A driver; its file is the one beside the scenario if it is there."""
-    kind = OF_POLICY if driver.startswith(OF_POLICY) else ""
-    return f"{kind}{_beside(path, driver.removeprefix(OF_POLICY))}"
+def _part_beside(path: Path, part: str) -> str:
+    """A driver or a sensor; the file of a policy or of FILE.py:NAME is the one beside the scenario."""
+    if part.startswith(OF_POLICY):
+        return f"{OF_POLICY}{_beside(path, part.removeprefix(OF_POLICY))}"
+    return _beside(path, part) if FILE in part else part
 
 
 def _params(path: Path, name: str | None) -> dict[str, Any]:
@@ -171,12 +172,12 @@ def _params(path: Path, name: str | None) -> dict[str, Any]:
 
 def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run:
     values = scenario.run_values() | {name: value for name, value in cell.items() if name != "params"}
-    places = {"terrain": _beside, "soil": _beside, "robot": _robot_beside, "driver": _driver_beside}
+    places = {"terrain": _beside, "soil": _beside, "robot": _robot_beside, "driver": _part_beside}
     for name, place in places.items():
         if values.get(name):
             values[name] = place(path, values[name])
     if values.get("sensors"):
-        values["sensors"] = tuple(_beside(path, str(choice)) for choice in values["sensors"])
+        values["sensors"] = tuple(_part_beside(path, str(choice)) for choice in values["sensors"])
     folders = [(path.parent / name, name) for name in values.get("resource_path", ())]
     values["resource_path"] = tuple(str(there) if there.is_dir() else name for there, name in folders)
     values["actors"] = tuple(

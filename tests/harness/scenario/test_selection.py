@@ -140,13 +140,19 @@ def test_parts_in_a_file_stand_beside_the_scenario_too(tmp_path: Path) -> None:
     shutil.copy(ROOT / "examples/plugin/my_rover_parts.py", tmp_path / "parts.py")
     own = {"soil": "REGOLITH", "driver": "Weave", "terrain": "Crater"}
     lines = [f"{key}: parts.py:{name}" for key, name in own.items()]
+    (tmp_path / "depth").touch()  # which is no part
     path = tmp_path / "own.scenario.yaml"
-    about = ["about: a test", "duration: 2", f"expect: {SPEED}", "sensors: [parts.py:INCLINOMETER]"]
+    about = [
+        "about: a test",
+        "duration: 2",
+        f"expect: {SPEED}",
+        "sensors: [parts.py:INCLINOMETER, depth]",
+    ]
     path.write_text("\n".join([*about, *lines]))
     (case,) = plan([path])
     world, rover, there = case.run.world, case.run.rover, f"{tmp_path / 'parts.py'}:"
     assert [world.soil, rover.driver, world.terrain] == [f"{there}{name}" for name in own.values()]
-    assert [str(choice) for choice in rover.sensors or ()] == [f"{there}INCLINOMETER"]
+    assert [str(choice) for choice in rover.sensors or ()] == [f"{there}INCLINOMETER", "depth"]
 
 
 def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
