@@ -69,7 +69,8 @@ class MissionOutcome:
 
 def _in_words(arrivals: Sequence[Arrival]) -> str:
     times = [one.reached_s for one in arrivals if not math.isnan(one.reached_s)]
-    left = [one.name or "{:g},{:g}".format(*one.place) for one in arrivals if math.isnan(one.reached_s)]
+    lacking = [one for one in arrivals if math.isnan(one.reached_s)]
+    left = [one.name or "({:g}, {:g})".format(*one.place) for one in lacking]
     by = f" by {max(times):.1f} s" if times else ""
     more = f" and {len(left) - MOST_NAMES} more" if len(left) > MOST_NAMES else ""
     without = f", not {', '.join(left[:MOST_NAMES])}{more}" if left else ""

@@ -118,11 +118,15 @@ class HostedMetrics:
         """Has the node take the time, at which it serves its timer; as for samples."""
         if self._bridge.time_ns >= self._looked_ns + NANOSECONDS:
             self._looked_ns = self._bridge.time_ns
-            for take in self._take.values():
-                take(None)
+            self.take_all()
             self.wait_for_samples()
         else:
             self.wait_for_samples((self._clock_channel,))
+
+    def take_all(self) -> None:
+        """Has the node handle all that has come, also what this run has not sent."""
+        for take in self._take.values():
+            take(None)
 
     def _missing(self) -> dict[str, int]:
         """How many messages are not handled yet, of each topic that has any."""

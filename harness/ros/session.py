@@ -212,7 +212,10 @@ class _Session:
     def _counted(self, results: Sequence[RunResult]) -> tuple[RunResult, ...]:
         """The results with what was received, and what is in the logs."""
         published = {topic: count for result in results for topic, count in result.topics.items()}
-        topics = heard_by([rover.hosted for rover in self.rovers if rover.hosted], published)
+        hosts = [rover.hosted for rover in self.rovers if rover.hosted]
+        for host in hosts if self._context.ok() else ():
+            host.take_all()
+        topics = heard_by(hosts, published)
         patience = ANSWER_PATIENCE if results[0].interrupted is None else GRACE
         topics = counted_by(self._remotes, topics, patience)
         waited = {remote.name: remote.waited_s for remote in self._remotes}

@@ -17,6 +17,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from rcl_interfaces.srv import GetParameters
 from rclpy.executors import Executor
+from sensor_msgs.msg import LaserScan
 from std_srvs.srv import SetBool
 
 from harness.base.interrupt import StopRequest
@@ -114,10 +115,17 @@ def test_a_navigation_stack_puts_the_rover_elsewhere_and_sends_it_to_a_goal(
 def test_a_strangers_message_in_the_log_at_the_end_of_a_run_fails_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    received = HostedMetrics.received
-    monkeypatch.setattr(
-        HostedMetrics, "received", lambda host: received(host) | {"/scan": received(host)["/scan"] + 1}
-    )
+    take_all = HostedMetrics.take_all
+
+    def take_a_strangers(host: HostedMetrics) -> None:
+        before, intruder = host.received()["/scan"], host.node.create_publisher(LaserScan, "scan", 10)
+        while not intruder.get_subscription_count():
+            pass
+        intruder.publish(LaserScan())
+        while host.received()["/scan"] == before:
+            take_all(host)
+
+    monkeypatch.setattr(HostedMetrics, "take_all", take_a_strangers)
     result = drive(tmp_path, Run.of(terrain="flat", driver="spin", duration=0.5), StopRequest())
     assert result.failure is not None
     assert result.failure.startswith("/scan has a second publisher")
