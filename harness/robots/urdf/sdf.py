@@ -4,8 +4,7 @@ SDF has a pose for each link and one for each joint; in URDF a link's frame is a
 it. So what hangs on a joint that moves gets its frame there, turned as it was.
 """
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
@@ -14,18 +13,16 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.sdf.poses import IDENTITY, Transform, inverse, transform
-from harness.base.sdf.reader import color_of, numbers, text_of
+from harness.base.sdf.reader import color_of, text_of
 from harness.robots.frames.urdf import add_material, add_origin, text_of_numbers
 from harness.robots.urdf.equipment import IMU, LIDAR
+from harness.robots.urdf.sdf_elements import angle_seen, dynamics_of, limit_of, mimic_of, shape_of
 from harness.robots.urdf.sdf_model import Joint, Model, read_model
-from rover_metrics.number import number
 
 SENSORS = {  # how their links are called, and the types that they have
     "lidar": (LIDAR, ("gpu_lidar", "gpu_ray", "lidar", "ray")),
     "imu": (IMU, ("imu",)),
 }
-SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
-SIZES["capsule"] = SIZES["cylinder"]
 AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
 LIMITLESS = 1e15  # [rad]: limits beyond it, as SDF's usual 1e16, are none
 ENDLESS = "continuous"  # whatever limits it states
@@ -123,7 +120,7 @@ class _Writing:
         for kind in ("visual", "collision"):
             for part in link.findall(kind):
                 owner = f"{kind} '{part.get('name')}' of link '{name}'"
-                shape = _shape(part, owner)
+                shape = shape_of(part, owner)
                 if isinstance(shape, str):
                     self._notes.append(f"{owner}: {shape}; dropped")
                     continue
@@ -153,7 +150,7 @@ class _Writing:
     def _joint(self, robot: Element, name: str, joint: Joint) -> None:
         axis = joint.element.find("axis")
         limit = None if axis is None else axis.find("limit")
-        lower, upper = (_limit(limit, tag) for tag in ("lower", "upper"))
+        lower, upper = (limit_of(limit, tag) for tag in ("lower", "upper"))
         is_endless = joint.kind == ENDLESS or not (-LIMITLESS < lower <= upper < LIMITLESS)
         kind = (ENDLESS if is_endless else "revolute") if _kind(joint) in TURNING else _kind(joint)
         if joint.kind == "ball":
@@ -167,14 +164,14 @@ class _Writing:
         if kind == "fixed":
             return
         SubElement(written, "axis", xyz=text_of_numbers(frame[:3, :3].T @ joint.axis))
-        stated = {tag: max(_limit(limit, tag), 0.0) for tag in ("effort", "velocity")}
+        stated = {tag: max(limit_of(limit, tag), 0.0) for tag in ("effort", "velocity")}
         limits = {tag: f"{value if value < LIMITLESS else 0.0:g}" for tag, value in stated.items()}
         ends = {} if is_endless else {"lower": f"{lower:.9g}", "upper": f"{upper:.9g}"}
         SubElement(written, "limit", limits | ends)
         dynamics = None if axis is None else axis.find("dynamics")
-        SubElement(written, "dynamics", dict(_dynamics(dynamics)))
+        SubElement(written, "dynamics", dict(dynamics_of(dynamics)))
         if axis is not None and (mimic := axis.find("mimic")) is not None:
-            SubElement(written, "mimic", _mimic(mimic, name))
+            SubElement(written, "mimic", mimic_of(mimic, name))
 
     def _sensor(self, robot: Element, kind: str) -> None:
         """Adds the link of the lidar that sees most or the first IMU, unless it is at one called so."""
@@ -185,14 +182,14 @@ class _Writing:
             for sensor in one.element.findall("sensor")
             if sensor.get("type") in types
         ]
-        sensor, link = max(sensors, key=lambda of: _width(of[0]), default=(None, ""))
+        sensor, link = max(sensors, key=lambda of: angle_seen(of[0]), default=(None, ""))
         if sensor is None:
             return
         if len(sensors) > 1:
             names = ", ".join(of.get("name", kind) for of, _ in sensors)
-            taken = sensor.get("name") if _width(sensor) else "none, as they are single rays"
+            taken = sensor.get("name") if angle_seen(sensor) else "none, as they are single rays"
             self._notes.append(f"of several sensors for the {kind} ({names}) it has {taken}")
-        if not _width(sensor):
+        if not angle_seen(sensor):
             return
         at = self._at(link, sensor, f"sensor '{sensor.get('name')}'")
         name = link
@@ -219,57 +216,4 @@ def _kind(joint: Joint) -> str:
     if joint.kind == ENDLESS:
         return joint.kind
     limit = joint.element.find("axis/limit")
-    return joint.kind if any(_limit(limit, tag) for tag in ("lower", "upper")) else "fixed"
-
-
-def _width(sensor: Element) -> float:
-    """The angle that a sensor sees [rad], to a tenth; 0 of a single ray, as that of a cliff's sensor."""
-    horizontal = next(sensor.iter("horizontal"), None)
-    if horizontal is None:
-        return 2 * math.pi
-    usual = {"samples": "640", "min_angle": "0", "max_angle": "0"}
-    text = " ".join(text_of(horizontal, tag, value) for tag, value in usual.items())
-    samples, start, end = numbers(text, 3, f"<horizontal> of sensor '{sensor.get('name')}'")
-    return round(end - start, 1) if samples > 1 else 0.0
-
-
-def _shape(part: Element, owner: str) -> Element | str:
-    """The shape of a visual or a collision as in URDF, or why there is none."""
-    shape = next(iter(part.find("geometry") or ()), None)
-    if shape is None:
-        return "it has no shape"
-    if shape.tag == "mesh":
-        if text_of(shape.find("submesh"), "name"):
-            return "a part of a mesh is not taken alone"
-        scale = text_of_numbers(numbers(text_of(shape, "scale", "1 1 1"), 3, f"<scale> of {owner}"))
-        return Element("mesh", filename=text_of(shape, "uri", text_of(shape, "filename")), scale=scale)
-    if shape.tag not in SIZES:
-        return f"no shape here is a <{shape.tag}>"
-    sizes = {tag: text_of(shape, tag) for tag in SIZES[shape.tag]}
-    for tag, text in sizes.items():
-        numbers(text, 3 if tag == "size" else 1, f"<{tag}> of {owner}")
-    return Element(shape.tag, sizes)
-
-
-def _limit(limit: Element | None, tag: str) -> float:
-    """A limit of a joint, which may be inf; without one SDF's usual."""
-    usual = {"lower": "-1e16", "upper": "1e16"}.get(tag, "-1")
-    try:
-        return number(text_of(limit, tag, usual))
-    except ValueError as error:
-        raise UsageError(f"<{tag}> of a joint: {error}") from error
-
-
-def _dynamics(dynamics: Element | None) -> Iterator[tuple[str, str]]:
-    for tag in ("damping", "friction", "spring_stiffness", "spring_reference"):
-        text = text_of(dynamics, tag, "0")
-        yield tag, text_of_numbers(numbers(text, 1, f"<{tag}> of a joint"))
-
-
-def _mimic(mimic: Element, name: str) -> dict[str, str]:
-    """SDF's multiplier x (leader - reference) + offset as multiplier x leader + offset."""
-    usual = {"multiplier": "1", "offset": "0", "reference": "0"}
-    texts = [text_of(mimic, tag, value) for tag, value in usual.items()]
-    multiplier, offset, reference = numbers(" ".join(texts), 3, f"<mimic> of joint '{name}'")
-    values = text_of_numbers([multiplier]), text_of_numbers([offset - multiplier * reference])
-    return {"joint": mimic.get("joint", ""), "multiplier": values[0], "offset": values[1]}
+    return joint.kind if any(limit_of(limit, tag) for tag in ("lower", "upper")) else "fixed"
