@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from tests.support.ros import Ros
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import PATIENCE, wait_until
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
@@ -119,11 +119,9 @@ def test_a_strangers_message_in_the_log_at_the_end_of_a_run_fails_it(
 
     def take_a_strangers(host: HostedMetrics) -> None:
         before, intruder = host.received()["/scan"], host.node.create_publisher(LaserScan, "scan", 10)
-        while not intruder.get_subscription_count():
-            pass
+        wait_until(intruder.get_subscription_count)
         intruder.publish(LaserScan())
-        while host.received()["/scan"] == before:
-            take_all(host)
+        wait_until(lambda: take_all(host) or host.received()["/scan"] > before)
 
     monkeypatch.setattr(HostedMetrics, "take_all", take_a_strangers)
     result = drive(tmp_path, Run.of(terrain="flat", driver="spin", duration=0.5), StopRequest())

@@ -39,12 +39,12 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint; pose, shape (4, 4), and axis, shape (3,), are in the model."""
+    """A joint; pose, shape (4, 4), and axis, shape (3,), are in the rover, as those of links are."""
 
     element: Element
     pose: Transform
     axis: NDArray[np.float64]
-    parent: str  # links' names in the model
+    parent: str  # links' names in the rover
     child: str
 
     @property

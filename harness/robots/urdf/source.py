@@ -89,9 +89,10 @@ def _wind_springs(spec: mujoco.MjSpec, robot: ET.Element) -> None:
     """Gives joints the springs that SDF has, and URDF cannot say."""
     for joint in robot.findall("joint"):
         dynamics = joint.find("dynamics")
-        if dynamics is not None and float(dynamics.get("spring_stiffness", "0")):
+        stiffness = 0.0 if dynamics is None else float(dynamics.get("spring_stiffness", "0"))
+        if dynamics is not None and stiffness:
             sprung = spec.joint(joint.get("name"))
-            sprung.stiffness[0] = float(dynamics.get("spring_stiffness", "0"))
+            sprung.stiffness[0] = stiffness
             sprung.springref = float(dynamics.get("spring_reference", "0"))
 
 
