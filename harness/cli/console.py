@@ -132,6 +132,8 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         count = run.commands
         older, refused = f"{count.older:,} of them older than the present", f"{count.refused:,} refused"
         console.print(f"{count.taken:,} commands, {older}; {refused}")
+        if run.unheeded:
+            console.print(run.unheeded, style="bold red", soft_wrap=True)
     for node, waited_s in run.waited_s.items():
         share = f"{waited_s / run.wall_s:.0%}" if run.wall_s > 0 else "all"
         console.print(f"{node}: {share} of the run waited for it", soft_wrap=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from harness.base.errors import how_many
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch, EpisodeInfo
@@ -15,7 +16,7 @@ from harness.episode.mission import mission_of
 from harness.episode.truth_account import TruthAccount, TruthAlong
 from harness.samples import Truth
 from harness.spec.ros import RosOptions
-from harness.spec.rover import RoverSetup
+from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.run import Run
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
@@ -66,6 +67,7 @@ class RunResult:
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
         commands: Those of /cmd_vel.
+        refusal: The first of them that was refused, and why; "" if none was.
         waited_s: Wall time for which the run stood still for a node in lock-step, by its name [s].
         log_path: The metrics CSV; None without one.
         thresholds: Those that the metrics had at the end.
@@ -92,6 +94,7 @@ class RunResult:
     interrupted: str | None = None
     topics: dict[str, TopicCount] = field(default_factory=dict)
     commands: CommandCount = field(default_factory=CommandCount)
+    refusal: str = ""
     waited_s: dict[str, float] = field(default_factory=dict)
     rows: int = 0
     log_path: Path | None = None
@@ -130,6 +133,20 @@ class RunResult:
     def lost(self) -> int:
         """Messages lost over all topics."""
         return sum(count.lost for count in self.topics.values())
+
+    @property
+    def unheeded(self) -> str:
+        """Which commands on /cmd_vel the rover did not follow, and why, in a line; "" if all or none."""
+        count, driver = self.commands, self.rover.driver
+        if count.refused:
+            share = f"{count.refused:,} of {how_many(count.taken + count.refused, 'command')}"
+            return (
+                f"{share} {'was' if count.refused == 1 else 'were'} ignored; the first: {self.refusal}"
+            )
+        if count.taken and CMD_VEL not in (driver, *(name for _, name in self.run.plan.drivers)):
+            heard = f"{how_many(count.taken, 'command')} on /cmd_vel"
+            return f"{heard} moved nothing: driver '{driver}' makes its own; give driver '{CMD_VEL}'"
+        return ""
 
     @property
     def messages(self) -> int:

@@ -43,6 +43,7 @@ class Commands:
 
     Attributes:
         count: What has come so far.
+        refusal: The first command that was refused, and why; "" if none was.
         clock_ns: What /clock showed last: a stamp before it is older than the present [ns].
         watch: Is given each message once it is taken or refused.
     """
@@ -56,7 +57,7 @@ class Commands:
     ) -> None:
         self._node, self._frames, self._take = node, frames, take
         self.topic: str = node.resolve_topic_name("cmd_vel")
-        self.count, self.clock_ns = CommandCount(), 0
+        self.count, self.refusal, self.clock_ns = CommandCount(), "", 0
         self.watch: Callable[[Any], object] | None = None
         self._is_auto, self._has_complained = kind.startswith("auto"), False
         self._heard: dict[str, Any] = {}
@@ -154,6 +155,6 @@ class Commands:
 
     def _refuse(self, ignored: str, why: str) -> None:
         self.count.refused += 1
-        self._node.get_logger().warning(
-            f"ignored {ignored} on {self.topic}: {why}", throttle_duration_sec=1.0
-        )
+        refusal = f"{ignored} on {self.topic}: {why}"
+        self.refusal = self.refusal or refusal
+        self._node.get_logger().warning(f"ignored {refusal}", throttle_duration_sec=1.0)

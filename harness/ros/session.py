@@ -235,6 +235,7 @@ class _Session:
                 failure=failure,
                 waited_s=waited,
                 commands=rover.bridge.commands.count,
+                refusal=rover.bridge.commands.refusal,
             )
             counted.append(rover.logged(with_counts))
         return tuple(counted)

@@ -37,6 +37,7 @@ def properties_of(attempt: Attempt) -> dict[str, str]:
         "terrain_hash": attempt.terrain_hash,
         "simulated_s": f"{attempt.simulated_s:g}",
         "real_time_factor": f"{factor:.3g}",
+        **({"unheeded": attempt.unheeded} if attempt.unheeded else {}),
         **({"kept": str(attempt.kept[0].parent)} if attempt.kept else {}),
     }
 

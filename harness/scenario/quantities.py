@@ -180,7 +180,11 @@ QUANTITIES = Table[Quantity](
 GOAL = "truth.goal"  # how the names of those begin that need a goal
 ROUTE, TARGETS = "truth.route", ("truth.target", "truth.gates")  # a route, targets
 LOG = "log."  # and the name of a column
-RUN = {"run.lost_messages": "Messages given up.", "run.rows": "Rows of the log."}
+RUN = {
+    "run.lost_messages": "Messages given up.",
+    "run.rows": "Rows of the log.",
+    "run.refused_commands": "Commands on /cmd_vel that are not finite or in a frame of somebody else.",
+}
 
 
 def names() -> tuple[str, ...]:

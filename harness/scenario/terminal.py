@@ -40,6 +40,10 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
         if verdict.outcome is Outcome.PASSED:
             for line in kept_limits(verdict.attempts):
                 console.print(f"    {line}", style="dim", soft_wrap=True)
+            for attempt in verdict.attempts:
+                if attempt.passed and attempt.unheeded:
+                    said = f"    {attempt.case.name}: {attempt.unheeded}"
+                    console.print(said, style="yellow", soft_wrap=True)
     runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
     simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
     speed = f", {simulated / wall:.0f}x real time a process" if wall else ""

@@ -223,7 +223,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
 
     def _ended(self, nodes: Sequence[Subject] = ()) -> RunResult:
         """What the run has come to, with what the nodes say that they have received."""
-        result = self._logged.ended(self._trial.failure)
+        result, commands = self._logged.ended(self._trial.failure), self._trial.bridge.commands
         published = {
             topic: replace(result.topics.get(topic, TopicCount(0)), published=count)
             for topic, count in self._trial.bridge.published().items()
@@ -231,6 +231,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         return replace(
             result,
             topics=counted_by(nodes, published),
-            commands=self._trial.bridge.commands.count,
+            commands=commands.count,
+            refusal=commands.refusal,
             waited_s={subject.name: subject.waited_s for subject in self._trial.nodes.subjects},
         )

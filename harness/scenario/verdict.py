@@ -38,6 +38,7 @@ class Attempt:
         recorded: What a baseline keeps of it; None if it has none.
         kept: What is left of a run that did not pass.
         measured: What each bound of the scenario compares, in their order; nothing if it could not run.
+        unheeded: Which commands of nodes the rover did not follow, and why; also the last of breaches.
     """
 
     case: Case
@@ -50,6 +51,7 @@ class Attempt:
     recorded: Recorded | None = None
     kept: tuple[Path, ...] = ()
     measured: tuple[Measured, ...] = ()
+    unheeded: str = ""
 
     @property
     def passed(self) -> bool:

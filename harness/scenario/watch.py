@@ -93,15 +93,17 @@ class Watch:
             for name, bound in self._case.scenario.measured
             for one in [series[bound.label(name)]]
         )
+        breaches, unheeded = tuple(self._breaches(result, series, recorded)), result.unheeded
         return Attempt(
             self._case,
-            tuple(self._breaches(result, series, recorded)),
+            (*breaches, unheeded) if breaches and unheeded else breaches,
             simulated_s=result.simulated_s,
             wall_s=result.wall_s,
             model_hash=result.info.model_hash if result.info else "",
             terrain_hash=result.info.terrain_hash if result.info else "",
             recorded=recorded,
             measured=tuple(measured),
+            unheeded=unheeded,
         )
 
     def keep(
@@ -179,5 +181,5 @@ def _logged(result: RunResult) -> dict[str, Series]:
 
 def _of_the_run(result: RunResult) -> dict[str, Series]:
     end = np.array([result.simulated_s])
-    values = (result.lost, result.rows)
+    values = (result.lost, result.rows, result.commands.refused)
     return {name: Series(end, np.array([float(v)])) for name, v in zip(RUN, values, strict=True)}

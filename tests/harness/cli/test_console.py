@@ -40,7 +40,8 @@ RESULT = RunResult(
 def test_the_summary_of_a_run_is_as_somebody_has_checked() -> None:
     out = io.StringIO()
     console = Console(file=out, width=120)
-    print_summary(console, replace(RESULT, commands=CommandCount(taken=1200, older=1100, refused=3)))
+    commands, refusal = CommandCount(taken=1200, older=1100, refused=3), "a command in the frame 'map'"
+    print_summary(console, replace(RESULT, commands=commands, refusal=refusal))
     print_summary(console, RunResult(run=Run(), mode="direct"))
     check_snapshot("console.txt", out.getvalue())
 

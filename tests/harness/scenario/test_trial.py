@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -36,6 +37,8 @@ FAST = "driver: cmd_vel\nlidar_beams: 8\n"
 class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     """Drives on each scan, 30 ms after it, stops after 1 s, and then tells so for the first time."""
 
+    speed = 0.4  # [m/s]
+
     def __init__(self) -> None:
         super().__init__("brake")
         self._waits = 0
@@ -58,7 +61,7 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         if self._waits:
             return
         command = Twist()
-        command.linear.x = 0.4 if now < 1.0 else 0.0
+        command.linear.x = self.speed if now < 1.0 else 0.0
         self._command.publish(command)
         if not command.linear.x:
             self._done = self._done or self.create_publisher(Bool, "done", 10)
@@ -106,6 +109,35 @@ def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> N
 def test_windows_are_of_simulated_time_whatever_the_clock_tells(make_cases: MakeCases) -> None:
     expect = "{topic./scan.count: {min: 9, max: 11, window: [0.5, 1]}}"
     assert run(make_cases, expect, "events: [{at: 0.3, fault: 'clock:jump=50'}]", seconds=1.0) == ()
+
+
+@pytest.mark.parametrize(
+    ("driver", "speed", "refused", "told"),
+    [
+        ("cmd_vel", math.nan, 17, "17 of 37 commands were ignored; the first: a non-finite command"),
+        ("straight", 0.4, 0, "37 commands on /cmd_vel moved nothing: driver 'straight' makes its own"),
+    ],
+)
+def test_commands_that_moved_nothing_are_told_of_beside_what_was_not_kept(
+    make_cases: MakeCases,
+    monkeypatch: pytest.MonkeyPatch,
+    driver: str,
+    speed: float,
+    refused: int,
+    told: str,
+) -> None:
+    monkeypatch.setattr(Brake, "speed", speed)
+    expect = f"{{truth.path_length: {{over: end, max: 9}}, run.refused_commands: {{max: {refused}}}}}"
+    (case,) = make_cases(expect, FAST)
+    case = replace(case, run=case.run.alone(duration=2.0, driver=driver))
+    for limit, kept in ((9.0, True), (-1.0, False)):
+        bounds = case.scenario.expect | {"truth.path_length": (Bound(over="end", max=limit),)}
+        scenario = case.scenario.model_copy(update={"expect": bounds})
+        with ScenarioTrial(replace(case, scenario=scenario)) as trial:
+            trial.host(Brake)
+            *_, last = (*trial.finish(), trial.findings.unheeded)
+            assert last.startswith(told)
+            assert trial.findings.breaches[1:] == (() if kept else (last,))
 
 
 def lines(path: Path) -> list[str]:
