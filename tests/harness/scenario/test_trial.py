@@ -114,8 +114,8 @@ def test_windows_are_of_simulated_time_whatever_the_clock_tells(make_cases: Make
 @pytest.mark.parametrize(
     ("driver", "speed", "refused", "told"),
     [
-        ("cmd_vel", math.nan, 17, "17 of 37 commands were ignored; the first: a non-finite command"),
-        ("straight", 0.4, 0, "37 commands on /cmd_vel moved nothing: driver 'straight' makes its own"),
+        ("cmd_vel", math.nan, 19, "19 of 39 commands were ignored; the first: a non-finite command"),
+        ("straight", 0.4, 0, "39 commands on /cmd_vel moved nothing: driver 'straight' makes its own"),
     ],
 )
 def test_commands_that_moved_nothing_are_told_of_beside_what_was_not_kept(
