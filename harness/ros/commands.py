@@ -3,6 +3,7 @@
 A topic has one type in Fast DDS: a node that hears Twist cannot hear TwistStamped too. So `auto` begins
 with the distribution's type, hears the other one as well where the middleware lets it, and else changes
 over when only the other one is sent. Nav2 and the base controllers send TwistStamped from Kilted on.
+A node in this process cannot even send what is not heard: for those `late` waits for what they send.
 """
 
 import math
@@ -37,11 +38,13 @@ class Commands:
 
     Args:
         node: Subscribes.
-        kind: "twist", "stamped" or "auto"; "auto_twist" begins with Twist in every distribution.
+        kind: "twist", "stamped" or "auto"; "late" is "auto" that hears nothing until something is sent,
+            or `begin`, from which on it is Twist in every distribution.
         frames: In which a TwistStamped may be, without a namespace; in none it is in the rover's own.
         take: Is given each command.
 
     Attributes:
+        is_late: Whether it waits for what is sent first.
         count: What has come so far.
         refusal: The first command that was refused, and why; "" if none was.
         clock_ns: What /clock showed last: a stamp before it is older than the present [ns].
@@ -59,33 +62,45 @@ class Commands:
         self.topic: str = node.resolve_topic_name("cmd_vel")
         self.count, self.refusal, self.clock_ns = CommandCount(), "", 0
         self.watch: Callable[[Any], object] | None = None
-        self._is_auto, self._has_complained = kind.startswith("auto"), False
+        self.is_late = kind == "late"
+        self._is_auto, self._has_complained = self.is_late or kind == "auto", False
         self._heard: dict[str, Any] = {}
         self._recording: Recording | None = None
         self._recorders: dict[str, Callable[[Any], object]] = {}
         stamped_first = STAMPED_BY_DEFAULT and kind == "auto"
-        first, second = ("stamped", "twist") if stamped_first else ("twist", "stamped")
-        self._wanted = first if self._is_auto else kind
-        self._hear(self._wanted)
-        if self._is_auto:
-            with suppress(RCLError):  # Fast DDS
-                self._hear(second)
+        self._wanted = ("stamped" if stamped_first else "twist") if self._is_auto else kind
+        if not self.is_late:
+            self._hear(self._wanted)  # raises for a name that is none
+            self.begin()
 
     @property
     def heard(self) -> tuple[str, ...]:
         """Returns which kinds are heard; none while it changes over."""
         return tuple(self._heard)
 
+    def begin(self) -> bool:
+        """Hears what is wanted; returns whether it does, for the former type may be in use a little."""
+        self.is_late = False
+        with suppress(RCLError):  # Fast DDS hears one type
+            for kind in (self._wanted, *KINDS) if self._is_auto else (self._wanted,):
+                if kind not in self._heard:
+                    self._hear(kind)
+        return bool(self._heard)
+
     def look_around(self) -> bool:
         """Looks which types are sent and changes over if need be.
 
         Returns:
-            Whether any is heard. The former subscription may be in use until the executor has spun.
+            Whether any is heard, or none is sent yet that it waits for. The former subscription may be
+            in use until the executor has spun.
         """
+        if self.is_late:
+            sent = self._sent()
+            if not sent:
+                return True
+            self._wanted = next((kind for kind in TYPES if TYPES[kind] in sent), self._wanted)
         if not self._heard:
-            with suppress(RCLError):
-                self._hear(self._wanted)
-            return bool(self._heard)
+            return self.begin()
         matched = sum(subscription.get_publisher_count() for subscription in self._heard.values())
         if matched < self._node.count_publishers(self.topic):
             self._look_at_strangers(alone=not matched)
@@ -98,7 +113,7 @@ class Commands:
             self._tap(kind)
 
     def _look_at_strangers(self, *, alone: bool) -> None:
-        sent = {each.topic_type for each in self._node.get_publishers_info_by_topic(self.topic)}
+        sent = self._sent()
         missed = [kind for kind, name in TYPES.items() if name in sent and kind not in self._heard]
         if not missed:
             return
@@ -116,6 +131,10 @@ class Commands:
                 f"{self.topic} is also sent as {TYPES[missed[0]]}, which is not heard beside {heard}: "
                 f"send one type, or choose with --cmd-vel {missed[0]}"
             )
+
+    def _sent(self) -> set[str]:
+        """The types in which somebody sends."""
+        return {each.topic_type for each in self._node.get_publishers_info_by_topic(self.topic)}
 
     def _hear(self, kind: str) -> None:
         receive = partial(self.receive, kind)

@@ -24,8 +24,7 @@ from harness.base.sim_time import LOOK_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
-from harness.ros.context import QUIET, spin_until, spin_until_quiet
-from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
+from harness.ros.remote import counted_by
 from harness.samples import Tick
 from harness.scenario.case import SCRATCH, Case, plan
 from harness.scenario.judged import heard_series
@@ -75,8 +74,7 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
         super().__init__(artifacts)
         self.case, self._given = case, folder
         self._recording = Recording(RECORDING, KEPT)
-        # Hosted nodes send Twist, as to every trial; others what they like.
-        self._trial = Trial(case.run, listener=self, recording=self._recording, cmd_vel="auto_twist")
+        self._trial = Trial(case.run, listener=self, recording=self._recording)
         self._watch = Watch(case, compare=compare)
         self._pauses = [event for event in case.scenario.events if isinstance(event, PauseEvent)]
         self._pauses.sort(key=lambda event: event.at)
@@ -178,16 +176,9 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
                 may_end=launch.wait_for == (),
             )
 
-    def joined(self, node: object) -> None:
+    def joined(self) -> bool:
         """Hears what a node publishes from its first message on."""
-        trial, bridge = self._trial, self._trial.bridge
-        if node is None:  # another process's answer does not prove that its publishers are known
-            spin_until_quiet(trial.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
-        commands = bridge.commands
-        before = commands.heard
-        spin_until(trial.executor, commands.look_around, DISCOVERY_PATIENCE)
-        if self._topics.look_around() or commands.heard != before:
-            trial.nodes.renew()
+        return self._topics.look_around()
 
     def before_tick(self) -> None:
         """Pauses where the scenario does."""
@@ -203,20 +194,13 @@ class ScenarioTrial(LeavesEvidence, TrialListener):
 
     def after_tick(self) -> None:
         """Hears topics that have turned up."""
-        if self._trial.now_ns % LOOK_PERIOD_NS == 0:
-            self._trial.bridge.commands.look_around()
-            if self._topics.look_around():
-                self._trial.nodes.renew()
+        if self._trial.now_ns % LOOK_PERIOD_NS == 0 and self._topics.look_around():
+            self._trial.nodes.renew()
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
         self._watch.take(batch)
         self._logged.take(batch)
-
-    def _publishers(self) -> list[tuple[str, int]]:
-        """How many publishers each topic is known to have."""
-        bridge = self._trial.bridge
-        return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
 
     def _now(self) -> tuple[int, int]:
         return self._trial.now_ns, self._trial.clock_ns

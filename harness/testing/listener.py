@@ -11,8 +11,9 @@ class TrialListener:
     def begin_programs(self, programs: Programs) -> None:
         """Starts what takes its time while the world is built."""
 
-    def joined(self, node: object) -> None:
-        """A node is kept in step from now on; None stands for one in another process."""
+    def joined(self) -> bool:
+        """A node is kept in step from now on; returns whether more is heard since."""
+        return False
 
     def before_tick(self) -> None:
         """The next tick is not made yet."""

@@ -12,14 +12,15 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from harness.base.errors import RunFailed, UsageError
-from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.base.sim_time import LOOK_PERIOD_NS, NANOSECONDS, TICK_NS
 from harness.episode.assembly import check
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.loop import drive as drive_loop
-from harness.ros.context import make_executor, unfinished_is_freed
+from harness.ros.context import QUIET, make_executor, spin_until, spin_until_quiet, unfinished_is_freed
 from harness.ros.network import reserved_domain, stay_local
+from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Truth, Twist
 from harness.spec.ros import FrameOptions
@@ -51,7 +52,7 @@ class Trial(LeavesEvidence):
         frames: Which transforms are published; None for those of a run.
         listener: Follows what happens; None for nobody.
         recording: Records the topics; None if that is done for `artifacts` only.
-        cmd_vel: How commands come: "twist", "stamped", "auto" or "auto_twist".
+        cmd_vel: How commands come, as `Commands` says; by default in the type of the first to send.
 
     Attributes:
         run: As it was given, or as `reset` has changed it; `domain` is its ROS domain.
@@ -74,7 +75,7 @@ class Trial(LeavesEvidence):
         *,
         listener: TrialListener | None = None,
         recording: Recording | None = None,
-        cmd_vel: str = "twist",
+        cmd_vel: str = "late",
     ) -> None:
         run.check_single()
         check(run)
@@ -176,7 +177,22 @@ class Trial(LeavesEvidence):
             UsageError: There is no such node, or it runs on wall time.
         """
         self.nodes.add(name, node)
-        self._listener.joined(node)
+        if node is None:  # another process's answer does not prove that its publishers are known
+            spin_until_quiet(self.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
+        is_anew = self._hears_anew(self.bridge.commands.look_around)
+        if self._listener.joined() or is_anew:
+            self.nodes.renew()
+
+    def _hears_anew(self, look: Callable[[], bool]) -> bool:
+        """Whether commands of another type are heard once a look has found any."""
+        before = self.bridge.commands.heard
+        spin_until(self.executor, look, DISCOVERY_PATIENCE)
+        return self.bridge.commands.heard != before
+
+    def _publishers(self) -> list[tuple[str, int]]:
+        """How many publishers each topic is known to have."""
+        bridge = self.bridge
+        return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
 
     def _when(self) -> str:
         return f" at {self.time:g} s" if self.now_ns else " at its start"
@@ -274,12 +290,17 @@ class Trial(LeavesEvidence):
         Raises:
             RunFailed: A node stopped answering, or the drive itself has failed: see `failure`.
         """
+        commands = self.bridge.commands
+        if commands.is_late and self._hears_anew(commands.begin):
+            self.nodes.renew()
         self._listener.before_tick()
         if next(self._ticks, None) is None:
             return False
         self._programs.check()
         # Not in the loop, which what a node raises here would end for good.
         self.bridge.advance(*self._pending, listeners=self.nodes.subjects)
+        if self.now_ns % LOOK_PERIOD_NS == 0:
+            commands.look_around()
         self._listener.after_tick()
         return True
 

@@ -1,3 +1,4 @@
+import inspect
 import math
 import os
 import re
@@ -12,7 +13,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from geometry_msgs.msg import PoseArray, Twist
+from geometry_msgs.msg import PoseArray, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
@@ -125,15 +126,30 @@ def test_clock_faults_reach_the_node_and_nothing_hangs(fault: str, expected: lis
         assert node.get_clock().now().nanoseconds / 1e9 == pytest.approx(told[-1])
 
 
-def test_rover_obeys_the_test_and_then_the_node() -> None:
-    class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
-        def __init__(self) -> None:
-            super().__init__("brake")
-            self._command = self.create_publisher(Twist, "cmd_vel", 10)
-            self.create_timer(1.5, lambda: self._command.publish(Twist()))
+def brake(kind: type) -> Node:
+    node = rclpy.create_node("brake")
+    command = node.create_publisher(kind, "cmd_vel", 10)
+    node.create_timer(1.5, lambda: command.publish(kind()))
+    return node
 
+
+STARTED = f"""import rclpy
+from geometry_msgs.msg import TwistStamped
+from rclpy.node import Node
+{inspect.getsource(brake)}
+rclpy.init()
+rclpy.spin(brake(TwistStamped))
+"""
+
+
+@pytest.mark.parametrize("kind", [Twist, TwistStamped, None])
+def test_rover_obeys_the_test_and_then_the_node(kind: type | None) -> None:
     with trial() as one:
-        one.host(Brake)
+        if kind is None:
+            on_sim_time = ("--ros-args", "-p", "use_sim_time:=true")
+            one.launch([sys.executable, "-c", STARTED, *on_sim_time], node="/brake")
+        else:
+            one.host(lambda: brake(kind))
         one.drive(0.3)
         assert one.until(lambda: one.speed > 0.25, within=1.0) < 1.0
         one.step(1.5 - one.time)
