@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -19,6 +20,7 @@ from harness.robots.urdf.equipment import SIDE_JOINT
 MODEL = "__model__"
 WORLD = "world"  # as the parent of a joint
 OLD = [1, 4]  # the version up to which axes are in the model's frame
+Of = TypeVar("Of", "Link", "Joint")
 USUAL = "1.6"  # the version of a file that does not tell
 
 
@@ -91,7 +93,11 @@ def read_model(root: Element, path: Path, folders: Sequence[Path], name: str) ->
         raise UsageError(f"it holds {which} with joints that move: {names}; {mend}")
     notes.clear()  # of what stands around it
     model = Model(moving[0].name, notes=notes)
-    _Reading(model, scopes).scope(moving[0], Frames(MODEL), IDENTITY, ())
+    reading = _Reading(model, scopes)
+    reading.scope(moving[0], Frames(MODEL), IDENTITY, ())
+    for called, joint in model.joints.items():
+        tied = reading.link_of(joint.parent), reading.link_of(joint.child)
+        model.joints[called] = replace(joint, parent=tied[0], child=tied[1])
     return model
 
 
@@ -109,6 +115,15 @@ def _is_old(version: str) -> bool:
 class _Reading:
     def __init__(self, model: Model, scopes: Scopes) -> None:
         self._model, self._scopes = model, scopes
+        self._attached: dict[str, str] = {}  # frames, joints and models, to what
+
+    def link_of(self, name: str) -> str:
+        """Returns the link to which what is called so in the rover is attached; its name if to none."""
+        for _ in self._attached:
+            if name in self._model.links:
+                break
+            name = self._attached.get(name, name)
+        return name
 
     def scope(self, call: Call, frames: Frames, at: Transform, names: tuple[str, ...]) -> None:
         """Adds what is in a model whose origin is at a pose, within models of these names."""
@@ -118,7 +133,8 @@ class _Reading:
         for element in call.model.findall("link"):
             name = element.get("name", "link")
             link = Link(element, at @ frames.find(name), frames, at)
-            self._model.links[_joined(*names, name)] = link
+            _add(self._model.links, _joined(*names, name), link)
+        self._attach(call.model, [one.name for one in calls], names)
         for element in call.model.findall("joint"):
             self._joint(element, frames, at, names, is_old=_is_old(call.version))
         self._model.plugins += [_named(plugin, names) for plugin in call.model.findall("plugin")]
@@ -126,6 +142,17 @@ class _Reading:
             pose, reference = one.pose(nested)
             below = names if one.is_merged else (*names, one.name)
             self.scope(one, nested, at @ frames.find(reference) @ pose, below)
+
+    def _attach(self, model: Element, parts: Sequence[str], names: tuple[str, ...]) -> None:
+        """Notes what the frames and joints of a model are attached to, and which link is its own."""
+        links = [link.get("name", "link") for link in model.findall("link")]
+        to = {MODEL: model.get("canonical_link") or next(iter((*links, *parts)), "")}
+        to |= {one.get("name", ""): one.get("attached_to") or MODEL for one in model.findall("frame")}
+        to |= {joint.get("name", ""): text_of(joint, "child") for joint in model.findall("joint")}
+        for name, other in to.items():
+            self._attached.setdefault(_joined(*names, name), _joined(*names, other))
+        if names:
+            self._attached.setdefault(_joined(*names), _joined(*names, MODEL))
 
     def _joint(
         self, element: Element, frames: Frames, at: Transform, names: tuple[str, ...], *, is_old: bool
@@ -146,7 +173,14 @@ class _Reading:
         turned = np.asarray((at @ frame)[:3, :3] @ vector)
         ends = (_joined(*names, link) for link in (parent, child))
         joint = Joint(_named(element, names), at @ pose, turned, *ends)
-        self._model.joints[_joined(*names, name)] = joint
+        _add(self._model.joints, _joined(*names, name), joint)
+
+
+def _add(known: dict[str, Of], name: str, one: Of) -> None:
+    """Adds a link or a joint; UsageError where another one has its name."""
+    if name in known:
+        raise UsageError(f"two {type(one).__name__.lower()}s are called '{name}'; rename one")
+    known[name] = one
 
 
 def _named(element: Element, names: tuple[str, ...]) -> Element:

@@ -94,6 +94,8 @@ class Sdf:
         self.own[name] = self.placed(name) @ (drawn(self.rng, 0.3) if self.moves(name) else np.eye(4))
         written = ET.SubElement(self.model, "link", name=name)
         put(written, self.own[name])
+        on = ET.SubElement(self.model, "frame", name=f"on {name}", attached_to=name)
+        put(on, drawn(self.rng, 0.3), relative_to="__model__")
         for part in link:
             copy = ET.SubElement(written, part.tag, name=part.tag)
             shift = np.linalg.inv(self.own[name]) @ self.placed(name)
@@ -110,7 +112,11 @@ class Sdf:
             self.model, "joint", name=joint.get("name", ""), type=joint.get("type", "")
         )
         for tag, link in zip(("parent", "child"), ends(joint), strict=True):
-            ET.SubElement(written, tag).text = link
+            ET.SubElement(written, tag).text = f"{link} at {child}" if self.style == "1.9" else link
+            tied = ET.SubElement(
+                self.model, "frame", name=f"{link} at {child}", attached_to=f"on {link}"
+            )
+            put(tied, drawn(self.rng, 0.3))
         turned, root = self.placed(child) @ drawn(self.rng, 0.0), next(iter(self.own))
         stated = {"relative_to": root} if self.style == "1.9" else {}
         put(written, np.linalg.inv(self.own[root if stated else child]) @ turned, **stated)
@@ -289,6 +295,8 @@ MISTAKES = {
         of_parts(JOINT.format("mast", "chassis")),
         "links hang in a loop, mast -> chassis -> mast; take",
     ),
+    "a link twice": (of_parts("<link name='mast'/>"), "two links are called 'mast'"),
+    "a joint twice": (of_parts(JOINT.format("ball", "mast") * 2), "two joints are called 'j'"),
     "nothing": (of_parts(JOINT.format("ball", "bowl")), "frame 'bowl' does not exist"),
     "a part that is not there": (of_parts(part="left::rim"), "rim"),
     "universal": (of_parts(kind="universal"), "joint 'left' is 'universal'; valid: revolute, "),
