@@ -12,7 +12,7 @@ SINCE_START = (
     "Current Smoothness is the mean since the start, as RoboTerrain's node writes it since 2025 (its "
     "buffer is never trimmed), not of the last 100 samples"
 )
-WALL = "wall-clock timestamps: the node ran without use_sim_time"
+WALL = "wall-clock timestamps: of a real robot, or the node ran without use_sim_time"
 
 # rows, seconds, collisions/min, m/min, % rough, from facts about the logs
 KNOWN = {

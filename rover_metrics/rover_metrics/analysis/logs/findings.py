@@ -67,7 +67,7 @@ def describe_time(rows: pd.DataFrame, gap: float) -> list[str]:
     if abs(period - 1.0) > 0.01:
         findings.append(f"a row every {period:g} s, not every second")
     if rows[STAMP].iloc[0] > _UNIX_TIME:
-        findings.append("wall-clock timestamps: the node ran without use_sim_time")
+        findings.append("wall-clock timestamps: of a real robot, or the node ran without use_sim_time")
     return findings
 
 

@@ -62,7 +62,7 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
             axes.plot(grid, mean, **style, label=f"{group} ({counted(len(curves), 'episode')})")
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
             # A band that leads below 0 where no value does is cut: there is no such clearance or speed.
-            end = float(np.nanquantile(low, 0.03))
+            end = min(float(np.nanmin(mean)), float(np.nanquantile(low, 0.03)))
             lowest = min(lowest, max(end, 0.0) if np.nanmin(curves) >= 0.0 else end)
     if math.isinf(lowest):
         styling.say_that_nothing_is_there(axes)
