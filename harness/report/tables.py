@@ -164,7 +164,7 @@ def _compared(
     if not isinstance(metric, int | float) or not math.isfinite(metric):
         return quantity, DASH, f"{truth:.2f} {unit}", DASH
     difference = DASH
-    if truth > 0.0:
+    if truth >= 0.005:  # less is shown as 0
         percent = round(100.0 * ((metric - truth) / truth), 1)
         difference = unbroken(f"{percent:+} %".replace("-", MINUS) if percent else "0.0 %")
     return quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference

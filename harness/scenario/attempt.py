@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from shutil import copy, rmtree
 from tempfile import TemporaryDirectory
 
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
@@ -15,7 +16,7 @@ from harness.scenario.case import SCRATCH, Case
 from harness.scenario.quantities import quantity_of
 from harness.scenario.series import SAMPLES
 from harness.scenario.verdict import Attempt
-from harness.scenario.watch import Watch
+from harness.scenario.watch import PAGE, Watch
 from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import RosOptions
 
@@ -51,13 +52,13 @@ def attempt(case: Case, folder: Path, options: AttemptOptions = DEFAULTS) -> Att
     """
     drive = _through_ros if case.scenario.needs_ros else _direct
     scratch = options.scratch if options.scratch and options.scratch.is_dir() else None
-    try:
-        with TemporaryDirectory(prefix=SCRATCH, dir=scratch) as own:
+    with TemporaryDirectory(prefix=SCRATCH, dir=scratch) as own:
+        try:
             return drive(case, folder, options, Path(own))
-    except Interrupted:
-        raise
-    except HarnessError as error:
-        return Attempt(case, error=str(error))
+        except Interrupted:
+            raise
+        except HarnessError as error:
+            return _kept(Attempt(case, error=str(error)), lambda _: _words_kept(Path(own), folder))
 
 
 def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Attempt:
@@ -106,6 +107,16 @@ def _through_ros(case: Case, folder: Path, options: AttemptOptions, own: Path) -
         if judged.passed and not options.keep:
             return judged
         return _kept(judged, partial(trial.keep, folder))
+
+
+def _words_kept(own: Path, folder: Path) -> tuple[Path, ...]:
+    """Keeps what the programs of a run have said that did not begin; returns where that is."""
+    said = [file for file in sorted(own.glob("launch_*.txt")) if file.stat().st_size]
+    if (folder / PAGE).exists():  # of an earlier run
+        rmtree(folder)
+    if said:
+        folder.mkdir(parents=True, exist_ok=True)
+    return tuple(Path(copy(file, folder)) for file in said)
 
 
 def _kept(judged: Attempt, keep: Callable[[str], tuple[Path, ...]]) -> Attempt:

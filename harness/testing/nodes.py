@@ -84,9 +84,10 @@ class Nodes:
         self._connect()
 
     def _subject(self, name: str, node: object) -> Subject:
-        check = self._programs.check
+        check, told = self._programs.check, self._programs.told
+        jumps = self._time_jumps
         try:
-            return Subject(name, self._bridge, node, check=check, time_jumps=self._time_jumps)
+            return Subject(name, self._bridge, node, check=check, told=told, time_jumps=jumps)
         except HarnessError:
             check()  # why it does not answer
             raise

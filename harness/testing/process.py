@@ -136,6 +136,11 @@ class Programs(ExitStack):
         for process in self._running:
             process.check(self._when())
 
+    def told(self, failure: str) -> str:
+        """Returns a failure with when it was, and what each program said last."""
+        words = [line for process in self._running for line in process.last_lines()]
+        return "\n".join([f"{failure}{self._when()}", *words])
+
 
 def _path(environment: Mapping[str, str]) -> str:
     """Where programs are looked for: first in the virtual environment of this Python."""

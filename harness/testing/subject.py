@@ -27,6 +27,7 @@ class Subject(RemoteNode):
         bridge: What publishes to it.
         node: The rclpy node if it is hosted; the bridge's executor spins it too.
         check: Raises if it can answer no more; called while an answer is awaited.
+        told: Adds to a failure what is known beside it.
         time_jumps: Whether faults will set the clock back.
 
     Raises:
@@ -40,9 +41,10 @@ class Subject(RemoteNode):
         node: Any = None,  # noqa: ANN401 - rclpy has no types
         *,
         check: Callable[[], None] = lambda: None,
+        told: Callable[[str], str] = str,
         time_jumps: bool = False,
     ) -> None:
-        self.node, self._check, self._owes = node, check, False
+        self.node, self._check, self._told, self._owes = node, check, told, False
         super().__init__(name, bridge, time_jumps=time_jumps)
 
     def make_room(self, channels: Sequence[Channel]) -> None:  # noqa: ARG002 - all is waited for at once
@@ -72,10 +74,11 @@ class Subject(RemoteNode):
     def _wait(self) -> None:
         try:
             wait_for_answers({self: self.ask()}, self._executor, self._check)
-        except RunFailed:
+        except RunFailed as error:
+            self._check()  # which says more
             if self.has_left():  # a program leaves the graph a moment before its exit code is known
                 spin_until(self._executor, self._still_runs, EXIT_PATIENCE)
-            raise
+            raise RunFailed(self._told(str(error))) from error
         self._owes = False
 
     def _still_runs(self) -> bool:

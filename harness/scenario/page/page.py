@@ -49,15 +49,18 @@ def _headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
 
 def _bad(attempt: Attempt, page: Path) -> dict[str, Any]:
     """A run that makes its scenario red, on a page at a place."""
-    outcome = outcome_of(attempt)
+    outcome, reasons = outcome_of(attempt), reasons_of(attempt)
     links = (quote(Path(relpath(path, page.parent)).as_posix()) for path in attempt.kept)
+    is_text = any(path.suffix == ".txt" for path in attempt.kept[:1])  # it did not begin
     return {
         "name": attempt.case.name,
         "state": CLASSES.get(outcome, CLASSES[Outcome.FAILED]),
         "outcome": outcome.value,
-        "reasons": reasons_of(attempt),
+        "reasons": reasons if attempt.error is None else reasons[:1],
+        "words": "" if attempt.error is None else "\n".join(reasons[1:]),
         "again": attempt.case.command,
         "link": next(links, None),
+        "linked": "What its programs said" if is_text else "The run: map, metrics, contacts",
     }
 
 

@@ -200,23 +200,47 @@ def test_a_program_that_ends_before_the_run_does_is_told_with_its_last_words(
     assert kept == [".html", ".csv", ".json", ".mcap", ".txt", ""]
 
 
-RAISES = """import rclpy
+NODE = """import rclpy, time
 from sensor_msgs.msg import LaserScan
 
 rclpy.init()
-node = rclpy.create_node("raises")
-node.create_subscription(LaserScan, "/scan", lambda scan: scan.nothing, 10)
+node = rclpy.create_node("node")
+node.create_subscription(LaserScan, "/scan", lambda scan: {}, 10)
 rclpy.spin(node)
 """
 
 
-def test_a_node_that_raises_is_told_with_what_it_raised(make_cases: MakeCases, tmp_path: Path) -> None:
-    (tmp_path / "raises.py").write_text(RAISES)
-    launch = f"launch: [python {tmp_path}/raises.py --ros-args -p use_sim_time:=true]"
+@pytest.mark.parametrize(
+    ("does", "told", "said"),
+    [
+        ("scan.nothing", " ended with exit code 1 at 0.", "AttributeError: "),
+        ("time.sleep(print('is busy', flush=True) or 1e6)", "/node stopped answering at 0.", "is busy"),
+    ],
+)
+def test_a_node_that_does_not_go_on_is_told_with_what_it_said(
+    make_cases: MakeCases,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    does: str,
+    told: str,
+    said: str,
+) -> None:
+    monkeypatch.setattr("harness.ros.remote.ANSWER_PATIENCE", 3.0)
+    (tmp_path / "node.py").write_text(NODE.format(does))
+    launch = f"launch: [python {tmp_path}/node.py --ros-args -p use_sim_time:=true]"
     (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}{launch}")
     first, *_, last = reasons_of(attempt(case, tmp_path / "out"))
-    assert " ended with exit code 1 at " in first
-    assert last.startswith("AttributeError: ")
+    assert told in first
+    assert last.startswith(said)
+
+
+def test_what_a_program_says_that_ends_at_once_is_kept(make_cases: MakeCases, tmp_path: Path) -> None:
+    launch = "launch: [sh -c 'seq 99; exit 2']"
+    (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}{launch}")
+    done = attempt(case, tmp_path / "out")
+    assert reasons_of(done)[-1] == "99"
+    (kept,) = done.kept
+    assert lines(kept) == [str(number) for number in range(1, 100)]
 
 
 def test_a_program_that_may_end_and_one_that_shows_no_node(
