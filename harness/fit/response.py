@@ -4,7 +4,7 @@ import numpy as np
 
 from harness.base.sim_time import TICK
 from harness.fit.estimate import Estimate, minimise, of, with_values
-from harness.recordings.recording import Recording, Series, at, changes
+from harness.recordings.recording import Recording, Series, at, between, changes
 from harness.robots import RoverSpec
 from harness.validate.real.commanded import as_driven
 from harness.validate.replay import controlled, replay
@@ -12,10 +12,12 @@ from harness.validate.replay import controlled, replay
 TOLERANCE = 0.03  # [m/s]
 SPENT = 0.1  # [m/s] by which load slows a wheel whose motor gives all it has
 STEP = 0.02  # [s], [m]: for derivatives, above a tick
+FINEST = 0.001  # [s], [m]: what ticks and the physics' own steps leave open whatever the recording
 VARIES = 0.1  # least sd of commands for an estimate [m/s], [rad/s]
 HELD = 0.4  # [s]: logs repeat a sample no longer
 MOST = 0.95  # of the largest difference that is asked for: a limit beyond is none that was met
 UNLIMITED = "no command asked for more than came"
+ROUNDS = 2  # of a search, each with what load then makes of the speeds
 LONGEST = 1.5  # [s] that a command may take to a wheel
 LIMIT = "actuators.turn_limit"
 BOUNDS = {
@@ -53,20 +55,20 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
     free = [one.key for one in blank if one.is_known]
     if not free:
         return blank
-    lost = _lost(loaded, recording)
-    obeys = np.abs(lost) < SPENT  # other wheels do what they can, whatever the controller wants
-    if loaded is None:
-        late = _late(driven, recording) / 2
-        loaded = with_values(driven, [("actuators.delay", late), ("actuators.lag", late)])
-    start = np.array([of(driven if key == LIMIT else loaded, key) for key in free])
     low, high = np.array([BOUNDS[key] for key in free]).T
+    late = _late(driven, recording) / 2
+    near = loaded or with_values(driven, [("actuators.delay", late), ("actuators.lag", late)])
+    values = np.array([of(driven if key == LIMIT else near, key) for key in free])
+    for _ in range(ROUNDS if loaded else 1):
+        lost = _lost(loaded and with_values(loaded, zip(free, values.tolist(), strict=True)), recording)
 
-    def residuals(values: Series) -> Series:
-        ours = with_values(driven, zip(free, values.tolist(), strict=True))
-        return np.where(obeys, difference(ours, recording) - lost, 0.0) / TOLERANCE
+        def residuals(values: Series, lost: Series | float = lost) -> Series:
+            ours = with_values(driven, zip(free, values.tolist(), strict=True))
+            obeys = np.abs(lost) < SPENT  # other wheels do what they can, whatever the controller wants
+            return np.where(obeys, difference(ours, recording) - lost, 0.0) / TOLERANCE
 
-    values, halves, _ = minimise(residuals, start, (low, high), np.full(len(free), STEP))
-    fits = iter(zip(values.tolist(), halves.tolist(), strict=True))
+        values, halves, _ = minimise(residuals, values, (low, high), np.full(len(free), STEP))
+    fits = iter(zip(values.tolist(), np.hypot(halves, FINEST).tolist(), strict=True))
     lack = "changes of the command are too few"
     known = [one.judged(*next(fits), lack) if one.is_known else one for one in blank]
     separation, limit = known[-2], known[-1]
@@ -78,7 +80,7 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
 def difference(rover: RoverSpec, recording: Recording) -> Series:
     """Returns ours less the recorded speeds of the sides, where those changed [m/s]."""
     times = _news(recording.wheels)
-    return (at(controlled(rover, recording), times) - at(recording.wheels, times)).ravel()
+    return (between(controlled(rover, recording), times) - at(recording.wheels, times)).ravel()
 
 
 def _lost(rover: RoverSpec | None, recording: Recording) -> Series | float:
@@ -86,11 +88,8 @@ def _lost(rover: RoverSpec | None, recording: Recording) -> Series | float:
     if rover is None:
         return 0.0
     times = _news(recording.wheels)
-    driven = replay(rover, recording.commands, float(recording.wheels[-1, 0]))
-    wanted = controlled(rover, recording)
-    own = driven.wheels[:, 0]
-    off = np.column_stack([own, at(wanted, own) - driven.wheels[:, 1:]])
-    return at(off, times).ravel()
+    driven = replay(rover, recording.commands, float(recording.wheels[-1, 0]), every=1)
+    return (between(controlled(rover, recording), times) - between(driven.wheels, times)).ravel()
 
 
 def _late(rover: RoverSpec, recording: Recording) -> float:

@@ -152,7 +152,7 @@ class LaggingController(BaseController):
         self._left = [n for n, is_left in enumerate(on_left) if is_left]
         self._right = [n for n, is_left in enumerate(on_left) if not is_left]
         ticks, self._part = divmod(actuators.delay / period, 1.0)
-        self._late = deque([Twist()] * (int(ticks) + 1))
+        self._late = deque([controller.commands()] * (int(ticks) + 1))
         self._dead = actuators.dead_band / self._radius
         self._turn = (actuators.turn_limit or math.inf) / self._radius
         self._keep = float(np.exp(-2.0 * period / actuators.lag)) if actuators.lag else 0.0
@@ -160,8 +160,8 @@ class LaggingController(BaseController):
 
     def commands(self) -> list[float]:
         """Returns the present wheel commands, in the order of the controller of its kind of drive."""
-        self._controller.command(self._delayed())
-        commanded, keep = self._controller.commands(), self._keep
+        self._controller.command(self._target)
+        commanded, keep = self._delayed(), self._keep
         wanted = self._limited(commanded[: self._driven])
         self._half_way = [w + keep * (h - w) for w, h in zip(wanted, self._half_way, strict=True)]
         self._there = [h + keep * (t - h) for h, t in zip(self._half_way, self._there, strict=True)]
@@ -169,14 +169,11 @@ class LaggingController(BaseController):
             self._half_way = self._there = [0.0] * self._driven
         return [*self._there, *commanded[self._driven :]]
 
-    def _delayed(self) -> Twist:
-        """The command of a delay ago, between those of two periods."""
-        self._late.append(self._target)
+    def _delayed(self) -> Sequence[float]:
+        """What the controller made of commands a delay ago, between those of two periods."""
+        self._late.append(self._controller.commands())
         earlier, later, part = self._late.popleft(), self._late[0], self._part
-        return Twist(
-            later.linear + part * (earlier.linear - later.linear),
-            later.angular + part * (earlier.angular - later.angular),
-        )
+        return [after + part * (before - after) for before, after in zip(earlier, later, strict=True)]
 
     def _limited(self, speeds: Sequence[float]) -> Sequence[float]:
         """Speeds [rad/s] as the motors' drivers take them."""

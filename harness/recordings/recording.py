@@ -79,6 +79,11 @@ def at(series: Series, times: Series) -> Series:
     return values
 
 
+def between(series: Series, times: Series) -> Series:
+    """Returns a series' values at times [s], linear between samples, without the column of times."""
+    return np.column_stack([np.interp(times, series[:, 0], values) for values in series[:, 1:].T])
+
+
 def lag(recording: Recording, track: float) -> float | None:
     """Returns how much later the IMU's clock shows what the wheels do [s]; None where nothing turns.
 

@@ -20,7 +20,13 @@ WHEELS, POSES, IMU = 15, 10, 100 // HIGHEST_RATE
 
 
 def replay(
-    rover: RoverSpec, commands: Series, end: float, *, seed: int = 0, course: Course | None = None
+    rover: RoverSpec,
+    commands: Series,
+    end: float,
+    *,
+    seed: int = 0,
+    course: Course | None = None,
+    every: int | None = None,
 ) -> Recording:
     """Drives a rover with real motors by commands and returns what it recorded.
 
@@ -30,7 +36,9 @@ def replay(
         end: When it ends [s].
         seed: Of what shakes the IMU.
         course: The ground; None for a level plane.
+        every: Ticks from one sample of wheels and currents to the next; None for WHEELS.
     """
+    every = WHEELS if every is None else every
     rig = Rig(rover, flat() if course is None else course)
     simulation, radius = rig.simulation, rover.controller_radius
     motors, imu = MotorPower(simulation), ImuSensor(simulation, IMU)
@@ -42,7 +50,7 @@ def replay(
     logs: dict[str, list[tuple[float, ...]]] = {"wheels": [], "currents": [], "imu": [], "poses": []}
     due, drawn = 0, np.zeros(2)
     for tick in range(round(end / TICK)):
-        while due < len(commands) and commands[due, 0] <= tick * TICK + 1e-9:
+        while due < len(commands) and commands[due, 0] <= (tick + 0.5) * TICK:
             rig.command(*commands[due, 1:].tolist())
             due += 1
         rig.tick()
@@ -51,9 +59,9 @@ def replay(
         now = (tick + 1) * TICK
         turning = simulation.data.qvel.tolist()
         speeds = [radius * mean_of(turning, side) for side in (left, right)]
-        if tick % WHEELS == 0:
+        if tick % every == 0:
             logs["wheels"].append((now, *speeds))
-            logs["currents"].append((now, *(drawn / (WHEELS if tick else 1)).tolist()))
+            logs["currents"].append((now, *(drawn / (every if tick else 1)).tolist()))
             drawn = np.zeros(2)
         if tick % IMU == 0:
             read = imu.read()
@@ -78,7 +86,7 @@ def controlled(rover: RoverSpec, recording: Recording) -> Series:
     left = np.array([name in rover.drive.left for name in rover.drive.driven])
     ends = TICK * np.arange(1, round(wheels[-1, 0] / TICK) + 1)
     speeds = np.empty((ends.size, left.size))
-    commanded = at(recording.commands, ends - TICK + 1e-9)
+    commanded = at(recording.commands, ends - 0.5 * TICK)
     for first, last in pairwise([*np.flatnonzero(changes(commanded)).tolist(), ends.size]):
         drive.command(Twist(*commanded[first].tolist()))
         speeds[first:last] = drive.ahead(last - first)[:, : left.size]

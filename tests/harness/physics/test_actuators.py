@@ -116,12 +116,21 @@ def test_commands_come_late_and_speeds_follow_as_two_lags_do() -> None:
 
 @pytest.mark.parametrize("delay", [0.02, 0.023, 0.087])
 @pytest.mark.parametrize("twist", [Twist(0.5, 0.0), Twist(0.0, 0.5)])
+@pytest.mark.parametrize("acceleration", [1e3, 5.0])
 def test_a_delay_costs_its_own_length_of_the_way_also_parts_of_a_tick(
-    delay: float, twist: Twist
+    delay: float, twist: Twist, acceleration: float
 ) -> None:
-    rover = real(delay=delay, lag=0.0, turn_limit=None)
-    speeds = responses(rover.but(linear_acceleration=1e3, angular_acceleration=1e3), twist, 20)
-    assert TICK * (1.0 - speeds / speeds[-1]).sum(axis=0) == pytest.approx(delay)
+    late, prompt = (
+        responses(
+            real(delay=seconds, lag=0.0, turn_limit=None).but(
+                linear_acceleration=acceleration, angular_acceleration=acceleration
+            ),
+            twist,
+            30,
+        )
+        for seconds in (delay, 0.0)
+    )
+    assert TICK * ((prompt - late) / prompt[-1]).sum(axis=0) == pytest.approx(delay)
 
 
 def test_slow_commands_do_nothing_and_the_sides_differ_by_no_more_than_their_limit() -> None:
