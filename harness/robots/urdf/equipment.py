@@ -86,6 +86,7 @@ def _turn(spec: mujoco.MjSpec, backwards: tuple[str, ...]) -> None:
     """Lets joints turn the other way, and those that mimic them or that they mimic as before."""
     for joint in map(spec.joint, backwards):
         joint.axis, joint.range = -np.array(joint.axis), -np.array(joint.range)[::-1]
+        joint.springref = -joint.springref
     for tie in spec.equalities:
         if tie.type == mujoco.mjtEq.mjEQ_JOINT:
             of_mimic = -1.0 if tie.name1 in backwards else 1.0

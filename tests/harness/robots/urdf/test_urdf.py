@@ -231,6 +231,7 @@ def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
         axis = '<axis xyz="0 0 -1"/><limit lower="-0.4" upper="0.3" effort="5" velocity="3"/>'
         place = (-0.17145, y, 0.0)
         hinge = link(f"{side}_rear_hinge", 0.05, "", (0.03, 0.03, 0.03))
+        axis += '<dynamics spring_stiffness="5" spring_reference="0.1"/>'  # as of SDF
         hinge += joint(f"{side}_rear", "revolute", "chassis", f"{side}_rear_hinge", place, axis)
         urdf = urdf.replace("</robot>", f"{hinge}</robot>")
     made = written(tmp_path, urdf)
@@ -239,6 +240,7 @@ def test_four_steered_wheels_are_held_straight(tmp_path: Path) -> None:
     for side in ("left", "right"):  # in the order of their names, the rear axes turned
         assert model.joint(f"{side}_rear").axis.tolist() == [0.0, 0.0, 1.0]
         assert model.actuator(f"{side}_rear").ctrlrange == pytest.approx((-0.3, 0.4))
+        assert model.joint(f"{side}_rear").qpos_spring == pytest.approx([-0.1])
     assert sum(note.endswith("its axis pointed backwards; turned") for note in made.notes) == 2
     assert len([note for note in made.notes if note.endswith("steers; held straight")]) == 4
 
