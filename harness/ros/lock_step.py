@@ -94,6 +94,7 @@ class RemoteNodes:
         self._backlogs = {node.name: Backlog(node) for node in self._nodes if node.keeps_order}
         self._others = [node for node in self._nodes if not node.keeps_order]
         self._listening: dict[str, tuple[int, list[RemoteNode]]] = {}
+        self._looked_ns = 0  # of the simulation, when it was last looked who listens
 
     def make_room(self, channels: Sequence[Channel]) -> None:
         """Returns when each node that keeps order has room for a message of each of these channels.
@@ -115,6 +116,10 @@ class RemoteNodes:
         Raises:
             RunFailed: One of them does not answer.
         """
+        if self._bridge.time_ns >= self._looked_ns + NANOSECONDS:
+            # One may have come when another went: counts do not show it.
+            self._looked_ns = self._bridge.time_ns
+            self._listening.clear()
         asked: dict[str, RemoteNode] = {}
         for channel in channels:
             for node in self._listeners(channel):
@@ -124,14 +129,12 @@ class RemoteNodes:
                     asked[node.name] = node
         wait_for_answers({node: node.ask() for node in asked.values()}, self._bridge.executor)
 
-    def wait_for_clock(self, stamp_ns: int) -> None:
+    def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - it may stand still
         """Returns when all have handled their queues, /clock and timers included, or keep order.
 
         Raises:
             RunFailed: One of them does not answer.
         """
-        if stamp_ns % NANOSECONDS == 0:  # one may have come when another went: counts do not show it
-            self._listening.clear()
         awaited = {node: node.ask() for node in self._others}
         clock = self._bridge.clock_channel
         for backlog in self._backlogs.values():

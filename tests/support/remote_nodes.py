@@ -33,6 +33,7 @@ class Rig:
         scan = SimpleNamespace(get_subscription_count=lambda: self.matched)
         self.scan: Any = SimpleNamespace(topic="/scan", publisher=scan, size=0)
         self.bridge: Any = SimpleNamespace(
+            time_ns=0,
             get_namespace=lambda: "/rover1/",
             create_client=self._client,
             executor=SimpleNamespace(),
