@@ -28,7 +28,7 @@ from harness.spec.run import Run
 from harness.spec.target import TargetSpec
 from harness.spec.world import WorldSpec
 from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
-from harness.world.files import check_terrain, file_world, is_terrain_file
+from harness.world.files import check_terrain, file_world, files_beside, is_terrain_file
 from harness.world.geodesy import Datum
 from harness.world.grading import GradedMap, Limits, graded
 from harness.world.route import RouteProgress, check_target, marks
@@ -238,7 +238,7 @@ _named_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to
 @made_of_files(2)
 def _file_world(spec: WorldSpec, rover: RoverNeeds, seed: int) -> tuple[World, Files]:
     world = file_world(spec, rover, seed)
-    return world, (spec.terrain, *(file for file, _ in world.files))
+    return world, (spec.terrain, *files_beside(spec.terrain), *(file for file, _ in world.files))
 
 
 @made_of_files(2)

@@ -19,7 +19,7 @@ from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.verdict import Attempt
 from harness.spec.run import Run
-from harness.world.files import is_heightmap, is_terrain_file
+from harness.world.files import files_beside, is_heightmap, is_terrain_file
 from harness.world.soil_map import soil_files
 
 _ATTEMPT = TypeAdapter(Attempt)
@@ -109,7 +109,9 @@ def _files_of(run: Run) -> Iterator[Path]:
     yield from (Path(world.terrain), Path(driver.removeprefix(OF_POLICY)))
     parts = (driver, world.terrain, world.soil, *(choice.name for choice in sensors))
     yield from (Path(name.rpartition(":")[0]) for name in parts)
-    if is_terrain_file(world.terrain) and not is_heightmap(world.terrain):
+    if is_terrain_file(world.terrain) and is_heightmap(world.terrain):
+        yield from files_beside(world.terrain)
+    elif is_terrain_file(world.terrain):
         with suppress(UsageError):  # which the run tells
             yield from (Path(file) for file, _ in world_of(run).files)
     yield from soil_files(world.soil)

@@ -30,6 +30,15 @@ def is_heightmap(file: str) -> bool:
     return path.suffix.lower() not in WORLDS and not is_mesh(path)
 
 
+def files_beside(file: str) -> list[Path]:
+    """Returns the files from which sizes and units of a heightmap are read too, where they are there."""
+    from harness.world.heightmap.geotiff import WORLD_FILES  # noqa: PLC0415 - as in `file_world`
+
+    path = Path(file)
+    beside = [path.with_suffix(suffix) for suffix in (*WORLD_FILES, ".prj")]
+    return [*beside, path.with_name(f"{path.name}.aux.xml")] if is_heightmap(file) else []
+
+
 def check_terrain(spec: WorldSpec) -> None:
     """Checks that a terrain exists or is a file, and all options are for its kind; else UsageError."""
     if is_terrain_file(spec.terrain):

@@ -18,6 +18,7 @@ from harness.soil.soils import SOILS, SUFFIXES, Soil, find_soil
 from harness.spec.value import Value, listed, made
 from harness.world.heightfield import Heightfield
 from harness.world.terrains import TERRAINS
+from rover_metrics.plugins import FILE
 
 OWN = "terrain"  # the soils that a terrain has of its own
 MOST_SOILS = 16
@@ -66,6 +67,7 @@ def soil_files(text: str) -> Iterator[Path]:
         yield Path(text)
         if soil_map := _map_of(text):
             yield from map(Path, (soil_map.map, *filter(_is_file, soil_map.soils)))
+            yield from (Path(soil.rpartition(":")[0]) for soil in soil_map.soils if FILE in soil)
 
 
 def _is_file(text: str) -> bool:

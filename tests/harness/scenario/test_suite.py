@@ -159,6 +159,8 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
         "rover/wheel.stl",
         "clay.py",
         "radar.py",
+        "mud.py",
+        *(f"dem.{ending}" for ending in ("tfw", "wld", "prj", "npy.aux.xml")),
     )
     (tmp_path / "rover").mkdir()
     files = {name: tmp_path / name for name in names} | {"": path_of(first.path)}  # its baseline
@@ -167,6 +169,8 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
     terrain, soil, people, mesh, texture, net, own, hills, yard, *_ = map(str, files.values())
     files["hills.py"].write_text("from harness.world.terrains.ground import Slope as Hills\n")
     files["clay.py"].write_text("from harness.soil.soils import SOILS\nClay = SOILS['firm']\n")
+    files["mud.py"].write_text(files["clay.py"].read_text())
+    (tmp_path / "map.yaml").write_text(f"soils: ['{files['mud.py']}:Clay']\nmap: map.png\n")
     files["rock.obj"].write_text(
         "v 3 3 1\nv 4 3 1\nv 3 4 1\nv 3 3 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
     )
@@ -186,6 +190,7 @@ def test_a_suite_goes_on_only_if_every_file_that_its_runs_read_is_as_it_was(
     runs = [Run.of(**world, driver=driver, robot=str(tmp_path / "rover")) for driver in drivers]
     runs += [Run.of(terrain=other) for other in (f"{hills}:Hills", yard)]
     runs.append(Run.of(soil=f"{files['clay.py']}:Clay", sensors=[f"{files['radar.py']}:Radar"]))
+    runs.append(Run.of(soil=str(tmp_path / "map.yaml")))
     cases = [replace(first, run=run) for run in runs]
     for name, file in files.items():
         before = Progress(cases, tmp_path / "out", compare=True)
