@@ -13,10 +13,11 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.base.sdf.poses import IDENTITY, Transform, inverse, transform
-from harness.base.sdf.reader import color_of, text_of
+from harness.base.sdf.reader import color_of, is_true, numbers, text_of
 from harness.robots.frames.urdf import add_material, add_origin, text_of_numbers
 from harness.robots.urdf.equipment import IMU, LIDAR
 from harness.robots.urdf.sdf_elements import angle_seen, dynamics_of, limit_of, mimic_of, shape_of
+from harness.robots.urdf.sdf_inertia import WATER, lump_of
 from harness.robots.urdf.sdf_model import Joint, Model, read_model
 
 SENSORS = {  # how their links are called, and the types that they have
@@ -135,8 +136,9 @@ class _Writing:
 
     def _inertial(self, written: Element, inertial: Element, name: str) -> None:
         moments = inertial.find("inertia")
-        if inertial.get("auto", "").lower() in ("1", "true"):
-            raise UsageError(f"link '{name}' leaves its inertia to Gazebo; give <mass> and <inertia>")
+        if is_true(inertial.get("auto", "")):
+            self._lumped(written, inertial, name)
+            return
         if moments is None:
             missing = "<inertia>, so" if len(inertial) else "<inertial>, so 1 kg and"
             self._notes.append(f"link '{name}' has no {missing} 1 kg m^2, as in Gazebo")
@@ -146,6 +148,23 @@ class _Writing:
         add_origin(written, self._at(name, inertial, f"inertial of link '{name}'"))
         SubElement(written, "mass", value=text_of(inertial, "mass", "1"))
         SubElement(written, "inertia", values)
+
+    def _lumped(self, written: Element, inertial: Element, name: str) -> None:
+        """Says what the shapes that collide weigh, of which a stated mass is the whole."""
+        usual = text_of(inertial, "density", WATER)
+        shapes: list[tuple[Element, Transform, float]] = []
+        for part in self._model.links[name].element.findall("collision"):
+            owner = f"collision '{part.get('name')}' of link '{name}'"
+            (density,) = numbers(text_of(part, "density", usual), 1, f"<density> of {owner}")
+            if isinstance(shape := shape_of(part, owner), Element):
+                shapes.append((shape, self._at(name, part, owner), density))
+        own, middle, matrix = lump_of(shapes, name)
+        (mass,) = numbers(text_of(inertial, "mass", f"{own}"), 1, f"<mass> of link '{name}'")
+        matrix = matrix * (mass / own)
+        add_origin(written, transform(tuple(middle), IDENTITY[:3, :3]))
+        SubElement(written, "mass", value=f"{mass:.9g}")
+        places = {f"i{axes}": tuple("xyz".index(axis) for axis in axes) for axes in AXES}
+        SubElement(written, "inertia", {of: f"{matrix[place]:.9g}" for of, place in places.items()})
 
     def _joint(self, robot: Element, name: str, joint: Joint) -> None:
         axis = joint.element.find("axis")

@@ -277,6 +277,28 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
     )
 
 
+@pytest.mark.parametrize(("stated", "whole"), [("", 1.0), ("<mass>7</mass>", 7.0 / 130.8)])
+def test_inertia_is_that_of_the_shapes_where_it_is_left_to_gazebo(
+    stated: str, whole: float, tmp_path: Path
+) -> None:
+    more = """<collision name='d'><density>100</density><pose degrees='true'>0.4 0 0 0 90 0</pose>
+      <geometry><cylinder><radius>0.1</radius><length>{}</length></cylinder></geometry></collision>"""
+    more = more.format(10.8 / math.pi)  # of 10.8 kg
+    auto = f"<inertial auto='1'><density>2500</density>{stated}</inertial>{more}"
+    text = re.sub("<inertial><mass>8.*?</inertial>", auto, of_parts())
+    rover = write_folder("rover", of_gazebo(tmp_path, text), tmp_path / "made").rover
+    model = read_model(rover).compile()
+    mass, length, x = 120.0, 10.8 / math.pi, 0.4 * 10.8 / 130.8
+    box, rod = mass / 12 * (0.4**2 + 0.2**2), 10.8 / 2 * 0.1**2
+    along = [mass / 12 * (0.6**2 + b**2) + mass * x**2 for b in (0.2, 0.4)]
+    across = 10.8 * (0.1**2 / 4 + length**2 / 12 + (0.4 - x) ** 2)
+    inertia = [box + rod, *(one + across for one in along)]
+    body = model.body("chassis")
+    assert body.mass == pytest.approx([130.8 * whole])
+    assert sorted(body.inertia) == pytest.approx(sorted(whole * one for one in inertia), rel=1e-5)
+    assert body.ipos == pytest.approx([x, 0.0, 0.0], abs=NEAR)
+
+
 SKID = """<collision name='skid'><pose>0.25 0 -0.2 0 0 0</pose><geometry><sphere><radius>0.05</radius>
   </sphere></geometry></collision>"""
 JOINT = "<joint name='j' type='fixed'><parent>{}</parent><child>{}</child></joint>"
@@ -300,9 +322,9 @@ MISTAKES = {
     "nothing": (of_parts(JOINT.format("ball", "bowl")), "frame 'bowl' does not exist"),
     "a part that is not there": (of_parts(part="left::rim"), "rim"),
     "universal": (of_parts(kind="universal"), "joint 'left' is 'universal'; valid: revolute, "),
-    "auto": (
-        of_parts().replace("<inertial>", "<inertial auto='true'>", 1),
-        "its inertia to Gazebo",
+    "auto of nothing": (
+        of_parts("<link name='bar'><inertial auto='true'/></link>"),
+        "link 'bar' leaves its inertia to shapes that weigh nothing",
     ),
     "a size": (of_parts().replace("0.6 0.4 0.2", "0.6 0.4"), "give 3 finite numbers"),
     "an effort": (of_parts().replace("<effort>5", "<effort>a"), "<effort> of a joint: 'a' is no number"),
