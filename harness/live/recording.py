@@ -150,15 +150,15 @@ def read_tracks(recording: Path, run: Run) -> list[Track]:
     try:
         with Bag(recording) as bag:
             takers = {
-                topic: (track, kind, rover.robot)
+                topic: (track, kind, find_rover(rover.robot).joints)
                 for rover, track in zip(run.rovers, tracks, strict=True)
                 for topic, kind in _topics(_space(rover.name, bag), actor_names(run.world))
             }
             for message in bag.messages(takers.keys()):
                 if message.topic in takers:
-                    track, kind, robot = takers[message.topic]
+                    track, kind, joints = takers[message.topic]
                     read = read_message(message.data, bag.topics[message.topic])
-                    _take(track, kind, find_rover(robot).joints, message.time_ns, read)
+                    _take(track, kind, joints, message.time_ns, read)
     except (BagError, OSError, ValueError) as error:
         raise UsageError(f"{recording}: {error}") from error
     if not all(track.poses.times for track in tracks):
