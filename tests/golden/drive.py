@@ -143,6 +143,9 @@ class WithoutSensor(StreamHash):
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
+        if not self._sensor:
+            super().take(batch)
+            return
         ticks = [
             replace(tick, samples=tuple(s for s in tick.samples if not self._is_left_out(s)))
             for tick in batch.ticks
@@ -150,33 +153,34 @@ class WithoutSensor(StreamHash):
         super().take(replace(batch, ticks=tuple(ticks)))
 
     def _is_left_out(self, sample: object) -> bool:
-        return bool(self._sensor) and getattr(sample, "sensor", "") == self._sensor
+        return getattr(sample, "sensor", "") == self._sensor
 
 
-def run_options(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: str = "") -> RunOptions:
+def run_options(run: GoldenRun, files: dict[str, Path], folder: Path) -> RunOptions:
     """Returns what the command line and the plan of a run ask for.
 
     Args:
         run: A line of the table.
         files: What its words in braces stand for.
         folder: Gets the logs.
-        sensor: One more that all rovers carry.
     """
     options = parse_run([*run.words(files), "--log-dir", str(folder)])
     assert options is not None
+    return replace(options, run=options.run.but(plan=options.run.plan.but(**run.plan)))
+
+
+def elsewhere(options: RunOptions, folder: Path, sensor: str = "") -> RunOptions:
+    """Returns the same run with another folder for its logs; all rovers carry that one more sensor."""
     more = (SensorChoice(sensor),) if sensor else ()
     rovers = tuple(
         rover.but(sensors=(*(rover.sensors or ()), *more) or None) for rover in options.run.rovers
     )
-    return replace(options, run=options.run.but(rovers=rovers, plan=options.run.plan.but(**run.plan)))
+    ros = options.ros.but(log_dir=folder)
+    return replace(options, run=options.run.but(rovers=rovers), ros=ros)
 
 
 def drive_direct(
-    run: GoldenRun,
-    files: dict[str, Path],
-    folder: Path,
-    sensor: str = "",
-    recording: Path | None = None,
+    options: RunOptions, folder: Path, sensor: str = "", recording: Path | None = None
 ) -> list[Driven]:
     """Drives a run without ROS; the hash of its stream leaves out that one more sensor.
 
@@ -184,7 +188,7 @@ def drive_direct(
     if it was paused, which is to change nothing.
     Images are not recorded: to draw them takes longer than all else, and is done through ROS.
     """
-    options = run_options(run, files, folder, sensor)
+    options = elsewhere(options, folder, sensor)
     with (
         _outputs(options, sensor, None if sensor else folder) as (outputs, observers),
         pytest.MonkeyPatch.context() as patch,
@@ -226,7 +230,7 @@ def _stepped(stop: StopRequest) -> Helm:
 
 
 def drive_through_ros(
-    run: GoldenRun, files: dict[str, Path], folder: Path, recording: Path
+    run: GoldenRun, options: RunOptions, folder: Path, recording: Path
 ) -> list[Driven]:
     """Drives a run through ROS 2 and records it; its metrics_node is another process if it says so.
 
@@ -234,11 +238,11 @@ def drive_through_ros(
     """
     from harness.ros.session import run_through_ros  # noqa: PLC0415 - there may be no ROS
 
-    options = run_options(run, files, folder)
+    options = elsewhere(options, folder)
     ros = options.ros.but(record=recording)
     with _outputs(options) as (outputs, observers), pytest.MonkeyPatch.context() as patch:
         patch.setattr(painter, "multiprocessing", ForkServer())
-        if not run.is_thorough and run.soil == NONE:
+        if not run.is_drawn and run.soil == NONE:
             patch.setattr(CameraPainter, "image", lambda *_: BLACK)
         if run.ros != "elsewhere":
             with _no_world_is_kept():

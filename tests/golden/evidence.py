@@ -120,20 +120,20 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     evidence = Evidence(
         run=run,
         options=options,
-        direct=drive_direct(run, files, folder / "direct", recording=without_ros if with_ros else None),
+        direct=drive_direct(options, folder / "direct", recording=without_ros if with_ros else None),
         extra=extra,
-        with_extra=drive_direct(run, files, folder / "extra", extra) if run.is_thorough else (),
+        with_extra=drive_direct(options, folder / "extra", extra) if run.is_thorough else (),
     )
     if not with_ros:
         return evidence
-    ros = drive_through_ros(run, files, live, bag)
+    ros = drive_through_ros(run, options, live, bag)
     logs = zip(evidence.options.settings, evidence.namespaces, strict=True)
     replayed = [replay(bag, *log, folder / "replayed") for log in logs]
     later = {"ros": ros, "messages": list(read(bag)), "replayed": replayed, "files": files_below(live)}
     later["recorded"], later["recording"] = list(read(without_ros)), without_ros
     if run.is_fleet and run.is_thorough and "camera" not in run.sensors:  # drawing takes longest
         once_more = folder / "again.mcap"
-        drive_through_ros(run, files, folder / "ros_again", once_more)
+        drive_through_ros(run, options, folder / "ros_again", once_more)
         later["recordings"] = [each.read_bytes() for each in (bag, once_more)]
     return Evidence(**vars(evidence) | later)
 

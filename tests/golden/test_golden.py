@@ -6,18 +6,11 @@ from pathlib import Path
 import pytest
 
 from tests.golden import kept
-from tests.golden.drive import make_files
 from tests.golden.evidence import gather
 from tests.golden.invariants import INVARIANTS
 from tests.golden.table import RUNS, GoldenRun, missing_pairs, missing_values
 
 HAS_ROS = find_spec("rclpy") is not None
-
-
-@pytest.fixture(scope="session")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The worlds, rovers and parameters that the runs name."""
-    return make_files(tmp_path_factory.mktemp("golden"))
 
 
 # MuJoCo remarks on it where rovers of one world have other options in their models than the first.

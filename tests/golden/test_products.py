@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import harness.gym  # noqa: F401 - registers its environments
 from harness.scenario.__main__ import main as scenario
 from tests.golden import kept
-from tests.golden.drive import make_files, run_options
+from tests.golden.drive import run_options
 from tests.golden.evidence import read
 from tests.golden.table import NONE, RUNS, GoldenRun
 
@@ -30,8 +30,10 @@ IDS = ("RoverHarness/PointNav-v0", "RoverHarness/RoboTerrain-v0")
 
 
 @pytest.mark.parametrize("run", PLAIN[::2], ids=lambda run: run.name)
-def test_a_scenario_drives_as_the_run_does(run: GoldenRun, tmp_path: Path) -> None:
-    fields = run_options(run, make_files(tmp_path), tmp_path).run.fields()
+def test_a_scenario_drives_as_the_run_does(
+    run: GoldenRun, files: dict[str, Path], tmp_path: Path
+) -> None:
+    fields = run_options(run, files, tmp_path).run.fields()
     keys = {key: fields[key] for key in (*WORLD, *SETUP, "datum") if fields[key] not in (None, [], "")}
     path_length = kept.references()[run.name]["summary"]["rover"]["path_length"]
     slack = 1e-6 if kept.references()[kept.ARITHMETIC] == kept.arithmetic() else kept.ABSOLUTE
@@ -44,14 +46,16 @@ def test_a_scenario_drives_as_the_run_does(run: GoldenRun, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("run", PUBLISHED[::6], ids=lambda run: run.name)
-def test_a_trial_publishes_what_the_run_does(run: GoldenRun, tmp_path: Path) -> None:
+def test_a_trial_publishes_what_the_run_does(
+    run: GoldenRun, files: dict[str, Path], tmp_path: Path
+) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     from harness.testing.trial import Trial  # noqa: PLC0415 - there may be no ROS
 
     before = kept.references()
     if before[kept.ARITHMETIC] != kept.arithmetic():
         pytest.skip("another arithmetic")
-    options, folder = run_options(run, make_files(tmp_path), tmp_path), tmp_path / "kept"
+    options, folder = run_options(run, files, tmp_path), tmp_path / "kept"
     with (
         suppress(InterruptedError),
         Trial(options.run, folder, options.ros.frames, cmd_vel=options.ros.cmd_vel) as trial,
@@ -68,9 +72,9 @@ def test_a_trial_publishes_what_the_run_does(run: GoldenRun, tmp_path: Path) -> 
 @pytest.mark.parametrize("identifier", IDS)
 @pytest.mark.parametrize("run", PLAIN[1::5], ids=lambda run: run.name)
 def test_an_environment_alone_ours_of_many_and_gymnasiums_see_the_same(
-    run: GoldenRun, identifier: str, tmp_path: Path
+    run: GoldenRun, identifier: str, files: dict[str, Path], tmp_path: Path
 ) -> None:
-    fields = run_options(run, make_files(tmp_path), tmp_path).run.fields()
+    fields = run_options(run, files, tmp_path).run.fields()
     options: dict[str, Any] = {key: fields[key] for key in ("robot", "terrain", "soil", "noise")}
     mode, actions = AutoresetMode.SAME_STEP, np.full((5, 2, 2), 0.4, np.float32)
     ours = gymnasium.make_vec(identifier, num_envs=2, autoreset_mode=mode, **options)
