@@ -26,6 +26,8 @@ MARGIN = 0.12  # [m] beside the middle of the wheels that must be free
 ASIDE = 0.05  # [m] beside the rover that must be
 LOOKAHEAD = 3.0  # [m]: what is farther away does not matter yet
 HEADINGS = np.linspace(-math.pi, math.pi, 49)[:-1]  # candidate directions, 7.5 deg apart
+DIRECTIONS: list[float] = HEADINGS.tolist()
+NOTHING = np.zeros(0, np.float32)  # a scan without beams
 STUCK_AFTER_NS = 3 * NANOSECONDS
 STUCK_DISTANCE = 0.25  # [m] of progress that shows it is not stuck
 BACK_OUT_NS = 2 * NANOSECONDS
@@ -41,9 +43,9 @@ class Wander:
 
     def __init__(self, context: DriverContext) -> None:
         # Not at the top: kernels are loaded when a driver is made, not when drivers are only named.
-        from harness.drivers.corridor_kernel import block  # noqa: PLC0415
+        from harness.drivers.corridor_kernel import freest  # noqa: PLC0415
 
-        self._block = block
+        self._freest = freest
         self._rover = context.rover
         self._middle = context.middle
         self._reach_x, self._reach_y = (half - BORDER for half in context.half_size)
@@ -69,7 +71,7 @@ class Wander:
             return Twist(-0.6 * self._rover.cruise_speed, self._back_out_turn)
         if self._is_stuck(observation):
             return self._start_backing_out(observation)
-        return self._steer(self._bearing_to_goal(observation), self._free_ranges(observation))
+        return self._steer(self._bearing_to_goal(observation), observation.ranges)
 
     def _bearing_to_goal(self, observation: Observation) -> float:
         x, y = self._middle
@@ -90,18 +92,10 @@ class Wander:
         (at_x, at_y), reach_x, reach_y = self._middle, self._reach_x, self._reach_y
         return (max(at_x - reach_x, min(at_x + reach_x, x)), max(at_y - reach_y, min(at_y + reach_y, y)))
 
-    def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
-        """Free range [m] of each candidate heading, shape (48,)."""
-        free = np.full(HEADINGS.shape, np.inf)
-        if observation.ranges is not None:
-            self._block(observation.ranges, self._corridors, free, LOOKAHEAD)
-        return free
-
-    def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
-        usable = np.minimum(free, LOOKAHEAD)
-        cost = aside(HEADINGS - error) - 1.5 * usable
-        heading = float(HEADINGS[cost.argmin()])
-        ahead = float(free[len(HEADINGS) // 2])
+    def _steer(self, goal: float, ranges: NDArray[np.float32] | None) -> Twist:
+        seen = NOTHING if ranges is None else ranges
+        best, ahead = self._freest(seen, self._corridors, HEADINGS, goal, LOOKAHEAD)
+        heading = DIRECTIONS[best]
         if ahead < self._stop_range:
             return Twist(0.0, math.copysign(self._rover.cruise_yaw_rate, heading))
         slow = min(1.0, ahead / self._slow_range) * max(0.0, math.cos(heading))
