@@ -94,7 +94,7 @@ def run_direct(
             helm.metered = logged
             batches = helm.steered(batches, [r.give for r in stream.rovers], lambda: stream.next_ns)
         pacer = Pacer(options.rate, sleep=stop.sleep) if helm is None else helm
-        why = _driven(drive(batches, routes, stop), pacer, stop)
+        why = _driven(drive(batches, routes, stop, stream.hasten), pacer, stop)
         recording = options.record if options.record is not None and options.record.exists() else None
         return tuple(replace(log.ended(*why), recording=recording) for log in logged)
 

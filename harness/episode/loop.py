@@ -41,7 +41,10 @@ class Route:
 
 
 def drive(
-    batches: Iterable[Sequence[Batch]], routes: Sequence[Route], stop: StopRequest | None = None
+    batches: Iterable[Sequence[Batch]],
+    routes: Sequence[Route],
+    stop: StopRequest | None = None,
+    meanwhile: Callable[[], None] = lambda: None,
 ) -> Iterator[Tick]:
     """Hands each rover's tick to its sink, as its faults leave it, then its batches to its observers.
 
@@ -49,6 +52,7 @@ def drive(
         batches: Of each control period, one per rover.
         routes: Of the rovers, in their order.
         stop: Ends the drive after the batch in which it is requested.
+        meanwhile: Is called after each tick, while the next batches are being made.
 
     Yields:
         Each tick of the first rover, once the sinks have taken those of all.
@@ -57,6 +61,7 @@ def drive(
         for ticks in zip(*(batch.ticks for batch in period), strict=True):
             for tick, route in zip(ticks, routes, strict=True):
                 route.sink(tick, route.faults.corrupt(tick))
+            meanwhile()
             yield ticks[0]
         for batch, route in zip(period, routes, strict=True):
             for observer in route.observers:

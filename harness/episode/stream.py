@@ -1,6 +1,6 @@
 """A run as the stream of its batches, and what is ordered of its rovers while the stream is consumed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -9,7 +9,7 @@ from harness.base.edge import loading
 from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.episode.helm import Order
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.samples import Place, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.rover import CMD_VEL, RoverSetup
@@ -96,7 +96,7 @@ class EpisodeStream:
         frame_options: Which transforms are published; None for none.
         prompt: Whether each order comes into effect with the next batch; else a second core simulates
             one batch ahead.
-        awake: As `together` has it.
+        awake: As `Together` has it.
 
     Attributes:
         rovers: Take the orders of each rover.
@@ -126,6 +126,9 @@ class EpisodeStream:
             # Only here: it loads MuJoCo and compiled kernels, and while it does, nodes are discovered.
             from harness.episode.episode import episodes_of  # noqa: PLC0415
         self._episodes = episodes_of(self._run, self._frame_options)
+        # Not a method, which would keep the stream, and a world with it, until garbage is collected.
+        taken = partial(_taken_orders, self._progress, self._episodes, self.rovers)
+        self._together = Together(self._episodes, taken, ahead=self._ahead, awake=self._awake)
         return self._episodes
 
     @property
@@ -134,19 +137,25 @@ class EpisodeStream:
         return self._progress.next_ns
 
     def batches(self) -> Iterator[tuple[Batch, ...]]:
-        """Returns the batches of each control period, one by one; errors are those of `together`."""
-        return together(self._episodes, self._taken_orders, ahead=self._ahead, awake=self._awake)
+        """Returns the batches of each control period, one by one; errors are those of `Together`."""
+        return self._together.batches()
 
-    def _taken_orders(self) -> Callable[[], None] | None:
-        """What has been ordered for the next control period; None for nothing but to go on."""
-        self._progress.taken += 1
-        orders = [
-            (episode, rover.take()) for episode, rover in zip(self._episodes, self.rovers, strict=True)
-        ]
-        given = [partial(episode.pilot.follow, order) for episode, order in orders if order is not None]
+    def hasten(self) -> None:
+        """Lets a second core that waits go on, as `Together.hasten`, unless it is asked to sleep."""
+        if self._awake:
+            self._together.hasten()
 
-        def act() -> None:
-            for each in given:
-                each()
 
-        return act if given else None
+def _taken_orders(
+    progress: Progress, episodes: "Sequence[Episode]", rovers: Sequence[RoverOrders]
+) -> Callable[[], None] | None:
+    """What has been ordered for the next control period; None for nothing but to go on."""
+    progress.taken += 1
+    orders = [(episode, rover.take()) for episode, rover in zip(episodes, rovers, strict=True)]
+    given = [partial(episode.pilot.follow, order) for episode, order in orders if order is not None]
+
+    def act() -> None:
+        for each in given:
+            each()
+
+    return act if given else None

@@ -38,6 +38,7 @@ class Ahead:
 
     Attributes:
         is_away: Whether the copy is newer than what everybody reads.
+        is_well: Whether all was well at the end of what has landed.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class Ahead:
         awake: bool,
     ) -> None:
         self._model, self._read, self._shown = scenes[0].model, data, (span, contacts)
-        self._data, self.is_away = mujoco.MjData(self._model), False
+        self._data, self.is_away, self.is_well = mujoco.MjData(self._model), False, True
         self._contacts = ContactWatch(scenes, self._data)
         self._span = Span(self._model, self._data, span.motors, span.obstacles, span.fence)
         self._strongest = self._contacts.watched[-1]
@@ -92,12 +93,17 @@ class Ahead:
         """
         ended = 0 if self._aside is None else self._aside.land()
         span, contacts = self._shown
-        contacts.begin()
-        contacts.watched[-1][:] = self._strongest
+        contacts.take(self._strongest)
         span.take(self._span)
-        if not self._has_begun and self._span.is_wrong():
+        self.is_well = self._has_begun or not self._span.is_wrong()
+        if not self.is_well:
             self.come_back()
         return ended
+
+    @property
+    def has_landed(self) -> bool:
+        """Whether what was launched is done."""
+        return self._aside is not None and not self._aside.is_under_way
 
     @property
     def _has_begun(self) -> bool:

@@ -157,12 +157,17 @@ class Aside:
 
     def land(self) -> int:
         """Waits for what was launched; returns where it ended, as `Span.advance`."""
-        if self._system[0]:
+        if self._system[0] and self.is_under_way:
             stay_awake(self._steps, is_under_way=True, system=self._system)
         native_lock.take(self._locks[1])
         for errand, row in self._errands.items():
             errand.is_done, row[2] = bool(row[2] == DONE), 0
         return int(self._steps[ENDED])
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether what was launched is not done yet."""
+        return int(self._steps[NEXT]) < 0
 
     @property
     def has_begun(self) -> bool:

@@ -75,7 +75,13 @@ class ContactWatch:
         self.watched = self._all if watches else self._none
         self._all[-1][..., 0] = 0.0
         for rover in self.rovers:
-            rover.show(0)
+            rover.strongest = {}
+
+    def take(self, strongest: np.ndarray) -> None:
+        """Takes over what was touched in another state of the same model, as `watched` has it."""
+        self.watched, self._all[-1][:] = self._all, strongest
+        for rover in self.rovers:
+            rover.strongest = {}
 
     @property
     def any(self) -> bool:

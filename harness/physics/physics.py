@@ -94,7 +94,7 @@ class Physics:
             rover.ahead, begin = self._span.commands[:, begin:end], end
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
         self.span = SPAN if self.crowd is None else 1
-        self._scenes, self._is_launched = scenes, False
+        self._scenes, self._is_launched, self._has_come = scenes, False, False
         self._ahead: Ahead | None = None
         self._taken: int | None = None  # where steps ended that somebody else did
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
@@ -128,9 +128,10 @@ class Physics:
         Args:
             watched: Whether anybody asks which contacts there were, not only how many.
         """
-        self._began, per_tick = self.step_count, self.steps_per_tick
+        self._began, per_tick, self._has_come = self.step_count, self.steps_per_tick, False
         if self._ahead is not None and self._is_launched:
             self._simulated, self._is_launched = self._ahead.land() // per_tick, False
+            self._has_come = True
             return
         if self._taken is not None:
             self._simulated, self._taken = self._taken // per_tick, None
@@ -151,13 +152,19 @@ class Physics:
         """Whether there is another core, and nobody has to see what is simulated tick by tick."""
         return self.crowd is None and self.bed is None and has_second_core()
 
+    @property
+    def has_landed(self) -> bool:
+        """Whether what was launched is done, so that the next `run` need not wait."""
+        return self._ahead is not None and self._is_launched and self._ahead.has_landed
+
     def show_end(self) -> bool:
         """Shows the last of the ticks that have just been simulated, before `shown` shows them all.
 
         Returns:
             Whether all is well, and the next ones may be simulated while these are shown.
         """
-        if not self._simulated or self._span.is_wrong():
+        landed = self._ahead if self._has_come else None
+        if not self._simulated or (self._span.is_wrong() if landed is None else not landed.is_well):
             return False
         self._tick = self._simulated - 1
         self._span.show(self._tick, self.tick_sum)
@@ -176,12 +183,10 @@ class Physics:
         if self._ahead is None:
             self._ahead = Ahead(self._scenes, self.data, self._span, self.contacts, awake=awake)
         ticks = list(zip(*(rover.parked for rover in self.rovers), strict=True))
-        if len(set(ticks)) == 1:
-            if any(
-                rover.drag.acts or rover.parking.held != held
-                for rover, held in zip(self.rovers, ticks[0], strict=True)
-            ):
-                self.halt()
+        if ticks.count(ticks[0]) == len(ticks):
+            for rover, held in zip(self.rovers, ticks[0], strict=True):
+                if rover.drag.acts or rover.parking.held != held:
+                    self.halt()
             self._turn_drag()
             self._hold(ticks[0])
             steps = len(ticks) * self.steps_per_tick

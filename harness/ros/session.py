@@ -23,7 +23,13 @@ from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeStream
 from harness.messages.sinks import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
-from harness.ros.context import SPIN_TIMEOUT, make_executor, ros_context, serve_waiting, spin_until
+from harness.ros.context import (
+    SPIN_TIMEOUT,
+    make_executor,
+    ros_context,
+    serve_waiting,
+    spin_until,
+)
 from harness.ros.controls import Controls
 from harness.ros.effect import AwaitedEffect
 from harness.ros.hosted import heard_by
@@ -86,6 +92,8 @@ class _Session:
         self._source = source = EpisodeStream(
             run, options.frames, prompt=prompt, awake=options.rate is None
         )
+        is_alone = not (prompt or options.wait_for or options.wait_for_topic)
+        self._meanwhile = source.hasten if is_alone else lambda: None
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
@@ -150,7 +158,7 @@ class _Session:
             with stop.deferred():
                 self._controls.hold(stop)
                 pacer = Pacer(self._options.rate, sleep=stop.sleep) if helm is None else helm
-                for tick in drive(self._batches(helm), self._routes(accounts), stop):
+                for tick in drive(self._batches(helm), self._routes(accounts), stop, self._meanwhile):
                     pacer.postpone(self._controls.hold(stop))
                     pacer.wait_until(tick.stamp_ns)
                     if tick.stamp_ns % LOOK_PERIOD_NS == 0:

@@ -2,21 +2,24 @@
 
 import shutil
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import pytest
 
 from harness.base.errors import RunFailed
+from harness.drivers.scripted import OpenLoop
 from harness.episode.assembly import fleet
 from harness.episode.episode import Episode, episodes_of
-from harness.episode.together import together
+from harness.episode.together import Together, together
 from harness.physics import ahead, physics
+from harness.physics.ahead import Ahead
 from harness.physics.physics import Physics
 from harness.robots import ROVERS
-from harness.samples import Place
+from harness.samples import Place, Twist
 from harness.sensors.lidar import Lidar
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
@@ -26,7 +29,9 @@ LIGHT = {"duration": 2.2, "lidar_beams": 40, "imu_rate": 100}
 AREA = ((-6.0, 6.0), (-6.0, 6.0))
 SHARED = Run.of(terrain="posts", robot="leo", **LIGHT)
 RUNS = {
-    "contacts": Run.of(terrain="posts", driver="ram", robot="husky", **LIGHT),
+    "a post in the way": Run.of(
+        terrain="posts", driver="straight", robot="husky", start=(2.74, -0.09, 0.0), **LIGHT
+    ),
     "every sensor that looks": Run.of(
         terrain="rocky", robot="leo", sensors=("lidar3d=vlp16", "height_scan"), **LIGHT
     ),
@@ -53,17 +58,30 @@ RUNS = {
 }
 
 
-def driven(run: Run, *, ahead: bool, act: Callable[[Episode], None] | None = None) -> list[bytes]:
-    """All batches, and at the end what it failed of; something is ordered for the 20th."""
-    episodes, told = episodes_of(run), list[bytes]()
-    period = iter(range(1_000_000))
+def driven(
+    what: Run | Sequence[Episode],
+    *,
+    ahead: bool,
+    act: Callable[[Episode], None] | None = None,
+    haste: int = 0,
+) -> list[bytes]:
+    """All batches, and at the end what it failed of; something is ordered for the 20th.
+
+    While the consumer has a batch it hastens the next ones, more and less often.
+    """
+    episodes, told = episodes_of(what) if isinstance(what, Run) else what, list[bytes]()
+    asked = iter(range(1_000_000))
 
     def ordered() -> Callable[[], None] | None:
-        return partial(act, episodes[-1]) if next(period) == 20 and act is not None else None
+        return partial(act, episodes[-1]) if next(asked) == 20 and act is not None else None
 
+    drive = Together(episodes, ordered, ahead=ahead, awake=ahead)
     try:
-        told += map(as_bytes, together(episodes, ordered, ahead=ahead, awake=ahead))
-    except RunFailed as error:
+        for number, period in enumerate(drive.batches()):
+            for _ in range(haste * number % 5):
+                drive.hasten()
+            told.append(as_bytes(period))
+    except (RunFailed, ZeroDivisionError) as error:
         told.append(as_bytes(str(error)))
     data = episodes[0].simulation.data
     return [*told, as_bytes([data.qpos.tolist(), data.qacc_warmstart.tolist()])]
@@ -72,15 +90,49 @@ def driven(run: Run, *, ahead: bool, act: Callable[[Episode], None] | None = Non
 @pytest.fixture(autouse=True)
 def _has_two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(physics, "has_second_core", lambda: True)
+    # Who hastens waits for the second core: it depends on no clock which periods are hastened.
+    monkeypatch.setattr(Ahead, "has_landed", property(lambda _: True))
 
 
 @pytest.mark.parametrize("name", RUNS)
 def test_a_drive_is_the_same_with_a_second_core(name: str) -> None:
     with patch.object(Physics, "launch", autospec=True, side_effect=Physics.launch) as launched:
         ahead = driven(RUNS[name], ahead=True)
-    assert ahead == driven(RUNS[name], ahead=False)
+    assert ahead == driven(RUNS[name], ahead=False) == driven(RUNS[name], ahead=True, haste=7)
     seen = name in ("people, who see where it is", "a soil")
     assert launched.call_count == 0 if seen else launched.call_count > 20
+
+
+def breaks(_: Episode) -> None:
+    raise ZeroDivisionError
+
+
+def diverges(episode: Episode) -> None:
+    episode.simulation.model.opt.gravity[2] = -1e12
+
+
+@pytest.mark.parametrize("mishap", [breaks, diverges])
+def test_a_drive_ends_after_the_same_batches_however_it_is_hastened(
+    mishap: Callable[[Episode], None],
+) -> None:
+    def told(**how: Any) -> list[bytes]:  # noqa: ANN401 - of `driven`
+        commands = iter(range(1_000_000))
+
+        def command(*_: object) -> Twist:
+            if next(commands) == 30:
+                mishap(episodes[0])
+            return Twist(0.3)
+
+        episodes = episodes_of(Run.of(driver="straight", robot="husky", **LIGHT))
+        with patch.object(OpenLoop, "command", command):
+            return driven(episodes, **how)
+
+    ended = told(ahead=True)
+    assert len(ended) < 35
+    assert ended == told(ahead=True, haste=3) == told(ahead=True, haste=4)
+    if mishap is diverges:  # half of the step that does was made before, of a world that was different
+        assert ended[:-2] == told(ahead=False)[:-2]
+        assert b"diverged" in ended[-2]
 
 
 def test_what_drivers_look_at_is_scanned_on_the_second_core_once_it_simulates() -> None:
@@ -114,7 +166,7 @@ def test_what_is_ordered_between_two_periods_comes_into_effect_there(
 ) -> None:
     run = RUNS["two"]
     ahead, plain = driven(run, ahead=True, act=act), driven(run, ahead=True)
-    assert ahead == driven(run, ahead=False, act=act)
+    assert ahead == driven(run, ahead=False, act=act) == driven(run, ahead=True, act=act, haste=3)
     assert ahead[:20] == plain[:20]
     assert ahead != plain
 
@@ -133,7 +185,10 @@ def test_a_container_may_use_a_second_core_if_its_limit_allows_both(
 
 
 def test_nothing_goes_on_when_a_drive_is_left_early() -> None:
-    threads, batches = threading.active_count(), together(episodes_of(RUNS["contacts"]), ahead=True)
+    threads, batches = (
+        threading.active_count(),
+        together(episodes_of(RUNS["a post in the way"]), ahead=True),
+    )
     for _ in range(9):
         next(batches)
     assert threading.active_count() == threads + 1
