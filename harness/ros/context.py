@@ -7,6 +7,7 @@ and lets simulation time go on when everything is handled. Humble has none; the 
 """
 
 import gc
+import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -33,6 +34,7 @@ except ImportError:
 QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 SPIN_TIMEOUT = 0.1  # [s]: how long one spin may block; a stop request is answered between two
 SPINS = 5  # in a control period as a rule: a tenth of a millisecond each
+NOTICED = 0.005  # [s] within which others need no answer: they cannot tell it from the way of a message
 LONGEST_SPIN = 1.0  # [s] of patience that one may take: who was stopped longer has yet to look what came
 
 
@@ -108,6 +110,25 @@ def not_found(node: Node, wanted: str) -> UsageError:
     """Returns what to raise where a node does not see the one that is wanted: it names those it sees."""
     others = ", ".join(nodes_beside(node)) or "none (same ROS_DOMAIN_ID and discovery range?)"
     return UsageError(f"node {wanted} was not found; running: {others}")
+
+
+class Interval:
+    """Says whether some wall time has passed since it last said so; the first time it has.
+
+    Args:
+        seconds: The wall time [s].
+        clock: Monotonic wall clock [s].
+    """
+
+    def __init__(self, seconds: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self._seconds, self._clock, self._since = seconds, clock, -math.inf
+
+    def is_over(self) -> bool:
+        """Returns whether the time has passed; then the next interval begins."""
+        if (now := self._clock()) < self._since + self._seconds:
+            return False
+        self._since = now
+        return True
 
 
 def serve_waiting(executor: Executor) -> None:

@@ -24,7 +24,9 @@ from harness.episode.stream import EpisodeStream
 from harness.messages.sinks import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
 from harness.ros.context import (
+    NOTICED,
     SPIN_TIMEOUT,
+    Interval,
     make_executor,
     ros_context,
     serve_waiting,
@@ -93,7 +95,9 @@ class _Session:
             run, options.frames, prompt=prompt, awake=options.rate is None
         )
         is_alone = not (prompt or options.wait_for or options.wait_for_topic)
+        pause = NOTICED if is_alone else 0.0
         self._meanwhile = source.hasten if is_alone else lambda: None
+        self._serving, self._looking = Interval(pause), Interval(pause)
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
@@ -161,7 +165,7 @@ class _Session:
                 for tick in drive(self._batches(helm), self._routes(accounts), stop, self._meanwhile):
                     pacer.postpone(self._controls.hold(stop))
                     pacer.wait_until(tick.stamp_ns)
-                    if tick.stamp_ns % LOOK_PERIOD_NS == 0:
+                    if tick.stamp_ns % LOOK_PERIOD_NS == 0 and self._looking.is_over():
                         for rover in self.rovers:
                             rover.look_around()
             interrupted = stop.name
@@ -203,7 +207,7 @@ class _Session:
             rover.bridge.send(tick, sent, listeners=(*remotes, *rover.listeners))
             if rover is self.rovers[-1] and self._sent is not None:
                 first.publish_clock(self._sent, listeners=everybody, others=others)
-                if tick.stamp_ns % CONTROL_PERIOD_NS == 0:
+                if tick.stamp_ns % CONTROL_PERIOD_NS == 0 and self._serving.is_over():
                     serve_waiting(self._executor)  # /cmd_vel, parameters and other services
 
         return [

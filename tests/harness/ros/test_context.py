@@ -9,7 +9,7 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 
 from std_msgs.msg import Empty
 
-from harness.ros.context import make_executor, serve_waiting, spin_until, spin_until_quiet
+from harness.ros.context import Interval, make_executor, serve_waiting, spin_until, spin_until_quiet
 from tests.support.ros import Ros
 from tests.support.waiting import PATIENCE
 
@@ -73,3 +73,9 @@ def test_all_that_waits_is_served_by_either_executor(ros: Ros, *, time_jumps: bo
         serve_waiting(executor)
         assert sorted(heard) == ["a", "a", "b"]
         node.destroy_node()
+
+
+def test_an_interval_is_over_at_once_and_then_each_time_it_has_passed() -> None:
+    seconds = iter([3.0, 3.1, 3.4, 3.5, 3.9, 9.0, 9.4])
+    interval = Interval(0.5, clock=lambda: next(seconds))
+    assert [interval.is_over() for _ in range(7)] == [True, False, False, True, False, True, False]
