@@ -72,7 +72,7 @@ def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -
     for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
         # of several links that are called so the last, which others carry; of SDF the sensor's
         links = [body.name for body in spec.bodies if pattern.search(body.name)]
-        stated = [link for link in links if link == robot.get(name)]
+        stated = [body.name for body in spec.bodies if body.name == robot.get(name)]
         if link := next(reversed(stated or links), ""):
             setattr(equipment, name, link)
             spec.body(link).add_site(name=name, group=UNSEEN_GROUP)

@@ -4,6 +4,7 @@ SDF has a pose for each link and one for each joint; in URDF a link's frame is a
 it. So what hangs on a joint that moves gets its frame there, turned as it was.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,14 @@ from harness.base.sdf.poses import IDENTITY, Transform, inverse, transform
 from harness.base.sdf.reader import color_of, is_true, numbers, text_of
 from harness.robots.frames.urdf import add_material, add_origin, text_of_numbers
 from harness.robots.urdf.equipment import IMU, LIDAR
-from harness.robots.urdf.sdf_elements import angle_seen, dynamics_of, limit_of, mimic_of, shape_of
+from harness.robots.urdf.sdf_elements import (
+    angle_seen,
+    dynamics_of,
+    frame_of,
+    limit_of,
+    mimic_of,
+    shape_of,
+)
 from harness.robots.urdf.sdf_inertia import WATER, lump_of
 from harness.robots.urdf.sdf_model import Joint, Model, read_model
 
@@ -210,18 +218,28 @@ class _Writing:
             self._notes.append(f"of several sensors for the {kind} ({names}) it has {taken}")
         if not angle_seen(sensor):
             return
-        at = self._at(link, sensor, f"sensor '{sensor.get('name')}'")
-        name = link
-        if not (pattern.search(link) and np.allclose(at, IDENTITY)):
-            name = sensor.get("name", kind)
-            name = name if pattern.search(name) else f"{name}_{kind}"
-            name = f"{link}_{name}" if name in self._model.links else name
-            name = self._hung(robot, name, link, at).get("name", "")
-        robot.set(kind, name)
+        robot.set(kind, self._seat(robot, sensor, link, pattern, kind))
+
+    def _seat(
+        self, robot: Element, sensor: Element, link: str, pattern: re.Pattern[str], kind: str
+    ) -> str:
+        """The link in whose frame a sensor of another one is, which may have to be hung there."""
+        at, called = self._at(link, sensor, f"sensor '{sensor.get('name')}'"), frame_of(sensor)
+        if called in self._frames:
+            if np.allclose(self._frames[called], self._frames[link] @ at):
+                return called
+            called = ""  # a frame from which what is seen is seen elsewhere
+        if not called and pattern.search(link) and np.allclose(at, IDENTITY):
+            return link
+        name = called or sensor.get("name", kind)
+        name = name if called or pattern.search(name) else f"{name}_{kind}"
+        name = f"{link}_{name}" if name in self._model.links else name
+        return self._hung(robot, name, link, at).get("name", "")
 
     def _hung(self, robot: Element, name: str, parent: str, at: Transform) -> Element:
         """A new link, held by another one; its name ends in _ where that one is taken."""
-        while name in self._model.links or f"{name}_joint" in self._joints:
+        taken = {*self._model.links, *(link.get("name") for link in robot.iter("link"))}
+        while name in taken or f"{name}_joint" in self._joints:
             name += "_"
         joint = SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
         SubElement(joint, "parent", link=parent)

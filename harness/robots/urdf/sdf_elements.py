@@ -1,6 +1,7 @@
 """Shapes, limits, losses, followers and sensors of SDF in the words of URDF."""
 
 import math
+import re
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
@@ -11,6 +12,7 @@ from rover_metrics.number import number
 
 SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
 SIZES["capsule"] = SIZES["cylinder"]
+FRAME_TAGS = ("gz_frame_id", "ignition_frame_id", "frame_name", "frameName")  # of plugins, too
 
 
 def angle_seen(sensor: Element) -> float:
@@ -22,6 +24,12 @@ def angle_seen(sensor: Element) -> float:
     text = " ".join(text_of(horizontal, tag, value) for tag, value in usual.items())
     samples, start, end = numbers(text, 3, f"<horizontal> of sensor '{sensor.get('name')}'")
     return round(end - start, 1) if samples > 1 else 0.0
+
+
+def frame_of(sensor: Element) -> str:
+    """Returns the frame that a sensor's messages are in, in letters of a link's name; "" if untold."""
+    told = (item.text or "" for tag in FRAME_TAGS for item in sensor.iter(tag))
+    return re.sub(r"\W", "_", next(told, "").strip())
 
 
 def shape_of(part: Element, owner: str) -> Element | str:

@@ -209,9 +209,11 @@ def of_parts(more: str = "", kind: str = "revolute", part: str = "left::link") -
       <visual name='old'><geometry><mesh><filename>shell.stl</filename></mesh></geometry></visual>
       <sensor name='cliff' type='ray'><ray><scan><horizontal><samples>1</samples></horizontal></scan>
       </ray></sensor>
-      <sensor name='imu' type='imu'><pose>0 0.05 0 0 0 0</pose></sensor></link>
+      <sensor name='imu' type='imu'><pose>0 0.05 0 0 0 0</pose>
+      <gz_frame_id>rover/body</gz_frame_id></sensor></link>
       <frame name='eye' attached_to='chassis'><pose>0 0 0.3 0 0 0</pose></frame><link name='mast'>
-      <sensor name='front' type='gpu_lidar'><pose relative_to='eye'>0.1 0 0 0 0 0</pose></sensor></link>
+      <sensor name='front' type='gpu_lidar'><pose relative_to='eye'>0.1 0 0 0 0 0</pose>
+      <plugin name='p'><frameName> eyes </frameName></plugin></sensor></link>
       <joint name='mast' type='fixed'><parent>chassis</parent><child>mast</child></joint>
       <link name='ball'><pose>-0.25 0 0.05 0 0 0</pose><inertial><mass>0.5</mass>
       <inertia><ixx>0.001</ixx><iyy>0.001</iyy><izz>0.001</izz></inertia></inertial>
@@ -240,6 +242,8 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
       <spring_reference>0.02</spring_reference></dynamics></axis></joint>
       <joint name='gear' type='gearbox'><parent>left::link</parent><child>right::link</child></joint>"""
     arm += "<link name='chassis_skid'/>" + JOINT.format("mast", "chassis_skid")
+    arm += "<link name='eyes'><pose relative_to='eye'>0.1 0 0 0 0 0</pose></link>"
+    arm += JOINT.format("chassis", "eyes").replace("'j'", "'e'")
     text = of_parts(arm).replace("</world>", f"{ANOTHER}</world>")
     text = re.sub("<inertial><mass>8.*?</inertial>", SKID, text).replace(
         "'rover'>", "'rover'><static>1</static>"
@@ -250,6 +254,7 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert (rover.drive.left, rover.drive.right) == (("left",), ("right",))
+    assert (rover.lidar_frame, rover.imu_frame) == ("eyes", "rover_body")
     assert (rover.casters, rover.controller_separation) == (("chassis_skid_", "ball"), 0.62)
     assert (rover.track, rover.wheelbase) == pytest.approx((0.6, 0.3))  # of one axle: two radii
     chassis = data.body("chassis").xpos
@@ -273,7 +278,10 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
         "link 'arm' has no <inertial>, so 1 kg and 1 kg m^2, as in Gazebo",
         "joint 'ball' is a ball's; held, so that what it carries slides",
         "of several sensors for the lidar (cliff, front) it has front",
-        "without <inertial>, so no mass, where Gazebo takes 1 kg each: mast, scanner, chassis_skid",
+        (
+            "without <inertial>, so no mass, where Gazebo takes 1 kg each: "
+            "mast, scanner, chassis_skid, eyes"
+        ),
     )
 
 
