@@ -32,6 +32,7 @@ from harness.spec.run import Run
 from harness.spec.target import KINDS, MESH, TargetOptions
 from harness.validate.replay import replay
 from tests.golden import kept
+from tests.support.kernels import compiled
 from tests.support.rovers import LEO
 from tests.support.snapshots import check_snapshot
 
@@ -96,7 +97,7 @@ def of_soil() -> Iterator[str]:
         for rim, ahead in ((0.5, 0.3), (0.2, 0.4)):
             state = np.zeros(STATE)
             speeds = (rim, ahead, 0.1, -0.01)
-            forces += wheel_force(
+            forces += compiled(wheel_force)(
                 numbers, (0.15, 0.2, 0.5), (0.03, 0.005), (0.02, 0.01), speeds, state, 0.1
             )
         yield f"soil {name}: {told(forces)}"

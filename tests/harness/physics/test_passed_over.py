@@ -16,6 +16,7 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 from tests.harness.conftest import TIMESTEP_NS
+from tests.support.kernels import compiled
 
 BITS = "geom_contype", "geom_conaffinity", "body_contype", "body_conaffinity"
 
@@ -57,9 +58,9 @@ def test_rovers_thrown_among_obstacles_go_where_single_steps_of_mujoco_take_them
     for _ in range(20):
         for each in going:
             each.command_ahead(np.full((5, 4), rng.uniform(-5.0, 5.0)))
-        pass_over(obstacles, physics.data.qpos, physics.data.qvel)
+        compiled(pass_over)(obstacles, physics.data.qpos, physics.data.qvel)
         missed += int(np.count_nonzero(whole[0] & ~model.geom_contype))
-        restore(obstacles)
+        compiled(restore)(obstacles)
         physics.run()
         try:
             for _ in physics.shown():

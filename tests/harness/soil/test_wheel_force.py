@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from harness.soil.rig_kernel import steady_wheels
 from harness.soil.soils import SOILS, Soil
 from harness.soil.wheel_force import STATE, wheel_force
+from tests.support.kernels import compiled
 
 RADIUS, WIDTH, SPEED = 0.0625, 0.05, 0.01
 soils = st.sampled_from([SOILS[name] for name in ("dry_sand", "lll_sand", "clay", "lunar", "firm")])
@@ -93,6 +94,8 @@ def test_soil_gives_no_energy_over_a_closed_motion(soil: Soil, seed: int) -> Non
         for u, vx, vy, vz in motions:
             h -= vz * dt
             motion = (u, vx, vy, vz)
-            ahead, left, up, brake, _ = wheel_force(numbers, size, (h, 0.0), (h, 0.0), motion, state, dt)
+            ahead, left, up, brake, _ = compiled(wheel_force)(
+                numbers, size, (h, 0.0), (h, 0.0), motion, state, dt
+            )
             work[cycle] += (ahead * vx + left * vy + up * vz - brake * u / RADIUS) * dt
     assert work[1] <= 1e-6
