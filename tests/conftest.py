@@ -29,6 +29,7 @@ gc.disable()  # until all is loaded, for nearly all of it stays: a quarter of th
 
 def pytest_collection_finish() -> None:
     gc.freeze()  # else each full collection, and each fork's end, would go through all that was loaded
+    gc.set_threshold(10_000, 10, 10)  # what is left is young, and most of it is freed without
     gc.enable()
 
 
