@@ -9,11 +9,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from harness.base.errors import RunFailed
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.faults.injector import FaultInjector
 from harness.samples import Tick
+from rover_metrics.errors import KnownError
+from rover_metrics.plugins import blamed
 
 Sink = Callable[[Tick, Tick], None]  # takes a tick of the episode, and what listeners get of it
 
@@ -56,18 +59,31 @@ def drive(
 
     Yields:
         Each tick of the first rover, once the sinks have taken those of all.
+
+    Raises:
+        RunFailed: As the episode does, or a plug-in of a user has raised anything.
     """
-    for period in batches:
-        for ticks in zip(*(batch.ticks for batch in period), strict=True):
-            for tick, route in zip(ticks, routes, strict=True):
-                route.sink(tick, route.faults.corrupt(tick))
-            meanwhile()
-            yield ticks[0]
-        for batch, route in zip(period, routes, strict=True):
-            for observer in route.observers:
-                observer.take(batch)
-        if stop is not None and stop.signal is not None:
-            return
+    now_ns = 0
+    try:
+        for period in batches:
+            for ticks in zip(*(batch.ticks for batch in period), strict=True):
+                for tick, route in zip(ticks, routes, strict=True):
+                    route.sink(tick, route.faults.corrupt(tick))
+                now_ns = ticks[0].stamp_ns
+                meanwhile()
+                yield ticks[0]
+            for batch, route in zip(period, routes, strict=True):
+                for observer in route.observers:
+                    observer.take(batch)
+            if stop is not None and stop.signal is not None:
+                return
+    except KnownError:
+        raise
+    except Exception as error:  # whatever a plug-in raises
+        if reason := blamed(error):
+            now = now_ns / NANOSECONDS
+            raise RunFailed(f"a plug-in failed after {now:.2f} s: {reason}") from error
+        raise
 
 
 class Pacer:

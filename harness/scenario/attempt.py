@@ -54,11 +54,14 @@ def attempt(case: Case, folder: Path, options: AttemptOptions = DEFAULTS) -> Att
     scratch = options.scratch if options.scratch and options.scratch.is_dir() else None
     with TemporaryDirectory(prefix=SCRATCH, dir=scratch) as own:
         try:
-            return drive(case, folder, options, Path(own))
+            done = drive(case, folder, options, Path(own))
         except Interrupted:
             raise
         except HarnessError as error:
             return _kept(Attempt(case, error=str(error)), lambda _: _words_kept(Path(own), folder))
+    if done.passed and not done.kept and (folder / PAGE).exists():  # of an earlier run, which did not
+        rmtree(folder, ignore_errors=True)
+    return done
 
 
 def _direct(case: Case, folder: Path, options: AttemptOptions, own: Path) -> Attempt:

@@ -17,6 +17,7 @@ from types import TracebackType
 # Extras by what they bring.
 EXTRAS = {"av": "[video]", "rclpy": "[ros]", "sklearn": "[tune]", "laspy": "[cloud]"}
 OWN = ("harness", "rover_metrics")
+BLAMES: list[Callable[[BaseException], str]] = []  # tell which code of a user led to an error, or ""
 SCRIPTS = ("rover-", "rover ")  # how the names of the installed commands begin: rover-run, rover run
 
 
@@ -82,7 +83,8 @@ def begin_program(name: str) -> None:
 def run_program(name: str, work: Callable[[], int]) -> int:
     """Does a program's work and returns the exit code; a known error is one line on stderr.
 
-    The code is the work's or the KnownError's; 2 where a file cannot be used or a library is missing.
+    The code is the work's or the KnownError's; 2 where a file cannot be used or a library is missing, 1
+    where a plug-in has raised anything, of which the line is told.
     """
     if not gc.isenabled():
         gc.freeze()
@@ -94,6 +96,11 @@ def run_program(name: str, work: Callable[[], int]) -> int:
         if code is None:
             raise
         return code
+    except Exception as error:
+        if not (reason := next(filter(None, (blame(error) for blame in BLAMES)), "")):
+            raise
+        complain(name, f"a plug-in failed: {reason}")
+        return 1
 
 
 # CPython (3.11 to 3.13) takes 16 kB from the system and gives it back in each call that happens to cross

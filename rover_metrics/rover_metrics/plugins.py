@@ -13,10 +13,11 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from pkgutil import resolve_name
+from traceback import extract_tb
 from types import ModuleType
 from typing import Any, Generic, TypeVar
 
-from rover_metrics.errors import RoverMetricsError, printable
+from rover_metrics.errors import BLAMES, RoverMetricsError, printable
 
 GROUP = "rover_harness."
 KINDS = (  # the tables there are
@@ -24,6 +25,7 @@ KINDS = (  # the tables there are
     *("expectations", "rewards", "endings", "observations"),
 )
 FILE = ".py:"  # in the name of a value in a file
+MODULE = "rover_plugin_"  # begins the name of a file's module
 T = TypeVar("T")
 
 
@@ -123,6 +125,24 @@ class Table(Mapping[str, T], Generic[T]):
         return fitting
 
 
+def blamed(error: BaseException) -> str:
+    """Returns the last line of a plug-in that led to an error, and the error; "" if none did."""
+    modules = {point.module for kind in KINDS for point in _installed(kind).values()}
+    files = {
+        getattr(module, "__file__", None)
+        for name, module in [*sys.modules.items()]
+        if name.startswith(MODULE) or name in modules
+    }
+    frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename in files]
+    if not frames:
+        return ""
+    place = f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}"
+    return printable(f"{place}: {frames[-1].line}: {type(error).__name__}: {error}")
+
+
+BLAMES.append(blamed)
+
+
 def installed(tables: Iterable[Table[Any]]) -> Iterator[str]:
     """Yields a line for each plug-in of the installed packages: what it is, or why it cannot be used.
 
@@ -180,7 +200,7 @@ def _own(module: ModuleType) -> list[str]:
 @cache
 def _module(path: Path) -> ModuleType:
     """The module of a file; under the same name in every process, so that its values can be sent."""
-    name = f"rover_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
+    name = f"{MODULE}{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None or not path.is_file():
         raise FileNotFoundError(f"there is no file {path}")

@@ -8,10 +8,12 @@ import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from harness.run import main
+from rover_metrics.errors import run_program
 from rover_metrics.plugins import KINDS, PluginError, Table
 from tests.support.complaint import complaint
 from tests.support.documents import ROOT
@@ -147,6 +149,47 @@ def test_a_plugin_that_does_not_fit_is_one_line(
     words: list[str], told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert told in complaint(main, ["--direct", *words], capsys)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "line"),
+    [
+        ("--driver", "{}:Weave", "rate = 0.5 *"),
+        ("--sensors", "{}:INCLINOMETER", "up = self.pose"),
+        ("--columns", "{}:Climb", "return (self._climb,"),
+        ("--fault", "imu:{}:HALVED", "0.5 * v"),
+    ],
+)
+@pytest.mark.parametrize("through", ["--direct", "--rate=max"])
+@pytest.mark.usefixtures("ros_domain")
+def test_a_plugin_that_raises_fails_the_run_in_one_line_that_names_its_own(
+    through: str, option: str, value: str, line: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    if through != "--direct":
+        pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    file = tmp_path / "parts.py"
+    broken = line.replace("0.5 * v", "[][1]") if option == "--fault" else f"[][1]; {line}"
+    file.write_text(PARTS.read_text().replace(line, broken))
+    words = [through, "--duration", "2", "--log-dir", str(tmp_path), option, value.format(file)]
+    assert main(words) == 1
+    (told,) = [row for row in capfd.readouterr().err.splitlines() if "a plug-in failed" in row]
+    assert f"{file}, line " in told
+    assert "IndexError" in told
+    (log,) = tmp_path.glob("*.csv")
+    outcome = json.loads(log.with_suffix(".json").read_text())["outcome"]
+    assert (outcome["status"], outcome["reason"] in told) == ("failed", True)
+
+
+def test_a_plugin_that_raises_in_any_other_program_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (file := tmp_path / "mine.py").write_text("def mine():\n    return [][1]\n")
+    work = Table[Any]("works", {}, callable, "a work")[f"{file}:mine"]
+    assert run_program("replay", work) == 1
+    (told,) = capsys.readouterr().err.splitlines()
+    assert f"{file}, line 2, in mine: return [][1]: IndexError: " in told
+    with pytest.raises(ZeroDivisionError):
+        run_program("replay", lambda: 1 // 0)
 
 
 def test_a_file_that_breaks_is_named_and_loaded_anew(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from rosgraph_msgs.msg import Clock
 from rover_metrics.errors import ParameterError, shown
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.rejections import NO_TIME
+from rover_metrics.plugins import blamed
 from rover_metrics.ros.arguments import refusal
 from rover_metrics.ros.decoding import decoded
 from rover_metrics.ros.parameters import BEST_EFFORT
@@ -100,6 +101,8 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         try:
             callback(data)
         except FAILURES as error:
+            if blamed(error):  # a plug-in fails on each message, and no row would be written
+                raise
             self._leave_out(self.resolve_topic_name(topic), error)
 
     def _take_time(self, topic: str, callback: Handler, data: bytes) -> None:

@@ -90,6 +90,8 @@ def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
     assert unkept.breaches[0] == told
     assert "could not be kept" in unkept.breaches[1]
     assert (unkept.error, unkept.kept) == (None, ())
+    assert one(make_cases, tmp_path / "out", "{truth.hazard_contacts: {max: 1}}").passed
+    assert not (tmp_path / "out").exists(), "of a run that passes nothing is left, nor of one before it"
 
 
 def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
