@@ -1,8 +1,10 @@
 """Runs over a scripted episode: 2 s without physics, in which a rock hazard is touched at 1.02 s."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,10 +75,15 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
     monkeypatch.setattr(episode, "episodes_of", lambda run, *_: (Scripted(run),))
-    for module in (direct, stream):
-        monkeypatch.setattr(
-            module, "together", lambda made, *_, **__: zip(*(e.batches() for e in made), strict=True)
-        )
+
+    def together(made: Iterable[Scripted], *_: object, **__: object) -> Iterator[tuple[Batch, ...]]:
+        return zip(*(each.batches() for each in made), strict=True)
+
+    def side_by_side(*made: Any, **_: object) -> SimpleNamespace:  # noqa: ANN401 - as it is called
+        return SimpleNamespace(batches=lambda: together(*made), hasten=lambda: None)
+
+    monkeypatch.setattr(direct, "together", together)
+    monkeypatch.setattr(stream, "Together", side_by_side)
     return seen
 
 
