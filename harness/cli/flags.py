@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -45,6 +46,7 @@ def add_flags(
             action="append" if is_list else "store",
             nargs="+" if option.many else "?" if option.bare is not None else None,
             const=option.bare,
+            type=Path if field.annotation in (Path, Path | None) else str,
             choices=option.choices or None,
             default=argparse.SUPPRESS,
             metavar=option.metavar,

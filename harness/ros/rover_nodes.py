@@ -41,6 +41,11 @@ def metrics_node(context: Context, outputs: Outputs, namespace: str = "") -> Met
     Raises:
         UsageError: The log cannot be created, or a parameter on the command line is not valid.
     """
+    try:
+        str(outputs.log_dir.absolute()).encode()
+    except UnicodeEncodeError as error:  # os.fsdecode's of bytes
+        mend = "which texts of ROS are; name another, or leave ROS out with --direct"
+        raise UsageError(f"the folder {outputs.log_dir} has a name that is no UTF-8, {mend}") from error
     values = {"use_sim_time": True, "log_dir": str(outputs.log_dir)}
     given = [Parameter(name, value=value) for name, value in values.items()]
     settings = outputs.settings

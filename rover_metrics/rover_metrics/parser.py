@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from contextlib import suppress
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NoReturn
 
 from rover_metrics.errors import RoverMetricsError, called, printable
@@ -61,6 +62,10 @@ def _as_typed(value: object) -> str:
     return str(value)
 
 
+def _each(value: object) -> Iterable[object]:
+    return value if isinstance(value, list | tuple) else ()
+
+
 class OneLineParser(argparse.ArgumentParser):
     """A parser of command lines whose errors are one line that begins with the command's name.
 
@@ -84,6 +89,14 @@ class OneLineParser(argparse.ArgumentParser):
 
             autocomplete(self)
         return super().parse_args(*args, **options)
+
+    def parse_known_args(self, *args: Any, **options: Any) -> Any:  # noqa: ANN401 - argparse's
+        """Parses as argparse does; a file `-`, as elsewhere of standard input or output, is refused."""
+        parsed, rest = super().parse_known_args(*args, **options)
+        for value in vars(parsed).values():
+            if any(isinstance(one, Path) and str(one) == "-" for one in (value, *_each(value))):
+                self.error("'-' is not valid: no file is standard input or output; name one")
+        return parsed, rest
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""

@@ -184,6 +184,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--out", "a"], "--out is the folder of the log too; leave out --log-dir"),
         (["--fail-on", "rain"], "--fail-on"),
         (["--page", "a.pdf"], "name a file that ends in .html, .htm"),
+        (["--json", "-"], "'-' is not valid: no file is standard input or output"),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
     ],
 )
@@ -218,6 +219,17 @@ def test_file_where_the_log_folder_should_be_is_refused(
     assert "a file stands where a folder should be" in text
     text = complaint(main, [*QUICK, "--log-dir", "/proc/logs"], capsys)
     assert "cannot create a log in /proc/logs" in text
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_a_folder_whose_name_no_text_of_ros_holds_is_refused(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    words = ["--terrain", "flat", "--duration", "1", "--log-dir", f"{tmp_path}/bad\udcff"]
+    assert "has a name that is no UTF-8" in complaint(main, words, capfd)
+    assert not list(tmp_path.iterdir())
+    assert main([*words, "--direct"]) == 0
 
 
 def test_missing_rclpy_names_the_extra_and_direct(

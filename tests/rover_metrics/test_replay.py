@@ -431,6 +431,7 @@ def test_a_recording_without_the_time_that_is_asked_for_says_so(tmp_path: Path, 
         (["--time", "wall"], "invalid choice: 'wall'"),
         (["--params", "/nowhere.yaml"], "/nowhere.yaml: No such file or directory"),
         (["-o", "/proc/rows.csv"], "cannot create a log in /proc"),
+        (["-o", "-"], "'-' is not valid"),
     ],
 )
 def test_a_bad_argument_is_one_line(
