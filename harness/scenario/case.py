@@ -3,6 +3,7 @@
 import math
 import shlex
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -219,6 +220,17 @@ def find_files(paths: Iterable[Path]) -> list[Path]:
     return list(files)
 
 
+def _has(cell: Cell, name: str, text: str) -> bool:
+    """Whether a name of a matrix has a value as a file would say it: 1 is 1.0, null is none."""
+    if name not in (values := dict(cell)):
+        return False
+    value = values[name]
+    if isinstance(value, float):
+        with suppress(ValueError):
+            return float(text) == value
+    return text == str(value) or (value is None and text == "null")
+
+
 def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Selected = ()) -> list[Case]:
     """Returns all runs of some files, checked.
 
@@ -234,8 +246,7 @@ def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Select
     for path in files:
         cases += cases_of(path, read_scenario(path), seeds)
         _check_number(len(cases))
-    wanted = set(only)
-    left = [case for case in cases if wanted <= {(name, str(value)) for name, value in case.cell}]
+    left = [case for case in cases if all(_has(case.cell, name, text) for name, text in only)]
     if not left:
         raise UsageError(f"no run has {', '.join('='.join(pair) for pair in only)}")
     return left

@@ -36,7 +36,8 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     assert outside.folder == Path("my runs/two[leo-1.0-7]")
     words = "'../my runs/two.scenario.yaml' --seed 7 --only robot=leo --only difficulty=1.0"
     assert outside.command == f"python -m harness.scenario {words}"
-    assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
+    for one in ("1.0", "1"):
+        assert plan([file], [7], (("robot", "leo"), ("difficulty", one))) == [cases[3]]
     assert [case.run.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
     with pytest.raises(UsageError, match=r"yaml: 100,004 runs are more than 100,000; give fewer seeds"):
         plan([file], range(25_001))
@@ -132,6 +133,7 @@ def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
         cases = cases_with(make_cases, tmp_path, file)
         assert [case.params for case in cases] == [{"collision_threshold": 5.0}, {}]
     assert [case.name for case in cases] == ["two[near.yaml-0]", "two[None-0]"]
+    assert plan([cases[0].path], None, (("params", "null"),)) == cases[1:]
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
         cases_with(make_cases, tmp_path, near.replace("old", "ol"))
 
