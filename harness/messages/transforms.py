@@ -62,13 +62,14 @@ def transform_fill(frames: Sequence[tuple[str, str]]) -> Callable[[Transforms], 
     template = Template(
         data, [place_of[f"transforms[{i}].{f}"] for i in range(len(frames)) for f in fields]
     )
+    parts = [(slice(3 * i, 3 * i + 3), slice(4 * i, 4 * i + 4)) for i in range(len(frames))]
 
     def fill(sample: Transforms) -> bytes:
         stamp = divmod(sample.stamp_ns, NANOSECONDS)
         moved, turned = sample.translation, sample.rotation
         numbers: list[tuple[float, ...]] = []
-        for i in range(len(frames)):
-            numbers += stamp, moved[3 * i : 3 * i + 3] + turned[4 * i : 4 * i + 4]
+        for of_moved, of_turned in parts:
+            numbers += stamp, moved[of_moved] + turned[of_turned]
         return template.filled(numbers)
 
     return fill

@@ -118,28 +118,29 @@ class _Joints:
         self._address = np.array(
             [int(simulation.model.joint(simulation.scene.own(name)).qposadr[0]) for name in names]
         )
-        self._hinges = [model.jnt_type[link.joint] == HINGE for link in links]
+        hinges = [model.jnt_type[link.joint] == HINGE for link in links]
         edges = [frames.edge(link) for link in links]
-        self._at_zero = [(edge.translation, edge.rotation) for edge in edges]
         axes = [(edge.rotation, frames.axis(link)) for edge, link in zip(edges, links, strict=True)]
-        self._along = [_turned(rotation, axis) for rotation, axis in axes]
-        self._about = [_about(rotation, axis) for rotation, axis in axes]
+        self._frames = [
+            (is_hinge, edge.translation, edge.rotation, _turned(*axis), _about(*axis))
+            for is_hinge, edge, axis in zip(hinges, edges, axes, strict=True)
+        ]
 
     def poses(self) -> tuple[list[float], list[float]]:
         """Returns translations and rotations of all frames, one after the other."""
         translation: list[float] = []
         rotation: list[float] = []
         positions = self._qpos[self._address].tolist()
-        for index, position in enumerate(positions):
-            origin, at_zero = self._at_zero[index]
-            if self._hinges[index]:
-                translation += origin
+        for position, frame in zip(positions, self._frames, strict=True):
+            is_hinge, origin, at_zero, along, (a, b, c, d) = frame
+            if is_hinge:
                 cosine, sine = math.cos(position / 2), math.sin(position / 2)
-                turned = zip(at_zero, self._about[index], strict=True)
-                rotation += [cosine * q + sine * a for q, a in turned]
+                x, y, z, w = at_zero
+                turned = cosine * x + sine * a, cosine * y + sine * b, cosine * z + sine * c
+                translation += origin
+                rotation += (*turned, cosine * w + sine * d)
             else:
-                along = self._along[index]
-                translation += [o + position * a for o, a in zip(origin, along, strict=True)]
+                translation += [o + position * share for o, share in zip(origin, along, strict=True)]
                 rotation += at_zero
         return translation, rotation
 
