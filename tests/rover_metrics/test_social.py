@@ -61,6 +61,11 @@ def test_tables_and_pictures_are_as_checked(logs: Path, capsys: pytest.CaptureFi
     figures = (described(draw(made)) for draw in (draw_windows, draw_distances, draw_meetings))
     text = "\n".join([printed, again, html.partition("</style>")[2], *figures])
     check_snapshot("social.txt", text.replace(str(logs), "FOLDER"))
+    for goals, texts in ((25, []), (99, ["no value"] * 2)):  # a window of one group, and none at all
+        figure = draw_windows({name: make_group(name, some, goals=goals) for name, some in read.items()})
+        figure.draw_without_rendering()
+        assert all(axes.get_position().width > 0.35 for axes in figure.axes)
+        assert [text.get_text() for axes in figure.axes for text in axes.texts] == texts
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rover_metrics.analysis.page import page
-from rover_metrics.analysis.plots.style import MARKERS, WIDTH, look, shortened
+from rover_metrics.analysis.plots.style import MARKERS, WIDTH, look, say_that_nothing_is_there, shortened
 from rover_metrics.analysis.social.comparison import METRICS, Group
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE, ZONES
 from rover_metrics.sheet.sheet import Sheet
@@ -36,12 +36,16 @@ def draw_windows(groups: Mapping[str, Group]) -> Figure:
         axes = figure.add_subplot(1, len(METRICS), panel)
         for place, group in enumerate(groups.values()):
             values, colour = group.of_windows(metric), look(place)["color"]
+            if not values.size:  # an empty curve leaves the others no room
+                continue
             spread = np.linspace(-0.22, 0.22, values.size)  # in the order of time
             mark = MARKERS[place % len(MARKERS)]
             axes.plot(place + spread, values, mark, color=colour, alpha=0.7, markersize=4, clip_on=False)
-            if values.size:
-                axes.hlines(float(values.mean()), place - 0.3, place + 0.3, color=colour, linewidth=2)
+            axes.hlines(float(values.mean()), place - 0.3, place + 0.3, color=colour, linewidth=2)
         axes.set_title(title, loc="left")
+        if not any(group.of_windows(metric).size for group in groups.values()):
+            say_that_nothing_is_there(axes)
+            continue
         axes.set_xticks(range(len(names)), names)
         axes.set_xlim(-0.5, len(names) - 0.5)
         axes.set_ylim(bottom=0.0)
