@@ -8,12 +8,15 @@ to be seen where there are none. To the models that ship it changes nothing.
 import math
 import warnings
 from collections.abc import Mapping
+from copy import copy
+from functools import lru_cache
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from harness.base.errors import UsageError
+from harness.robots.reading import model_hash
 from harness.robots.sections import Mount, Tyres
 from harness.robots.spec import RoverSpec
 from harness.robots.strangers import check_files, check_quantities, inside
@@ -247,8 +250,14 @@ def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
 
 def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Returns a rover's model without a world, and its state at the origin with all joints at 0."""
-    model = compiled(read_model(rover), rover.model_path)
+    model = copy(_alone(rover, model_hash(rover)))
     return model, at_origin(model)
+
+
+@lru_cache(maxsize=8)
+def _alone(rover: RoverSpec, _: str) -> mujoco.MjModel:
+    """A rover's model of that content, to be copied: to read and compile it takes far longer."""
+    return compiled(read_model(rover), rover.model_path)
 
 
 def at_origin(model: mujoco.MjModel) -> mujoco.MjData:
