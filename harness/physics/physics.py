@@ -94,7 +94,8 @@ class Physics:
             rover.ahead, begin = self._span.commands[:, begin:end], end
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
         self.span = SPAN if self.crowd is None else 1
-        self._scenes, self._is_launched, self._has_come = scenes, False, False
+        self._scenes, self._is_launched = scenes, False
+        self._has_come = False  # whether the last ticks are those that were launched
         self._ahead: Ahead | None = None
         self._taken: int | None = None  # where steps ended that somebody else did
         for rover, state in zip(self.rovers, settled, strict=bool(settled)):
@@ -163,13 +164,17 @@ class Physics:
         Returns:
             Whether all is well, and the next ones may be simulated while these are shown.
         """
-        landed = self._ahead if self._has_come else None
-        if not self._simulated or (self._span.is_wrong() if landed is None else not landed.is_well):
+        if not self._simulated or not self._is_well():
             return False
         self._tick = self._simulated - 1
         self._span.show(self._tick, self.tick_sum)
         self.step_count = self._began + self._simulated * self.steps_per_tick
         return True
+
+    def _is_well(self) -> bool:
+        if self._ahead is not None and self._has_come:
+            return self._ahead.is_well
+        return not self._span.is_wrong()
 
     def launch(self, errands: Sequence[Errand] = (), *, awake: bool) -> None:
         """Lets another core simulate what all rovers have been commanded, while `shown` shows the end.
