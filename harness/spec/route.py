@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from harness.base.errors import UsageError
 from harness.spec.target import NAME
-from harness.spec.value import Finite, Latitude, Length, Longitude, Value, as_tuple, words_of
+from harness.spec.value import Finite, Latitude, Length, Longitude, Value, as_tuple, made, words_of
 from rover_metrics import number
 
 FORM = "X,Y/TARGET/@LAT,LON[:KEY=VALUE,...]"
@@ -89,10 +89,10 @@ def _point(text: str, word: str) -> dict[str, Any]:
 
 
 def _fields(value: object) -> object:
-    """A text or a list of way points as the fields of a route."""
+    """A text as a route, whose numbers are text where a file's must be none; a list as its fields."""
     if isinstance(value, str):
         try:
-            return parse_route(value)
+            return made(Route, parse_route(value), f"route '{value}'")
         except UsageError as error:
             raise ValueError(str(error)) from error
     return {"points": tuple(value)} if isinstance(value, list | tuple) else value

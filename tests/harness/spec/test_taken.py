@@ -72,7 +72,7 @@ def actions(parser: argparse.ArgumentParser, name: str) -> Iterator[tuple[str, C
         if isinstance(action, argparse._SubParsersAction):
             for verb, own in action.choices.items():
                 yield from actions(own, f"{name} {verb}")
-        elif callable(action.type) and action.type not in (Path, int, float):
+        elif callable(action.type) and action.type not in (Path, int, float, str):
             yield f"{name} {(*action.option_strings, action.dest)[0]}", action.type
 
 
