@@ -197,7 +197,7 @@ class Page(RuleBasedStateMachine):
                 rover.is_back = False
 
 
-Page.TestCase.settings = settings(max_examples=300, stateful_step_count=30, derandomize=True)
+Page.TestCase.settings = settings(max_examples=100, stateful_step_count=30, derandomize=True)
 TestPage = Page.TestCase
 
 
