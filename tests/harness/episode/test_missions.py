@@ -22,7 +22,7 @@ from harness.world.route import Mark, RouteProgress, crossed
 
 
 def driven(**changes: object) -> list[Batch]:
-    light: dict[str, object] = {"terrain": "flat", "driver": "goal", "duration": 20.0, "lidar_beams": 64}
+    light: dict[str, object] = {"terrain": "flat", "driver": "goal", "duration": 12.0, "lidar_beams": 64}
     return list(Episode(Run.of(**light | changes)).batches())
 
 
@@ -37,14 +37,14 @@ def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
     given: dict[str, object] = {"targets": ("gate:x=3,y=0.5", "aruco:x=6,y=1.5"), "datum": "0,0,0"}
     east = math.degrees(1.5 / 6378137.0)  # by the equator's radius
     given["route"] = f"@0,{east:.12f}/gate/aruco:radius=1"
-    batches = driven(**given, duration=40.0)
+    batches = driven(**given, duration=20.0)
     progress = reached(batches, Run.of(terrain="flat", **given))
     begun, (last,) = next((b.truth.position[:2], b.goals) for b in reversed(batches) if b.goals)
     assert math.dist(begun, (last.x, last.y)) == pytest.approx(
         math.dist(begun, (6.0, 1.5)) - 0.7, abs=0.05
     )
     assert list(progress.reached) == [0, 1, 2]
-    assert progress.done_s < 40.0
+    assert progress.done_s < 20.0
     assert 0.3 < math.dist(batches[-1].truth.position[:2], (6.0, 1.5)) < 1.0
     assert batches[-1].truth.hazard_contacts == 0
 
@@ -63,12 +63,12 @@ def test_drivers_come_as_near_as_a_route_or_an_area_wants(tmp_path: Path) -> Non
         given: dict[str, object] = {"targets": ("post:x=4,y=0.3",), "route": route}
         batches = driven(**given, driver=driver)
         assert list(reached(batches, Run.of(terrain="flat", **given)).reached) == [0], (driver, route)
-    batches = driven(driver=policy, goal_area=(-3.0, 3.0, -3.0, 3.0), duration=40.0)
+    batches = driven(driver=policy, goal_area=(-3.0, 3.0, -3.0, 3.0), duration=15.0)
     assert sum(len(batch.goals) for batch in batches) > 3
 
 
 def test_a_reset_gives_the_way_point_in_hand_again() -> None:
-    batches = driven(route="2,0/0,2", resets=[8.0], duration=30.0)
+    batches = driven(route="2,0/0,2", resets=[8.0], duration=15.0)
     goals = [(batch.truth.time_ns / 1e9, goal.x) for batch in batches for goal in batch.goals]
     progress = reached(batches, Run.of(terrain="flat", route="2,0/0,2"))
     assert [x for _, x in goals].count(0.0) == 2
