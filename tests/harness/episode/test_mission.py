@@ -87,12 +87,12 @@ SCENARIO = """
 about: A gate, then a post.
 terrain: flat
 driver: goal
-duration: 40
+duration: 22
 targets: ["gate:x=3,y=0.5", "aruco:x=6,y=1.5"]
 route: {points: [{target: gate}, {target: aruco, radius: 1.5}]}
 events: [{at: 3, abort: true}, {at: 5, resume: true}]
 expect:
-  truth.route_s: {over: end, max: 39}
+  truth.route_s: {over: end, max: 21}
   truth.route_points: {over: end, min: 2}
   truth.targets_reached: {over: end, min: 2}
   truth.target.aruco.stop_distance: {over: end, max: 1.5}
@@ -108,8 +108,8 @@ def test_a_mission_in_a_file_is_driven_and_judged(tmp_path: Path) -> None:
         json.loads(file.read_text()) for file in (tmp_path / "out").rglob("metrics_log*.json")
     )
     points, (gate, post) = (manifest["truth"]["mission"][kind] for kind in ("way_points", "targets"))
-    assert 3.0 < points[0]["reached_s"] == gate["reached_s"] < points[1]["reached_s"] < 39.0
-    assert post["reached_s"] <= 40.0
+    assert 3.0 < points[0]["reached_s"] == gate["reached_s"] < points[1]["reached_s"] < 21.0
+    assert post["reached_s"] <= 22.0
     assert post["stop_distance"] <= 1.5
 
 
