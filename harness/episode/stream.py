@@ -95,7 +95,7 @@ class EpisodeStream:
         run: What is driven.
         frame_options: Which transforms are published; None for none.
         prompt: Whether each order comes into effect with the next batch; else a second core simulates
-            one batch ahead.
+            ahead of what is consumed, by one batch, or by several where they are asked to `hasten`.
         awake: As `Together` has it.
 
     Attributes:
@@ -141,7 +141,7 @@ class EpisodeStream:
         return self._together.batches()
 
     def hasten(self) -> None:
-        """Lets a second core that waits go on, as `Together.hasten`, unless it is asked to sleep."""
+        """Makes the next batches early, as `Together.hasten`, where the two cores wait awake."""
         if self._awake:
             self._together.hasten()
 

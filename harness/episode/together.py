@@ -2,9 +2,11 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from harness.base.errors import RunFailed
+from harness.base.interrupt import Interrupted
 from harness.base.sim_time import TICKS_PER_CONTROL
 from harness.episode.batch import Batch
 
@@ -41,12 +43,10 @@ class Together:
         self._span = 1 if each_tick else self._physics.span
         self._ahead, self._awake = ahead and self._physics.can_launch, awake
         self._asked = _Asked(ordered)
-        self._next, self._is_begun = (
-            0,
-            False,
-        )  # tick with which the next period begins; if it is commanded
+        self._next = 0  # tick with which the next period begins
+        self._is_begun = False  # whether its commands are given, and the second core may be at it
         self._made: deque[tuple[tuple[Batch, ...], RunFailed | None]] = deque()  # not yet yielded
-        self._error: Exception | None = None  # that `hasten` met: of the period that is made next
+        self._error: Exception | None = None  # met too early: of the period that is made next
 
     def batches(self) -> Iterator[tuple[Batch, ...]]:
         """Yields a batch of each episode, control period after control period.
@@ -65,6 +65,7 @@ class Together:
                     raise failure
         finally:
             self._physics.stay()
+            self._error = None  # whose traceback would keep the world until garbage is collected
 
     def hasten(self) -> None:
         """Makes the next period now if what the second core does is done, so that it can go on at once.
@@ -74,15 +75,21 @@ class Together:
         something to do while one takes long. Orders come into effect that much later.
         """
         if len(self._made) < WAITING and self._error is None and self._physics.has_landed:
-            try:
+            with self._later():
                 self._make()
-            except Exception as error:  # noqa: BLE001 - of a driver, say: the periods before it are fine
-                self._error = error
+
+    @contextmanager
+    def _later(self) -> Iterator[None]:
+        """Keeps what is raised, by a driver, say, for the period that is made next."""
+        try:
+            yield
+        except Interrupted:
+            raise
+        except Exception as error:  # noqa: BLE001
+            self._error = error
 
     def _make(self) -> None:
         """Simulates and observes the next control period, of which the second core may have begun."""
-        if self._error is not None:
-            raise self._error
         start, failure = self._next, None
         stop = min(start + TICKS_PER_CONTROL, self._total)
         try:
@@ -95,6 +102,8 @@ class Together:
         self._next = stop
 
     def _drive(self, start: int, stop: int) -> None:
+        if self._error is not None:
+            raise self._error
         is_begun, self._is_begun = self._is_begun, False
         if not is_begun:
             self._asked.act()
@@ -109,7 +118,8 @@ class Together:
             may_begin = self._ahead and stop < self._total and self._may_go_ahead(stop)
             self._physics.run()  # waits for the other core: all that can be asked before has been
             if may_begin and self._physics.show_end():
-                self._go_ahead(stop)
+                with self._later():
+                    self._go_ahead(stop)
             _observe(self._episodes, first, ticks)
 
     def _may_go_ahead(self, tick: int) -> bool:
