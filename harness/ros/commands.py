@@ -71,7 +71,9 @@ class Commands:
         self._wanted = ("stamped" if stamped_first else "twist") if self._is_auto else kind
         if not self.is_late:
             self._hear(self._wanted)  # raises for a name that is none
-            self.begin()
+            for other in KINDS.keys() - {self._wanted} if self._is_auto else ():
+                with suppress(RCLError):  # Fast DDS hears one type
+                    self._hear(other)
 
     @property
     def heard(self) -> tuple[str, ...]:
@@ -81,10 +83,8 @@ class Commands:
     def begin(self) -> bool:
         """Hears what is wanted; returns whether it does, for the former type may be in use a little."""
         self.is_late = False
-        with suppress(RCLError):  # Fast DDS hears one type
-            for kind in (self._wanted, *KINDS) if self._is_auto else (self._wanted,):
-                if kind not in self._heard:
-                    self._hear(kind)
+        with suppress(RCLError):
+            self._hear(self._wanted)
         return bool(self._heard)
 
     def look_around(self) -> bool:
