@@ -76,7 +76,9 @@ def _parser() -> argparse.ArgumentParser:
         help="gets log, manifest and page of each run that does not pass (default: %(default)s)",
     )
     parser.add_argument(
-        "--keep", action="store_true", help="keep log and manifest of runs that pass there too"
+        "--keep",
+        action="store_true",
+        help="keep log and manifest of runs that pass there too, until they pass without this",
     )
     parser.add_argument(
         "--resume",

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from shutil import copy, rmtree
+from shutil import copy
 from tempfile import TemporaryDirectory
 
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
@@ -16,7 +16,7 @@ from harness.scenario.case import SCRATCH, Case
 from harness.scenario.quantities import quantity_of
 from harness.scenario.series import SAMPLES
 from harness.scenario.verdict import Attempt
-from harness.scenario.watch import PAGE, Watch
+from harness.scenario.watch import WORDS, Watch, clear
 from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import RosOptions
 
@@ -59,8 +59,8 @@ def attempt(case: Case, folder: Path, options: AttemptOptions = DEFAULTS) -> Att
             raise
         except HarnessError as error:
             return _kept(Attempt(case, error=str(error)), lambda _: _words_kept(Path(own), folder))
-    if done.passed and not done.kept and (folder / PAGE).exists():  # of an earlier run, which did not
-        rmtree(folder, ignore_errors=True)
+    if done.passed and not done.kept:
+        clear(folder)
     return done
 
 
@@ -114,10 +114,9 @@ def _through_ros(case: Case, folder: Path, options: AttemptOptions, own: Path) -
 
 def _words_kept(own: Path, folder: Path) -> tuple[Path, ...]:
     """Keeps what the programs of a run have said that did not begin; returns where that is."""
-    said = [file for file in sorted(own.glob("launch_*.txt")) if file.stat().st_size]
-    if (folder / PAGE).exists():  # of an earlier run
-        rmtree(folder)
-    if said:
+    said = [file for file in sorted(own.glob(WORDS)) if file.stat().st_size]
+    if said:  # else what an earlier run has left is all that there is
+        clear(folder)
         folder.mkdir(parents=True, exist_ok=True)
     return tuple(Path(copy(file, folder)) for file in said)
 

@@ -35,8 +35,15 @@ from rover_metrics.extended.settings import Settings
 from rover_metrics.sheet.sheet import spelled
 
 PAGE = "run.html"
+WORDS = "launch_*.txt"  # what its programs have said
 _SIDES = {"L": "left", "R": "right"}
 _CORNERS = _SIDES | {"FL": "front left", "FR": "front right", "RL": "rear left", "RR": "rear right"}
+
+
+def clear(folder: Path) -> None:
+    """Removes what an earlier run has left in its folder, if that is one of a run."""
+    if (folder / PAGE).exists() or any(folder.glob(WORDS)):
+        rmtree(folder)
 
 
 class Watch:
@@ -117,8 +124,7 @@ class Watch:
             reason: Why the run did not pass; "" if it did.
             more: Other files to copy there.
         """
-        if (folder / PAGE).exists():
-            rmtree(folder)
+        clear(folder)
         repeatable = replace(result, command=self._case.command)
         return keep_evidence(repeatable, self.page, folder / PAGE, reason, more)
 
