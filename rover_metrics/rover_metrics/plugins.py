@@ -127,11 +127,11 @@ class Table(Mapping[str, T], Generic[T]):
 
 def blamed(error: BaseException) -> str:
     """Returns the last line of a plug-in that led to an error, and the error; "" if none did."""
-    modules = {point.module for kind in KINDS for point in _installed(kind).values()}
+    modules = tuple(f"{point.module}." for kind in KINDS for point in _installed(kind).values())
     files = {
         getattr(module, "__file__", None)
         for name, module in [*sys.modules.items()]
-        if name.startswith(MODULE) or name in modules
+        if name.startswith(MODULE) or f"{name}.".startswith(modules)
     }
     frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename in files]
     if not frames:

@@ -1,5 +1,6 @@
 """A node that nobody else in its domain can end: messages that a handler fails on are counted."""
 
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -24,6 +25,9 @@ from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import Message, is_time
 
+IN_A_ROW = (
+    3  # messages of a topic on which a plug-in fails: it would fail on each, and no row be written
+)
 CLOCKS = 100  # messages of /clock that may wait: a second of them at 100 Hz
 
 # What the content of a message can bring about; what a signal or a shutdown raises must go through.
@@ -52,6 +56,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def __init__(self, name: str, **options: Any) -> None:  # noqa: ANN401 - rclpy's
         """Joins the graph; raises a ParameterError if the command line sets one to what it cannot be."""
         self.reception, self.clocks = Reception(self._tell), 0
+        self._failing: Counter[str] = Counter()  # messages in a row on which a plug-in has failed
         try:
             super().__init__(name, **options)
         except ParameterException as error:  # of a parameter that rclpy declares, all of them switches
@@ -72,7 +77,8 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             else:
                 callback = partial(_decode, msg_type, callback)
         # Bytes of no such message are bytes too: rclpy's C code prints a line for each of them.
-        guarded = partial(self._hear, topic, callback)
+        patience = 1 if msg_type is Clock else IN_A_ROW  # with a time comes a row, which is lost
+        guarded = partial(self._hear, topic, callback, patience=patience)
         return super().create_subscription(msg_type, topic, guarded, qos_profile, raw=True, **options)
 
     def time_has_come(self) -> None:
@@ -97,13 +103,18 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
                 self._tell(f"{name}: {count} left out in all")
         super().destroy_node()
 
-    def _hear(self, topic: str, callback: Handler, data: bytes) -> None:
+    def _hear(self, topic: str, callback: Handler, data: bytes, *, patience: int = IN_A_ROW) -> None:
         try:
             callback(data)
         except FAILURES as error:
-            if blamed(error):  # a plug-in fails on each message, and no row would be written
-                raise
+            if blamed(error):
+                self._failing[topic] += 1
+                if self._failing[topic] == patience:
+                    raise
             self._leave_out(self.resolve_topic_name(topic), error)
+        else:
+            if self._failing:
+                self._failing.pop(topic, None)
 
     def _take_time(self, topic: str, callback: Handler, data: bytes) -> None:
         message = decoded("rosgraph_msgs/msg/Clock", Clock, data)

@@ -1,6 +1,7 @@
 """What a node does with messages and requests that its handlers fail on, over real DDS."""
 
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from std_srvs.srv import Trigger
 
 from rover_metrics.errors import LogError
 from rover_metrics.health.rejections import NO_TIME
+from rover_metrics.plugins import Table
 from rover_metrics.ros.guarded_node import CLOCKS
 from rover_metrics.topics import SENSORS
 from tests.rover_metrics.conftest import Rig
@@ -45,6 +47,19 @@ def test_a_message_that_fails_is_counted_and_told(
     (first,) = [line for line in capfd.readouterr().err.splitlines() if "(1 so far)" in line]
     assert f"/leo/broken: fails with {name}: " in first
     assert len(node.reception.states()) == len(SENSORS), "what is not listened to has no state"
+
+
+def test_an_odd_message_ends_no_plugin_of_a_node_but_a_plugin_that_fails_on_each_message_does(
+    rig: Rig, tmp_path: Path
+) -> None:
+    (file := tmp_path / "mine.py").write_text("def mine(data):\n    return 1 / len(data)\n")
+    work = Table[Any]("works", {}, callable, "a work")[f"{file}:mine"]
+    node = rig.start()
+    for data in (b"", b"", b"1", b"", b""):
+        node._hear("scan", work, data)
+    assert node.reception.account()["/scan"]["rejected"] == 4
+    with pytest.raises(ZeroDivisionError):
+        node._hear("scan", work, b"")
 
 
 @pytest.mark.parametrize("error", [LogError("disk"), RuntimeError("shut down"), KeyboardInterrupt()])
