@@ -108,8 +108,8 @@ class _Walk:
 class Template:
     """The bytes of a serialised message, in which numbers are replaced at some places.
 
-    All of it is packed in one go, what does not change as text: to write place by place takes twice as
-    long.
+    All of it is packed in one go, what does not change as the bytes that it is: to write place by place
+    takes twice as long.
     """
 
     def __init__(self, data: bytes, spots: Sequence[Place]) -> None:
@@ -133,7 +133,7 @@ class Template:
         return not self._lengths or all(len(values[index]) == n for index, n in self._lengths)
 
     def filled(self, values: Sequence[Sequence[Any]]) -> bytes:
-        """Returns the message with these numbers, those of each place."""
+        """Returns the message with these numbers, those of each place, which must fit."""
         if self._arrays:
             values = list(values)
             for index, kind in self._arrays:

@@ -131,9 +131,9 @@ def base_controller(rover: RoverSpec, period: float) -> BaseController:
 
 
 class LaggingController(BaseController):
-    """The controller of a rover whose motors are real, in front of the one of its kind of drive.
+    """The controller of a rover whose motors are real, behind the one of its kind of drive.
 
-    Commands come `delay` late to it; what it makes of them is limited and goes through two lags of first
+    What that makes of commands comes `delay` late; it is limited and goes through two lags of first
     order, whose sum is `lag`, to the wheels: the response of a speed loop is an S.
 
     Args:

@@ -34,7 +34,7 @@ except ImportError:
 QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 SPIN_TIMEOUT = 0.1  # [s]: how long one spin may block; a stop request is answered between two
 SPINS = 5  # in a control period as a rule: a tenth of a millisecond each
-NOTICED = 0.005  # [s] within which others need no answer: they cannot tell it from the way of a message
+NOTICED = 0.005  # [s] of wall time that others cannot tell from what a message takes to them
 LONGEST_SPIN = 1.0  # [s] of patience that one may take: who was stopped longer has yet to look what came
 
 

@@ -94,6 +94,7 @@ class _Session:
         self._source = source = EpisodeStream(
             run, options.frames, prompt=prompt, awake=options.rate is None
         )
+        # Else somebody acts between two periods, and when he does must not depend on how fast we are.
         is_alone = not (prompt or options.wait_for or options.wait_for_topic)
         pause = NOTICED if is_alone else 0.0
         self._meanwhile = source.hasten if is_alone else lambda: None

@@ -29,7 +29,7 @@ def angle_seen(sensor: Element) -> float:
 def frame_of(sensor: Element) -> str:
     """Returns the frame that a sensor's messages are in, in letters of a link's name; "" if untold."""
     told = (item.text or "" for tag in FRAME_TAGS for item in sensor.iter(tag))
-    return re.sub(r"\W", "_", next(told, "").strip())
+    return re.sub(r"\W", "_", next(told, "").strip().lstrip("/").replace("::", "_"))
 
 
 def shape_of(part: Element, owner: str) -> Element | str:

@@ -33,7 +33,9 @@ def lump_of(
     body, quaternion, matrix = spec.worldbody.add_body(), np.empty(4), np.empty(9)
     for shape, pose, density in shapes:
         if shape.tag not in KINDS:
-            raise UsageError(f"link '{link}' leaves its inertia to a mesh; give <mass> and <inertia>")
+            raise UsageError(
+                f"link '{link}' leaves its inertia to a mesh; give <mass> and <inertia>, not auto"
+            )
         mujoco.mju_mat2Quat(quaternion, pose[:3, :3].ravel())
         size = [
             IN_HALVES[tag] * value
@@ -47,7 +49,9 @@ def lump_of(
     except ValueError as error:
         raise UsageError(f"shapes of link '{link}' have no inertia: {told(error)}") from error
     if not (mass := float(model.body_mass[1])) > 0.0:
-        raise UsageError(f"link '{link}' leaves its inertia to shapes that weigh nothing; give <mass>")
+        raise UsageError(
+            f"link '{link}' leaves its inertia to shapes that weigh nothing; give <density>"
+        )
     mujoco.mju_quat2Mat(matrix, model.body_iquat[1])
     turned = matrix.reshape(3, 3)
     return mass, model.body_ipos[1].copy(), turned @ np.diag(model.body_inertia[1]) @ turned.T
