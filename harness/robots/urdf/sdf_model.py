@@ -134,7 +134,8 @@ class _Reading:
             name = element.get("name", "link")
             link = Link(element, at @ frames.find(name), frames, at)
             _add(self._model.links, _joined(*names, name), link)
-        self._attach(call.model, [one.name for one in calls], names)
+        parts = [_own(one) if one.is_merged else one.name for one in calls]
+        self._attach(call.model, parts, names, _own(call))
         for element in call.model.findall("joint"):
             self._joint(element, frames, at, names, is_old=_is_old(call.version))
         self._model.plugins += [_named(plugin, names) for plugin in call.model.findall("plugin")]
@@ -143,11 +144,12 @@ class _Reading:
             below = names if one.is_merged else (*names, one.name)
             self.scope(one, nested, at @ frames.find(reference) @ pose, below)
 
-    def _attach(self, model: Element, parts: Sequence[str], names: tuple[str, ...]) -> None:
-        """Notes what the frames and joints of a model are attached to, and which link is its own."""
+    def _attach(self, model: Element, parts: Sequence[str], names: tuple[str, ...], own: str) -> None:
+        """Notes what the frames and joints of a model are attached to, and which link is its `own`."""
         links = [link.get("name", "link") for link in model.findall("link")]
-        to = {MODEL: model.get("canonical_link") or next(iter((*links, *parts)), "")}
-        to |= {one.get("name", ""): one.get("attached_to") or MODEL for one in model.findall("frame")}
+        to = {own: model.get("canonical_link") or next(iter((*links, *parts)), "")}
+        stated = {one.get("name", ""): one.get("attached_to") or MODEL for one in model.findall("frame")}
+        to |= {name: own if other == MODEL else other for name, other in stated.items()}
         to |= {joint.get("name", ""): text_of(joint, "child") for joint in model.findall("joint")}
         for name, other in to.items():
             self._attached.setdefault(_joined(*names, name), _joined(*names, other))
@@ -196,3 +198,8 @@ def _named(element: Element, names: tuple[str, ...]) -> Element:
 
 def _joined(*names: str) -> str:
     return "_".join(names).replace("::", "_")
+
+
+def _own(call: Call) -> str:
+    """What the frame of a model is called; of one that is merged, where the including one's is MODEL."""
+    return f"{MODEL} of {call.name}" if call.is_merged else MODEL

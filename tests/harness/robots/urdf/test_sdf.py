@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from harness.base.errors import UsageError
 from harness.base.xml import parse_xml
 from harness.robots.model import read_model
+from harness.robots.urdf import sdf_model
 from harness.robots.urdf.folder import Written, write_folder
 from harness.robots.urdf.templates import TEMPLATES, urdf_of
 from tests.support.foreign_rovers import BUGGY, HUSKY
@@ -283,6 +284,21 @@ def test_what_is_included_and_what_sensors_and_plugins_say_counts(tmp_path: Path
             "mast, scanner, chassis_skid, eyes"
         ),
     )
+
+
+@pytest.mark.parametrize("outer", ["", "<link name='base'/>"])
+@pytest.mark.parametrize("tied", ["", "attached_to='__model__'"])
+def test_a_frame_of_a_merged_model_is_attached_to_the_link_of_that_model(
+    outer: str, tied: str, tmp_path: Path
+) -> None:
+    part = f"""<link name='a'/><link name='b'/><frame name='mount' {tied}/>
+      <joint name='j' type='revolute'><parent>mount</parent><child>b</child></joint>"""
+    (tmp_path / "part").mkdir()
+    (tmp_path / "part/model.sdf").write_text(f"<sdf version='1.9'><model name='p'>{part}</model></sdf>")
+    include = f"<include merge='true'><uri>{tmp_path}/part</uri></include>"
+    text = f"<sdf version='1.9'><model name='o'>{outer}{include}</model></sdf>"
+    model = sdf_model.read_model(parse_xml(text.encode()), tmp_path / "o.sdf", (), "o")
+    assert model.joints["j"].parent == "a"
 
 
 @pytest.mark.parametrize(("stated", "whole"), [("", 1.0), ("<mass>7</mass>", 7.0 / 130.8)])
