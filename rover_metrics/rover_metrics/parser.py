@@ -93,9 +93,11 @@ class OneLineParser(argparse.ArgumentParser):
     def parse_known_args(self, *args: Any, **options: Any) -> Any:  # noqa: ANN401 - argparse's
         """Parses as argparse does; a file `-`, as elsewhere of standard input or output, is refused."""
         parsed, rest = super().parse_known_args(*args, **options)
-        for value in vars(parsed).values():
+        for action in self._actions:
+            value = getattr(parsed, action.dest, None)
             if any(isinstance(one, Path) and str(one) == "-" for one in (value, *_each(value))):
-                self.error("'-' is not valid: no file is standard input or output; name one")
+                wrong = "'-' is not valid: no file is standard input or output; name one"
+                self.error(str(argparse.ArgumentError(action, wrong)))
         return parsed, rest
 
     def error(self, message: str) -> NoReturn:
