@@ -25,9 +25,7 @@ from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 from rover_metrics.topics import Message, is_time
 
-IN_A_ROW = (
-    3  # messages of a topic on which a plug-in fails: it would fail on each, and no row be written
-)
+IN_A_ROW = 3  # messages of a topic on which a plug-in fails: it fails on each, and no row is written
 CLOCKS = 100  # messages of /clock that may wait: a second of them at 100 Hz
 
 # What the content of a message can bring about; what a signal or a shutdown raises must go through.
