@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import kernel
 
+RANGE_WEIGHT = 1.5  # [rad/m] that a heading may be farther from the goal's for each metre more ahead
+
 
 @kernel("Tuple((int64, float64))(float32[::1], float64[:,::1], float64[::1], float64, float64)")
 def freest(
@@ -16,7 +18,7 @@ def freest(
     goal: float,
     farthest: float,
 ) -> tuple[int, float]:
-    """Weighs how far each heading is from the goal's against the range that is free along it.
+    """Weighs how far each heading is from the goal's against RANGE_WEIGHT times the range free along it.
 
     Args:
         ranges: Of a scan [m], shape (beams,); -inf: nearer than visible, NaN: none.
@@ -40,7 +42,7 @@ def freest(
     for heading in range(free.size):
         off = headings[heading] - goal + math.pi
         aside = abs(off % math.tau - math.pi)
-        cost = aside - 1.5 * min(free[heading], farthest)
+        cost = aside - RANGE_WEIGHT * min(free[heading], farthest)
         if cost < least:
             best, least = heading, cost
     return best, free[free.size // 2]

@@ -21,9 +21,9 @@ from harness.physics.berths import berth, overlaps
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
+from harness.robots.content import model_hash
 from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.lidar import LidarSpec
-from harness.robots.reading import model_hash
 from harness.samples import ActorPoses, GoalPose, Imu, Place, Sample, Tick, Twist
 from harness.sensors.base import EpisodeParts
 from harness.sensors.lidar import Lidar

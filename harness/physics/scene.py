@@ -24,8 +24,8 @@ from harness.physics.world_geoms import (
     limit_friction,
 )
 from harness.robots import RoverSpec
+from harness.robots.content import model_hash
 from harness.robots.model import COLLIDING_GROUP, ROOT_ID, read_model, root_of
-from harness.robots.reading import model_hash
 from harness.soil.soils import SOIL_CONTACT
 from harness.world.world import World
 

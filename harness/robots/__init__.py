@@ -10,7 +10,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from harness.base.errors import UsageError
-from harness.robots.reading import MODELS_DIR, read_rover
+from harness.robots.content import MODELS_DIR
+from harness.robots.reading import read_rover
 from harness.robots.sections import Drive, FrameRow, Mount, Tyres
 from harness.robots.spec import RoverSpec
 from rover_metrics.errors import sibling

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.robots.reading import model_hash
+from harness.robots.content import model_hash
 from harness.robots.sections import Mount, Tyres
 from harness.robots.spec import RoverSpec
 from harness.robots.strangers import check_files, check_quantities, inside

@@ -4,7 +4,6 @@ The rovers of models/ are read without MuJoCo. The model of any other is compile
 reported at once, and what rover.yaml leaves out is derived from it (harness.robots.measures).
 """
 
-import hashlib
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -12,18 +11,11 @@ from xml.etree import ElementTree as ET
 
 from harness.base.documents import read_mapping
 from harness.base.errors import UsageError
+from harness.robots.content import MODELS_DIR, content_of
 from harness.robots.mjcf import stated_by_mjcf
 from harness.robots.spec import RoverFile, RoverSpec
 from harness.spec.value import made
 from rover_metrics.errors import sibling
-
-MODELS_DIR = next(
-    folder
-    for folder in (Path(__file__).parents[1] / "models", Path(__file__).parents[2] / "models")
-    if folder.is_dir()
-)
-# Of what a rover is made; pictures of it and notes about it do not change it.
-CONTENT = {".yaml", ".xml", ".stl", ".obj", ".msh"}
 
 
 def read_rover(folder: Path) -> RoverSpec:
@@ -32,23 +24,6 @@ def read_rover(folder: Path) -> RoverSpec:
         raise UsageError(_no_rover(folder))
     stamps = tuple((path, path.stat().st_mtime_ns, path.stat().st_size) for path in content_of(folder))
     return _read(folder, stamps)
-
-
-def content_of(folder: Path) -> list[Path]:
-    """Returns the files of a folder that make its rover, in the order of their names."""
-    files = (path for path in folder.rglob("*") if path.suffix.lower() in CONTENT)
-    return sorted(path for path in files if path.is_file())
-
-
-def model_hash(rover: RoverSpec) -> str:
-    """Returns the SHA-256 of a shipped rover's model file; of another's that of its folder's content."""
-    if rover.folder.parent == MODELS_DIR:
-        return hashlib.sha256(rover.model_path.read_bytes()).hexdigest()
-    content = hashlib.sha256()
-    for path in content_of(rover.folder):
-        data = path.read_bytes()
-        content.update(f"{path.relative_to(rover.folder)} {len(data)}\n".encode() + data)
-    return content.hexdigest()
 
 
 @lru_cache(maxsize=16)

@@ -14,7 +14,7 @@ from harness.base.version import __version__
 from harness.drivers.base import OF_POLICY
 from harness.episode.assembly import world_of
 from harness.robots import ROVERS
-from harness.robots.reading import content_of
+from harness.robots.content import content_of
 from harness.scenario.baseline import path_of
 from harness.scenario.case import Case
 from harness.scenario.verdict import Attempt

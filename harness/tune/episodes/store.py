@@ -15,7 +15,7 @@ from harness.base.files import whole_file
 from harness.base.version import __version__
 from harness.drivers.base import OF_POLICY
 from harness.robots import ROVERS, find_rover
-from harness.robots.reading import model_hash
+from harness.robots.content import model_hash
 from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table

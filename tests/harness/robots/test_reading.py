@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 
 from harness.base.errors import UsageError
 from harness.robots import MODELS_DIR, ROVERS, RoverSpec, find_rover, read_rover, robot_name
-from harness.robots.reading import model_hash
+from harness.robots.content import model_hash
 from harness.robots.spec import schema
 
 Foreign = Callable[[str], RoverSpec]

@@ -9,7 +9,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.robots import find_rover
-from harness.robots.reading import model_hash
+from harness.robots.content import model_hash
 from harness.scenario.case import cases_of
 from harness.scenario.names import OF_TOPICS
 from harness.scenario.quantities import QUANTITIES, RUN
