@@ -17,6 +17,7 @@ from harness.world.terrains import TERRAINS
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 from tests.support.complaint import complaint, without_progress
+from tests.support.waiting import free_port
 
 
 def raises(error: Exception) -> Callable[..., None]:
@@ -47,7 +48,7 @@ def test_direct_run_writes_csv_and_manifest(tmp_path: Path) -> None:
 
 def test_the_line_that_a_run_keeps_gives_its_bytes_again(tmp_path: Path) -> None:
     fleet = ["--rover", "leo:a,driver=wander", "--rover", "rover_zero4wd:b,x=2,y=0,fault=imu:nan=0.5"]
-    watched = ["--rate", "max", "--live", "--live-token", "s0-secret"]
+    watched = ["--rate", "max", "--live", f":{free_port()}", "--live-token", "s0-secret"]
     drawn = ["--noise", "hardware", "--seed", "5", "--page", "--log-dir", str(tmp_path / "a's")]
     assert main([*QUICK, *fleet, *drawn, *watched]) == 0
     (kept,) = tmp_path.glob("*/b/*.json")

@@ -20,7 +20,7 @@ from rover_metrics.core.columns import COLUMNS
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from tests.support.browser import NEEDS_CHROMIUM
 from tests.support.visitor import Visitor
-from tests.support.waiting import PATIENCE, wait_until
+from tests.support.waiting import PATIENCE, free_port, wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -74,7 +74,15 @@ def watched(browser: "Browser", folder: Path, *words: str) -> Iterator[Watched]:
         *(np.sin(np.linspace(0.0, 12.0, 41)),) * 2
     )  # few triangles: drawn in software
     np.save(folder / "hills.npy", hills.astype(np.float32))
-    more = ("--terrain", str(folder / "hills.npy"), "--log-dir", str(folder), *words, "--live")
+    more = (
+        "--terrain",
+        str(folder / "hills.npy"),
+        "--log-dir",
+        str(folder),
+        *words,
+        "--live",
+        f":{free_port()}",
+    )
     command = [sys.executable, "-m", "harness.run", *WORDS, *more]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as run:
         try:
