@@ -178,7 +178,7 @@ class TruthState:
     speed: float  # true forward speed of the model frame, negative backwards [m/s]
     path_length: float  # of the model frame since the start, in three dimensions [m]
     # slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
-    # turns faster than it moves, 0 while it stands (harness.truth.wheels)
+    # turns faster than it moves, 0 while it stands (harness.physics.truth.wheels)
     slip: tuple[float, ...]
     # of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m around
     # the wheels, of the squared height above the mean of the 0.3 m around

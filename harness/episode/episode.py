@@ -21,6 +21,7 @@ from harness.physics.berths import berth, overlaps
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
+from harness.physics.truth.recorder import TruthRecorder
 from harness.robots.content import model_hash
 from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.lidar import LidarSpec
@@ -32,7 +33,6 @@ from harness.sensors.suite import SensorSuite
 from harness.sensors.transforms import describe
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.truth.recorder import TruthRecorder
 from harness.world.world import terrain_hash
 
 

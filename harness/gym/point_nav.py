@@ -21,13 +21,13 @@ from harness.gym.observation import (
     soil_part,
 )
 from harness.gym.options import Options
+from harness.physics.truth.recorder import TIPPED_OVER
 from harness.robots import REAL, find_rover
 from harness.robots.lidar import LidarSpec
 from harness.samples import Pose, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.ranging import RangeReading
 from harness.spec.value import Finite, Length, Value, as_tuple, checked, made
-from harness.truth.recorder import TIPPED_OVER
 from rover_metrics.core import rotation
 
 ENERGY = "energy"  # the only term that is left out where it is not weighed

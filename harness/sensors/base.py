@@ -13,11 +13,11 @@ if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
 
     from harness.physics.aside import Errand
     from harness.physics.simulation import Simulation
+    from harness.physics.truth.recorder import TruthRecorder
     from harness.robots.frames.rover_frames import RoverFrames
     from harness.sensors.lidar import Lidar
     from harness.sensors.optional import Installation, SensorOptions
     from harness.spec.ros import FrameOptions
-    from harness.truth.recorder import TruthRecorder
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from harness.base.sim_time import HIGHEST_RATE
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
+from harness.physics.truth.recorder import TruthRecorder
 from harness.samples import ActorPoses, GroundTruth, Imu, JointStates, Pose, TruthState
 from harness.sensors.base import EpisodeParts, Sensor
-from harness.truth.recorder import TruthRecorder
 
 PEOPLE_RATE = 30  # [Hz]
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
+from harness.physics.truth.wheels import WheelMotion, Wheels, slip_ratio
 from harness.robots import ROVERS, RoverSpec
-from harness.truth.wheels import WheelMotion, Wheels, slip_ratio
 from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)

@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
+from harness.physics.truth.contact_events import ContactEvents
+from harness.physics.truth.recorder import TruthRecorder
+from harness.physics.truth.wheels import Wheels
 from harness.samples import ContactEvent, Truth, TruthState
-from harness.truth.contact_events import ContactEvents
-from harness.truth.recorder import TruthRecorder
-from harness.truth.wheels import Wheels
 from harness.world.obstacles import Obstacle, ObstacleKind
 from rover_metrics.timing import EVENT_GAP_NS
 
