@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from benchmarks.measuring import Effort, Rounds, Table, against, timed
 from benchmarks.runs import Commands, physics, recorded
+from harness.base.workers import workers_of
 from harness.scenario.attempt import attempt
 from harness.scenario.case import Case, plan
 from harness.scenario.suite import run_all
 from harness.spec.run import Run
-from harness.workers import workers_of
 
 
 class _Way(NamedTuple):

@@ -5,11 +5,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from benchmarks.measuring import Effort, Rounds, Table, timed
+from harness.base.workers import workers_of
 from harness.robots import ROVERS
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store
 from harness.tune.episodes.sweep import sweep
-from harness.workers import workers_of
 
 MOST_WORLDS, ROUNDS = 8, 3
 TARGETS = {1: "-", 2: ">= 1.8"}

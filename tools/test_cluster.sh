@@ -14,4 +14,4 @@ venv=build/cluster
 tools/pinned.sh cluster "$python" "$venv"
 echo "test-cluster: $("$venv/bin/python" --version), $("$venv/bin/python" -m pip list 2>/dev/null |
     sed -n 's/^\(ray\|distributed\|joblib\)  */\1 /p' | paste -sd ' ')"
-PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/harness/workers "$@"
+PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/harness/base/workers "$@"

@@ -17,10 +17,10 @@ if __name__ == "__main__":
     begin_program("harness.course")
 
 from harness.base.interrupt import StopRequest
+from harness.base.workers import add_options
 from harness.cli.sheets import add_files
 from harness.course.entry import BASELINES, LEARNED
 from harness.course.tracks import SEEDS, TRACKS
-from harness.workers import add_options
 from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 

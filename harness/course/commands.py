@@ -8,6 +8,7 @@ from rich.console import Console
 
 from harness.base.errors import UsageError, how_many
 from harness.base.files import PAGES, check_target, write_whole
+from harness.base.workers import workers_of
 from harness.cli.console import counted
 from harness.cli.sheets import files_of, write_sheets
 from harness.course.board import board_of, page_of, read_folder
@@ -15,7 +16,6 @@ from harness.course.drive import cases_of, check_origin, differences, drawn, dri
 from harness.course.entry import find_entry
 from harness.course.receipt import read_receipt, receipt_of, sheet_of, write_receipt
 from harness.course.tracks import SEEDS, TRACKS, find_track
-from harness.workers import workers_of
 from rover_metrics.sheet.render import terminal
 
 PAGE = "board.html"

@@ -8,13 +8,13 @@ from pathlib import Path
 
 from harness.base.errors import UsageError
 from harness.base.version import __version__, packages
+from harness.base.workers import Show, Workers, work_off
 from harness.course.attempt import attempt
 from harness.course.entry import Entry
 from harness.course.receipt import Receipt
 from harness.course.result import FIELDS, EpisodeResult
 from harness.course.task import Case
 from harness.course.tracks import Track, find_track
-from harness.workers import Show, Workers, work_off
 
 MEND = "run the same command again, with fewer --jobs"
 SEED_BYTES = 6

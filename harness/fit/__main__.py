@@ -20,8 +20,8 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
+from harness.base.workers import add_options, workers_of
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
-from harness.workers import add_options, workers_of
 from rover_metrics.errors import complain
 from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole

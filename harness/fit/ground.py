@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 
+from harness.base.workers import Show, Workers, work_off
 from harness.fit.estimate import Estimate, minimise, of, slope, with_values
 from harness.fit.steady import LENGTH, SETTLED, Steady, window
 from harness.recordings.recording import Series
@@ -17,7 +18,6 @@ from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
 from harness.validate.grounds import flat
 from harness.validate.replay import replay
-from harness.workers import Show, Workers, work_off
 
 TOLERANCES = {"yaw_rate": 0.03, "ahead": 0.04}
 CURRENTS = "left_current", "right_current"

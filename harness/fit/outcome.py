@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.base.errors import UsageError
+from harness.base.workers import Show, Workers
 from harness.fit.estimate import Estimate, fitted
 from harness.fit.ground import UNITS, Ground, differences, ground
 from harness.fit.motors import motors
@@ -15,7 +16,6 @@ from harness.fit.steady import Steady, kinds, steady
 from harness.recordings.recording import Recording, at, in_order
 from harness.robots import RoverSpec
 from harness.validate.real.commanded import step_ends
-from harness.workers import Show, Workers
 
 HELD_BACK = 1 / 3  # of the steps, the last ones
 STEP = 6.0  # [s] of what is judged as a step where the recording names none

@@ -15,9 +15,9 @@ from harness.base.edge import begin_program, loading, run_program
 if __name__ == "__main__":
     begin_program("harness.scenario")
 
+from harness.base.workers import add_options
 from harness.cli.flags import add_flags
 from harness.spec.live import LiveOptions
-from harness.workers import add_options
 from rover_metrics.parser import OneLineParser
 
 OUT = Path("scenario_runs")

@@ -9,6 +9,7 @@ from rich.console import Console
 from harness.base.errors import UsageError
 from harness.base.files import PAGES, check_target
 from harness.base.interrupt import StopRequest
+from harness.base.workers import LOCAL, workers_of
 from harness.cli.console import counted
 from harness.cli.flags import from_flags
 from harness.live import load_page
@@ -20,7 +21,6 @@ from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.spec.live import LiveOptions
-from harness.workers import LOCAL, workers_of
 from rover_metrics.sheet.console import PlainConsole
 
 ENDS = {"plot": (".png", ".pdf", ".svg"), "page": PAGES}  # how the names of files may end

@@ -7,11 +7,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.base.interrupt import Interrupted
+from harness.base.workers import Show, Workers, work_off
 from harness.scenario.attempt import DEFAULTS, AttemptOptions, attempt
 from harness.scenario.case import SCRATCH, Case
 from harness.scenario.progress import Progress
 from harness.scenario.verdict import Attempt
-from harness.workers import Show, Workers, work_off
 
 KEPT = "the same command with --resume goes on with the rest"
 

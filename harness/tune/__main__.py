@@ -20,9 +20,9 @@ from rich.console import Console
 
 from harness.base.files import write_whole
 from harness.base.interrupt import Interrupted, StopRequest
+from harness.base.workers import add_options, workers_of
 from harness.cli.sheets import add_files, files_of, write_sheets
 from harness.robots import ROVERS, find_rover
-from harness.workers import add_options, workers_of
 from rover_metrics.errors import complain
 from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole

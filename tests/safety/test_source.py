@@ -29,7 +29,7 @@ METHODS = {  # of these modules, whatever they are called there
 
 # Ray and Dask pickle whatever they carry; this unpickles on a worker what tuning itself has sent there.
 EXCEPTIONS = {
-    "harness/workers/clusters.py": ["pickle"],
+    "harness/base/workers/clusters.py": ["pickle"],
     "tools/repository/test_ci.py": ["exec"],  # a script of the repository's own workflow
     "tools/mutants/mutations.py": ["compile"],  # mutants of the project's own sources, as below
     "tools/mutants/swap.py": ["compile", "compile"],

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 
 from harness.base.errors import Diverged, RunFailed
+from harness.base.workers import Workers, work_off
 from harness.episode import loop
 from harness.episode.assembly import injector, world_of
 from harness.episode.episode import Episode
@@ -15,7 +16,6 @@ from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.recompute import Collected, event_rows
 from harness.tune.episodes.record import Ending, EpisodeRecord
 from harness.tune.episodes.store import Store, encode
-from harness.workers import Workers, work_off
 from rover_metrics.errors import counted
 
 KEPT = "the episodes so far are kept, and the same command goes on with them"

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from harness.base.workers import Workers
 from harness.course import attempt as module
 from harness.course.drive import cases_of, drive_all
 from harness.course.entry import find_entry
@@ -14,7 +15,6 @@ from harness.course.result import EpisodeResult
 from harness.course.task import Task
 from harness.course.tracks import find_track
 from harness.episode.batch import Batch
-from harness.workers import Workers
 from harness.world.world import World
 from tests.support.once import made_once
 

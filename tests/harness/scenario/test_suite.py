@@ -16,6 +16,7 @@ from rich.console import Console
 from harness import __version__
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted
+from harness.base.workers import WorkerLost, Workers
 from harness.scenario.__main__ import main
 from harness.scenario.attempt import DEFAULTS, AttemptOptions
 from harness.scenario.baseline import path_of
@@ -26,7 +27,6 @@ from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Attempt, Outcome, exit_code, verdicts_of
 from harness.spec.run import Run
-from harness.workers import WorkerLost, Workers
 from tests.harness.scenario.conftest import MakeCases, cases_with
 from tests.support.complaint import complaint
 from tests.support.snapshots import check_snapshot

@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
+from harness.base.workers import WorkerLost, Workers
 from harness.tune.episodes import store as storing
 from harness.tune.episodes import sweep as sweeping
 from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.episodes.store import Store, encode
-from harness.workers import WorkerLost, Workers
 from tests.support.rovers import LEO
 
 MakeRecord = Callable[..., EpisodeRecord]

@@ -4,15 +4,15 @@ import argparse
 from collections.abc import Callable
 
 from harness.base.errors import UsageError
-from harness.workers.local import LocalWorkers
-from harness.workers.pool import Show, WorkerLost, Workers, work_off
+from harness.base.workers.local import LocalWorkers
+from harness.base.workers.pool import Show, WorkerLost, Workers, work_off
 from rover_metrics.plugins import Shipped
 
 __all__ = ["Show", "WorkerLost", "Workers", "add_options", "work_off", "workers_of"]
 
 LOCAL = "local"
 CLUSTERS = Shipped[Callable[[str], Workers]](
-    "harness.workers.clusters", {"ray": ":RayWorkers", "dask": ":DaskWorkers"}
+    "harness.base.workers.clusters", {"ray": ":RayWorkers", "dask": ":DaskWorkers"}
 )
 CHOICES = "local, ray://HOST:PORT, dask:tcp://HOST:PORT, or ray or dask with --address"
 

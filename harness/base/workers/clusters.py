@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 from harness.base.errors import UsageError
 from harness.base.interrupt import HANDLED
 from harness.base.version import __version__, packages
-from harness.workers.pool import Item, Outcome, WorkerLost, Workers
+from harness.base.workers.pool import Item, Outcome, WorkerLost, Workers
 
 ADDRESS = re.compile(r"(\w+://)?([^/\s]+):(\d+)|auto")  # "auto" is looked up by Ray's client
 CONNECTION, PATIENCE = 3.0, 20.0  # [s] for a connection; for an answer, also on a busy machine

@@ -20,6 +20,7 @@ from types import ModuleType
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.workers import WorkerLost, Workers, workers_of
 from harness.course.drive import cases_of as episodes_of
 from harness.course.drive import drive_all
 from harness.course.entry import find_entry
@@ -29,7 +30,6 @@ from harness.scenario.suite import run_all
 from harness.tune.episodes.plan import plan
 from harness.tune.episodes.store import Store, encode
 from harness.tune.episodes.sweep import sweep
-from harness.workers import WorkerLost, Workers, workers_of
 from tests.support.waiting import free_port, wait_until
 
 HERE = Path(__file__).parent

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from harness.base.interrupt import FROM_TERMINALS, HANDLED, NAP, held_back
-from harness.workers.pool import Item, Outcome, WorkerLost, Workers
+from harness.base.workers.pool import Item, Outcome, WorkerLost, Workers
 
 # A process that ends at a signal may leave one of joblib's semaphores to its tracker, which warns of it.
 TIDIED = "ignore::UserWarning:joblib.externals.loky.backend.resource_tracker"

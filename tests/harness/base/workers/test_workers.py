@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
-from harness.workers import WorkerLost, add_options, work_off, workers_of
-from harness.workers import clusters as module
-from harness.workers.clusters import Cluster, versions
-from harness.workers.local import LocalWorkers
+from harness.base.workers import WorkerLost, add_options, work_off, workers_of
+from harness.base.workers import clusters as module
+from harness.base.workers.clusters import Cluster, versions
+from harness.base.workers.local import LocalWorkers
 from tests.support.waiting import PATIENCE, wait_until
 
 HERE = Path(__file__).parent
@@ -30,7 +30,7 @@ import sys
 from pathlib import Path
 from harness.base.errors import HarnessError
 from harness.base.interrupt import StopRequest
-from harness.workers import workers_of
+from harness.base.workers import workers_of
 from stand_ins import hang_after_the_first
 folder = Path(sys.argv[1])
 try:
@@ -218,7 +218,7 @@ def test_what_is_no_address_is_refused(address: str) -> None:
 
 def test_a_cluster_is_chosen_by_one_word_or_two(monkeypatch: pytest.MonkeyPatch) -> None:
     connect = {kind: lambda at, kind=kind: (kind, at) for kind in ("ray", "dask")}
-    monkeypatch.setattr("harness.workers.CLUSTERS", connect)
+    monkeypatch.setattr("harness.base.workers.CLUSTERS", connect)
     words = ("ray://h:1", "ray auto", "ray:h:1", "dask:tcp://h:1", "dask h:1")
     chosen: list[object] = [workers_of(*one.split()[:2]) for one in words]  # type: ignore[arg-type]
     addresses = ["ray://h:1", "auto", "h:1", "tcp://h:1", "h:1"]
@@ -295,6 +295,6 @@ def test_a_worker_without_this_package_is_reported(
     def load_nothing(_: bytes) -> None:
         raise ModuleNotFoundError("No module named 'harness'")
 
-    monkeypatch.setattr("harness.workers.clusters.pickle.loads", load_nothing)
+    monkeypatch.setattr("harness.base.workers.clusters.pickle.loads", load_nothing)
     with pytest.raises(UsageError, match=r"No module named 'harness'.*install rover-harness\[tune\]"):
         list(threads.map(stand_ins.square, range(2)))
