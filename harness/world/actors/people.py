@@ -1,6 +1,7 @@
 """Who walks in a world, before there is one: what a user asks for; trajectory files, actors of SDF."""
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -142,9 +143,16 @@ def _people_of(spec: ActorSpec, folders: tuple[str, ...]) -> tuple[Pedestrian, .
             f"actor '{text}': {spec.file} has {len(trajectories)} actors with names; leave out '{name}='"
         )
     return tuple(
-        Pedestrian(text, _checked(text, name or re.sub(r"\W", "_", one.name)), options, one)
+        Pedestrian(text, _checked(text, name or _of_topic(one.name)), options, one)
         for one in trajectories
     )
+
+
+def _of_topic(name: str) -> str:
+    """Returns a person's name as a topic can have it: in ASCII without accents, from a letter on."""
+    plain = unicodedata.normalize("NFKD", name.strip()).encode("ascii", "ignore").decode()
+    words = re.sub(r"\W+", "_", plain).strip("_")
+    return words if words[:1].isalpha() else f"person_{words}".rstrip("_")
 
 
 def _checked(text: str, name: str) -> str:

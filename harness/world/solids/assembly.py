@@ -25,6 +25,7 @@ from harness.world.solids.kinds import Kinds
 from harness.world.solids.pieces import obstacle_of, obstacles_of
 from harness.world.solids.surface import Surface, chosen_grid, room_without_pits, surface_of
 from harness.world.world import ORIGIN, STEEPEST_START, RoverNeeds, Start, World
+from rover_metrics.errors import counted
 
 LONG = 2000.0  # [m] of a mesh whose unit is doubted
 START_ROOM = 0.7  # [m] around the start that is free
@@ -128,12 +129,12 @@ def _obstacles(
         pieces = obstacles_of(joined([mesh]), ground, kinds.of(solid.name), kinds.clearance)
         obstacles += (replace(piece, color=solid.color) for piece in pieces)
     if buried := len(placed) - sum(obstacle is not None for obstacle in placed):
-        notes.append(f"{buried} solids lie in the ground or off the map: left out")
+        notes.append(counted(buried, "solid", " in the ground or off the map: left out"))
     rocks, hazards, decks = (sum(o.kind is kind for o in obstacles) for kind in ObstacleKind)
     if obstacles:
         notes.append(
-            f"{rocks} rocks (no higher than {kinds.limit:g} m above the ground), {hazards} hazards, "
-            f"{decks} facets of decks"
+            counted(rocks, "rock", f" (no higher than {kinds.limit:g} m above the ground), ")
+            + f"{counted(hazards, 'hazard')}, {counted(decks, 'facet', ' of decks')}"
         )
     return [replace(obstacle, color=obstacle.color or BUILT[obstacle.kind]) for obstacle in obstacles]
 

@@ -92,8 +92,8 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
         "left out: <road>",
         "actors: ann, ben",
         "40 m along x, 30 m along y, 401 x 301 heights 0.1 m apart, relief 0 m, middle at 1,2",
-        "2 solids lie in the ground or off the map: left out",
-        "1 rocks (no higher than 0.1 m above the ground), 3 hazards, 0 facets of decks",
+        "2 solids in the ground or off the map: left out",
+        "1 rock (no higher than 0.1 m above the ground), 3 hazards, 0 facets of decks",
         "no wheel has more friction than 0.4, the lowest <mu> of its ground",
         f"starts at {world.start[0]:g},{world.start[1]:g}, the free and gentle place next to its middle",
     )
@@ -125,7 +125,7 @@ def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
     world = world_of(tmp_path, solid("t", mesh, "100 50 0 0 0 0"))
     (deck,) = world.obstacles
     assert deck.kind is ObstacleKind.DECK
-    assert any(note.endswith(" 0 hazards, 1 facets of decks") for note in world.notes)
+    assert any(note.endswith(" 0 hazards, 1 facet of decks") for note in world.notes)
     assert top(deck) == pytest.approx(2.54)
     assert world.ground.middle == pytest.approx((100.0, 50.0))
     assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
