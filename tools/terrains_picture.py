@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from PIL import Image, ImageDraw
 
-from harness.report.hillshade import shade
+from harness.page.run.hillshade import shade
 from harness.world.obstacles import ObstacleKind, outline
 from harness.world.terrains import TERRAINS
 from harness.world.world import World, build_world

@@ -28,7 +28,7 @@ from harness.episode.mishaps import mishaps
 from harness.episode.result import Drive, Outputs, RunResult, steered
 from harness.episode.social_recorder import SocialRecorder
 from harness.live import load_page, watched
-from harness.report.recorder import RunRecorder, Stretch
+from harness.page.run.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.view.drawing import SUFFIXES, Drawing
 from harness.world.files import is_terrain_file
@@ -142,7 +142,7 @@ def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResul
 def _write_page(
     result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]], console: Console
 ) -> None:
-    from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
+    from harness.page.run.content import render  # noqa: PLC0415 - see `_loaded`
 
     assert result.report is not None  # noqa: S101 - there is a recorder
     with console.status("drawing the page"):
@@ -172,7 +172,7 @@ def _loaded(options: RunOptions) -> Drive:
         UsageError: ROS 2 is missing.
     """
     if options.files.page is not None:
-        importlib.import_module("harness.report.content")
+        importlib.import_module("harness.page.run.content")
     load_page(options.live)
     if options.direct:
         from harness.episode.direct import run_direct  # noqa: PLC0415

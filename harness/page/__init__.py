@@ -1,1 +1,1 @@
-"""What the pages of reports and of tuning share."""
+"""Pages that need no network: what all of them share, and that of a run (run/)."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from harness.base.errors import unknown
 from harness.episode.mission import MissionState
-from harness.report.log import NOTES_COLUMN, TIME_COLUMN
+from harness.page.run.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, SoilState, Truth, TruthState
 from harness.scenario.names import FORMS, OF_TARGET, check_heard
 from rover_metrics.core.columns import COLUMNS

@@ -12,9 +12,9 @@ from harness.episode.batch import Batch
 from harness.episode.metrics_feed import metric_settings
 from harness.episode.mission import mission_of
 from harness.episode.result import RunResult
-from harness.report.evidence import keep_evidence
-from harness.report.log import read_log
-from harness.report.recorder import RunRecorder
+from harness.page.run.evidence import keep_evidence
+from harness.page.run.log import read_log
+from harness.page.run.recorder import RunRecorder
 from harness.samples import ContactEvent
 from harness.scenario.baseline import (
     Recorded,

@@ -12,8 +12,8 @@ from harness.base.errors import HarnessError
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunAccount, RunResult, TopicCount
 from harness.messages.recorder import Recorder
-from harness.report.evidence import keep_evidence
-from harness.report.recorder import RunRecorder
+from harness.page.run.evidence import keep_evidence
+from harness.page.run.recorder import RunRecorder
 from harness.ros.bridge import Bridge
 from harness.ros.tap import Tap
 from harness.spec.run import Run

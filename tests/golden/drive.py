@@ -28,8 +28,8 @@ from harness.episode.manifest import manifest
 from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.episode.stream import EpisodeStream
+from harness.page.run.recorder import RunRecorder
 from harness.physics.simulation import Simulation
-from harness.report.recorder import RunRecorder
 from harness.robots import ROVERS
 from harness.robots.urdf.folder import write_folder
 from harness.sensors.camera import painter

@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 
 from harness.base.message_types import typestore
 from harness.cli.options import RunOptions
-from harness.report.content import render
+from harness.page.run.content import render
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.playback import Playback
 from rover_metrics.extended.settings import Settings

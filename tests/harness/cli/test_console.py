@@ -13,7 +13,7 @@ from harness.cli.console import Heartbeat, RunProgress, counted, print_summary
 from harness.episode.result import CommandCount, RunResult, TopicCount
 from harness.samples import Truth
 from harness.spec.run import Run
-from tests.harness.report.made import TRUTH
+from tests.harness.page.run.made import TRUTH
 from tests.support.snapshots import check_snapshot
 
 TIPPED = replace(

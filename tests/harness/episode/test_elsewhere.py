@@ -15,7 +15,7 @@ from harness.episode.episode import episodes_of
 from harness.episode.maps import MAP, occupancy_bytes
 from harness.episode.together import together
 from harness.gym.places import Places
-from harness.report.hillshade import map_layout, shade
+from harness.page.run.hillshade import map_layout, shade
 from harness.samples import ActorPoses, GroundTruth, LaserScan, Sample, TruthState
 from harness.sensors.height_scan import HeightScan
 from harness.spec import Run

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.report import encounters as module
-from harness.report.encounters import Encounter, encounters
-from harness.report.log import Log, caption, collisions, contacts, describe, read_log
-from harness.report.recorder import Approach, Stretch
-from harness.report.tables import comparisons, facts, steady_text
+from harness.page.run import encounters as module
+from harness.page.run.encounters import Encounter, encounters
+from harness.page.run.log import Log, caption, collisions, contacts, describe, read_log
+from harness.page.run.recorder import Approach, Stretch
+from harness.page.run.tables import comparisons, facts, steady_text
 from rover_metrics.extended.truth_columns import truth_columns
-from tests.harness.report.made import RESULT, stretches
+from tests.harness.page.run.made import RESULT, stretches
 
 
 def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.episode.batch import Batch
-from harness.report.recorder import RunRecorder
+from harness.page.run.recorder import RunRecorder
 from harness.run import main
 from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample, Tick, Truth
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
 
 from harness.page import figure as fig
-from harness.report.recorder import Stretch
-from harness.report.series import over_time
+from harness.page.run.recorder import Stretch
+from harness.page.run.series import over_time
 from harness.samples import SoilState
 
 # By heading: unit, what it is, and its value for each wheel.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from harness.page.figure import Layout, common_layout, titled
-from harness.report.recorder import Stretch
+from harness.page.run.recorder import Stretch
 from harness.world.heightfield import Heightfield
 
 SUN_AZIMUTH, SUN_ELEVATION = np.radians(135.0), np.radians(45.0)  # azimuth from +x to +y

@@ -8,11 +8,11 @@ import numpy as np
 
 from harness.page import figure as fig
 from harness.page.figure import DASHES, INK, Trace, line, numbers
-from harness.report.encounters import Encounter, encounters
-from harness.report.hillshade import Hillshade, map_layout
-from harness.report.log import Event
-from harness.report.recorder import Stretch
-from harness.report.soil import ruts
+from harness.page.run.encounters import Encounter, encounters
+from harness.page.run.hillshade import Hillshade, map_layout
+from harness.page.run.log import Event
+from harness.page.run.recorder import Stretch
+from harness.page.run.soil import ruts
 from harness.samples import Vector3
 from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline

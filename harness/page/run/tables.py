@@ -9,9 +9,9 @@ from harness.base.errors import how_many
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.result import RunResult
 from harness.page.figure import DASH, MINUS, TIMES, Plot
-from harness.report.encounters import Encounter
-from harness.report.log import Log, describe, meetings
-from harness.report.recorder import Stretch
+from harness.page.run.encounters import Encounter
+from harness.page.run.log import Log, describe, meetings
+from harness.page.run.recorder import Stretch
 from harness.world.actors.actor import Actor
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.sheet.sheet import Sheet, spelled, unbroken

@@ -18,8 +18,8 @@ from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.result import Outputs
-from harness.report.content import render
-from harness.report.recorder import RunRecorder
+from harness.page.run.content import render
+from harness.page.run.recorder import RunRecorder
 from harness.robots import RoverSpec, find_rover
 from harness.run import main
 from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample

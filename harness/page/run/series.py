@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from harness.page import figure as fig
-from harness.report.log import THRESHOLDS, WITH_GRAVITY, Event, Log, describe
-from harness.report.recorder import Stretch
+from harness.page.run.log import THRESHOLDS, WITH_GRAVITY, Event, Log, describe
+from harness.page.run.recorder import Stretch
 from rover_metrics.analysis.metric import FLAGS
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.sheet.sheet import spelled

@@ -15,15 +15,15 @@ from harness.episode.manifest import manifest
 from harness.episode.mishaps import mishaps
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot
+from harness.page.run import tables
+from harness.page.run.encounters import NEAR, encounters
+from harness.page.run.hillshade import shade
+from harness.page.run.log import Log, caption, collisions, contacts, describe, meetings, read_log
+from harness.page.run.recorder import RunRecorder, Stretch
+from harness.page.run.series import MOST_ROWS, series_figure, varies
+from harness.page.run.soil import soil_plots
+from harness.page.run.terrain_map import map_figure
 from harness.page.shell import fill
-from harness.report import tables
-from harness.report.encounters import NEAR, encounters
-from harness.report.hillshade import shade
-from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
-from harness.report.recorder import RunRecorder, Stretch
-from harness.report.series import MOST_ROWS, series_figure, varies
-from harness.report.soil import soil_plots
-from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.robots.lidar import scan_points
 
@@ -144,4 +144,4 @@ def render(
         others: Paths of further rovers in the same world, by name.
     """
     content = _content(result, recorder, others)
-    return fill("report", content, "harness.report", [content["map"], *content["series"]])
+    return fill("report", content, "harness.page.run", [content["map"], *content["series"]])

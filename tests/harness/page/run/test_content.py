@@ -12,10 +12,10 @@ import numpy as np
 
 from harness.episode.result import RunResult, TopicCount
 from harness.page.figure import AXIS, TIMES
-from harness.report.content import render
-from harness.report.recorder import RunRecorder
+from harness.page.run.content import render
+from harness.page.run.recorder import RunRecorder
 from harness.spec.run import Run
-from tests.harness.report.made import RESULT, recorder, stretches, write_log
+from tests.harness.page.run.made import RESULT, recorder, stretches, write_log
 from tests.support.pages import Outline, without_plotly
 from tests.support.rovers import LEO
 from tests.support.snapshots import check_snapshot

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
-from harness.report.recorder import Stretch
+from harness.page.run.recorder import Stretch
 from harness.samples import Vector3
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE

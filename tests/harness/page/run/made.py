@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
-from harness.report.recorder import Approach, RunRecorder, Stretch
+from harness.page.run.recorder import Approach, RunRecorder, Stretch
 from harness.samples import ContactEvent, LaserScan, PlacedScan, Pose, Truth
 from harness.spec.run import Run
 from rover_metrics.core.columns import COLUMNS

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.report.hillshade import map_layout, shade
-from harness.report.log import Log
-from harness.report.recorder import Stretch
-from harness.report.series import series_figure, thinned, varies
-from harness.report.terrain_map import map_figure
+from harness.page.run.hillshade import map_layout, shade
+from harness.page.run.log import Log
+from harness.page.run.recorder import Stretch
+from harness.page.run.series import series_figure, thinned, varies
+from harness.page.run.terrain_map import map_figure
 from harness.world.heightfield import Heightfield
 from harness.world.world import build_world
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from harness.report.recorder import Approach, Stretch
+from harness.page.run.recorder import Approach, Stretch
 from rover_metrics.analysis.social.metrics import ZONES
 
 NEAR = ZONES["social"]  # [m]

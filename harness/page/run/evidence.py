@@ -8,7 +8,7 @@ from shutil import copy2
 from harness.base.files import write_whole
 from harness.episode.manifest import write_manifest
 from harness.episode.result import RunResult
-from harness.report.recorder import RunRecorder
+from harness.page.run.recorder import RunRecorder
 
 RECORDING = ".mcap"
 
@@ -31,7 +31,7 @@ def keep_evidence(
     Raises:
         HarnessError: Something cannot be written; also OSError.
     """
-    from harness.report.content import render  # noqa: PLC0415 - a second that passing runs save
+    from harness.page.run.content import render  # noqa: PLC0415 - a second that passing runs save
 
     folder = page.parent
     folder.mkdir(parents=True, exist_ok=True)
