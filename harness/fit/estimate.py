@@ -8,8 +8,8 @@ from math import isfinite, nan
 import numpy as np
 from scipy.optimize import least_squares
 
-from harness.recordings.recording import Series
 from harness.robots import RoverSpec
+from harness.validate.recordings.recording import Series
 
 CERTAIN = 2.2  # standard deviations on either side: 95 % of Student's t with BLOCKS - 1
 MOST = 6  # tries of a round

@@ -13,10 +13,10 @@ import numpy as np
 from harness.base.workers import Show, Workers, work_off
 from harness.fit.estimate import Estimate, minimise, of, slope, with_values
 from harness.fit.steady import LENGTH, SETTLED, Steady, window
-from harness.recordings.recording import Series
 from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
 from harness.validate.grounds import flat
+from harness.validate.recordings.recording import Series
 from harness.validate.replay import replay
 
 TOLERANCES = {"yaw_rate": 0.03, "ahead": 0.04}

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series, at, empty
 from harness.robots import RoverSpec
+from harness.validate.recordings.recording import Recording, Series, at, empty
 
 TICK, WINDOW = 0.05, 20  # [s]; ticks, of a second, over which motions are compared
 MOST = 4.0  # times the wheels' motion, and its inverse: less is slip, or a driver's limit

@@ -4,8 +4,8 @@ import numpy as np
 
 from harness.fit.estimate import CERTAIN, Estimate, deviations, of, slope
 from harness.fit.steady import SKEW, SLOWEST
-from harness.recordings.recording import Recording, Series, at
 from harness.robots import RoverSpec
+from harness.validate.recordings.recording import Recording, Series, at
 
 SPAN = 0.5  # [s] over which torques, currents and power are means
 PARTS, STEADY = 10, 0.05  # of a span; sd of currents over the larger one's mean

@@ -4,9 +4,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from harness.fit.estimate import CERTAIN, Estimate, minimise
-from harness.recordings.recording import Recording, Series, at
 from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
+from harness.validate.recordings.recording import Recording, Series, at
 
 STILL = 0.02, 0.05  # [m/s] of both sides, [rad/s]
 FEWEST = 20  # samples at rest

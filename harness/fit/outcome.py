@@ -13,9 +13,9 @@ from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.response import difference, response
 from harness.fit.steady import Steady, kinds, steady
-from harness.recordings.recording import Recording, at, in_order
 from harness.robots import RoverSpec
 from harness.validate.real.commanded import step_ends
+from harness.validate.recordings.recording import Recording, at, in_order
 
 HELD_BACK = 1 / 3  # of the steps, the last ones
 STEP = 6.0  # [s] of what is judged as a step where the recording names none

@@ -10,10 +10,10 @@ from scipy.ndimage import median_filter
 from harness.base.delimited import read_csv
 from harness.base.errors import UsageError
 from harness.fit.likely import likely
-from harness.recordings.bags import recording_of_bag
-from harness.recordings.recording import APART, Recording, in_order, lag, moved
-from harness.recordings.tables import recording_of
 from harness.robots import RoverSpec
+from harness.validate.recordings.bags import recording_of_bag
+from harness.validate.recordings.recording import APART, Recording, in_order, lag, moved
+from harness.validate.recordings.tables import recording_of
 
 NEEDED = "commands", "wheels"
 LONG, MOST_LOST = 1.0, 0.2  # [s] without a sample is a gap; share of the time that gaps may take

@@ -4,9 +4,9 @@ import numpy as np
 
 from harness.base.sim_time import TICK
 from harness.fit.estimate import Estimate, minimise, of, with_values
-from harness.recordings.recording import Recording, Series, at, between, changes
 from harness.robots import RoverSpec
 from harness.validate.real.commanded import as_driven
+from harness.validate.recordings.recording import Recording, Series, at, between, changes
 from harness.validate.replay import controlled, replay
 
 TOLERANCE = 0.03  # [m/s]

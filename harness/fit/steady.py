@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.recordings.recording import Recording, Series, changes
+from harness.validate.recordings.recording import Recording, Series, changes
 
 Flags = NDArray[np.bool_]
 

@@ -95,8 +95,8 @@ def _realism(options: argparse.Namespace, console: Console) -> Outcome:
 
 def _real(options: argparse.Namespace, console: Console) -> Outcome:
     with loading():
-        from harness.recordings.tables import recordings_of
         from harness.validate.real.table import compare as compare_real
+        from harness.validate.recordings.tables import recordings_of
         from harness.validate.suite import print_table, sheet_of
 
     rover = find_rover(options.robot)

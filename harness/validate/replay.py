@@ -8,11 +8,11 @@ from harness.base.sim_time import HIGHEST_RATE, TICK
 from harness.episode.sensing import vibration_of
 from harness.physics.base_controller import base_controller, mean_of
 from harness.physics.motor_power import MotorPower
-from harness.recordings.recording import Recording, Series, at, changes
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from harness.sensors.state import ImuSensor
 from harness.validate.grounds import Course, flat
+from harness.validate.recordings.recording import Recording, Series, at, changes
 from harness.validate.rig import Rig
 
 # How often a real rover's log has something new [ticks of 10 ms].

@@ -18,13 +18,13 @@ from harness.episode.mission import MissionAccount
 from harness.episode.result import RunResult
 from harness.live.recording import read_tracks
 from harness.live.watch import Watch
-from harness.recordings.bags import recording_of_bag
 from harness.robots import find_rover
 from harness.robots.lidar import LidarSpec
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 from harness.spec.run import Run
 from harness.tune.episodes.recompute import Collected, event_rows
+from harness.validate.recordings.bags import recording_of_bag
 from harness.view.camera import scale_of
 from harness.view.marks import path_marks, track_marks
 from harness.view.picture import chase

@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.recordings.recording import Recording, Series, at, changes, moved
 from harness.robots import RoverSpec
 from harness.robots.sections import Span
 from harness.validate.check import Check, around, at_most
+from harness.validate.recordings.recording import Recording, Series, at, changes, moved
 from harness.validate.replay import replay
 
 LEVELS = (0.10, 0.63, 0.90)  # of the way from one steady speed to the next

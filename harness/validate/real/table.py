@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording
 from harness.robots import REAL, RoverSpec, equipped
 from harness.robots.sections import OPEN, Span
 from harness.validate.check import Check
@@ -24,6 +23,7 @@ from harness.validate.real.windows import (
     effective_track,
     windows,
 )
+from harness.validate.recordings.recording import Recording
 from harness.validate.replay import replay
 
 LN_SD, SHARE, TRACK, CURRENT = 0.3, 0.15, 0.10, 0.20  # limits

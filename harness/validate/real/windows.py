@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.recordings.recording import Recording, lag, moved
+from harness.validate.recordings.recording import Recording, lag, moved
 
 WINDOW = 2.0  # [s]
 LOW_BAND = (1.0, 10.0)  # [Hz]

@@ -31,11 +31,11 @@ from harness.fit.page import render
 from harness.fit.reading import read
 from harness.fit.response import response
 from harness.fit.steady import Steady, kinds, window
-from harness.recordings.bags import recording_of_bag
-from harness.recordings.recording import Recording, at
 from harness.robots import REAL, ROVERS, RoverSpec, equipped, find_rover
 from harness.spec.run import Run
 from harness.validate.grounds import flat
+from harness.validate.recordings.bags import recording_of_bag
+from harness.validate.recordings.recording import Recording, at
 from harness.validate.replay import controlled, replay
 from tests.support.complaint import complaint
 

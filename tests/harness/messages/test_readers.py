@@ -8,9 +8,9 @@ from zlib import crc32
 import numpy as np
 
 from harness.base.message_types import typestore
-from harness.recordings.bags import TAKEN, Take
 from harness.robots import REAL, ROVERS, equipped
 from harness.scenario import maps, poses
+from harness.validate.recordings.bags import TAKEN, Take
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.session import MetricsSession

@@ -12,13 +12,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series, at, moved
-from harness.recordings.tables import recordings_of
 from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.__main__ import main
 from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.table import compare
 from harness.validate.real.windows import SPOT, aligned, effective_track, windows
+from harness.validate.recordings.recording import Recording, Series, at, moved
+from harness.validate.recordings.tables import recordings_of
 from tests.support.complaint import complaint
 
 HUSKY = ROVERS["husky"]

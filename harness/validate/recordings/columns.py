@@ -12,7 +12,7 @@ import pandas as pd
 
 from harness.base.delimited import read_csv
 from harness.base.errors import UsageError, unknown
-from harness.recordings.recording import Series
+from harness.validate.recordings.recording import Series
 
 NAMES: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "stamp", "secs"),

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from harness.base.errors import UsageError
-from harness.recordings.columns import UNITS, read_columns, steps_of
-from harness.recordings.recording import Recording, Series, changes, empty, in_order
+from harness.validate.recordings.columns import UNITS, read_columns, steps_of
+from harness.validate.recordings.recording import Recording, Series, changes, empty, in_order
 
 STILL_G = (0.9, 1.1)  # median magnitude of acceleration without a unit that is in g
 FASTEST_TURN = 10.0  # [rad/s] that a rover may turn with where no unit says that it does

@@ -17,12 +17,12 @@ from harness.episode.result import Outputs
 from harness.fit.estimate import of
 from harness.fit.motors import motors
 from harness.fit.mount import mount
-from harness.recordings.bags import recording_of_bag
-from harness.recordings.recording import Recording, at
-from harness.recordings.tables import recording_of
 from harness.robots import REAL, ROVERS, equipped
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from harness.validate.recordings.bags import recording_of_bag
+from harness.validate.recordings.recording import Recording, at
+from harness.validate.recordings.tables import recording_of
 
 DRIVE = [(1.0, 0.5, 0.5), (4.0, -0.3, 0.0), (6.0, 0.0, -0.9), (8.0, 0.4, -0.3)]
 TURN, MINUTE = 2.0 * np.pi, constants.minute

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.recordings.recording import Recording, Series, in_order
-from harness.recordings.tables import check_turning, in_metres
 from harness.robots import RoverSpec
+from harness.validate.recordings.recording import Recording, Series, in_order
+from harness.validate.recordings.tables import check_turning, in_metres
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
 from rover_metrics.bag.playback import deserialised

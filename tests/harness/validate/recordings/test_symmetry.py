@@ -16,10 +16,10 @@ from harness.fit.outcome import split
 from harness.fit.reading import read
 from harness.fit.response import difference
 from harness.fit.steady import LENGTH, kinds, steady
-from harness.recordings.recording import Recording, Series, at, lag, moved
 from harness.robots import REAL, ROVERS, RoverSpec, equipped
 from harness.validate.real.commanded import as_driven, response_times, step_ends
 from harness.validate.real.windows import windows
+from harness.validate.recordings.recording import Recording, Series, at, lag, moved
 
 HUSKY = equipped(ROVERS["husky"], REAL, "flooring")
 TWISTS = np.array([(0.0, 0.0), (0.6, 0.0), (0.0, 0.9), (-0.5, 0.4), (0.0, -0.7), (0.4, -0.8),
