@@ -2,7 +2,7 @@
 
     python -m harness.play run.mcap
 
-What is shown, and how, is the work of harness.live.
+What is shown, and how, is the work of harness.view.live.
 """
 
 import argparse
@@ -18,9 +18,9 @@ if __name__ == "__main__":
 from harness.base.interrupt import StopRequest
 from harness.cli.flags import add_flags, from_flags
 from harness.cli.run_parser import DEFAULT_LOG_DIR
-from harness.live import load_page, show_recording
-from harness.live.recording import manifests_near, read_tracks, run_of
 from harness.spec.live import LiveOptions
+from harness.view.live import load_page, show_recording
+from harness.view.live.recording import manifests_near, read_tracks, run_of
 from rover_metrics.parser import OneLineParser
 
 

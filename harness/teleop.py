@@ -25,7 +25,7 @@ if __name__ == "__main__":
 from harness.base.errors import UsageError, needing_ros
 from harness.base.interrupt import Overdue, StopRequest
 from harness.base.ros_names import namespace_of
-from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
+from harness.view.live.keys import DIRECTIONS, HELD, STANDING, Keys
 from rover_metrics.errors import complain
 from rover_metrics.parser import OneLineParser, positive
 

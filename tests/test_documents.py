@@ -22,7 +22,7 @@ PYTHON_ELSEWHERE = {  # the test that runs the code of a page, or why none does
     "docs/extend.md": "tests/harness/test_plugins.py runs the like of it",
     "docs/gym.md": "tests/harness/gym/test_env.py runs it",
     "docs/testing.md": "a part of examples/test_emergency_stop.py, which tests/harness/testing runs",
-    "docs/log.md": "tests/harness/live/test_page.py does the same with a run's own manifest",
+    "docs/log.md": "tests/harness/view/live/test_page.py does the same with a run's own manifest",
     "docs/scenarios.md": "MyNode is the reader's; tests/harness/scenario has the like",
 }
 # Our own commands elsewhere are parsed only: they drive through ROS or for minutes, need the reader's

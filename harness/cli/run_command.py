@@ -27,10 +27,10 @@ from harness.episode.manifest import write_manifest
 from harness.episode.mishaps import mishaps
 from harness.episode.result import Drive, Outputs, RunResult, steered
 from harness.episode.social_recorder import SocialRecorder
-from harness.live import load_page, watched
 from harness.page.run.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.view.drawing import SUFFIXES, Drawing
+from harness.view.live import load_page, watched
 from harness.world.files import is_terrain_file
 from rover_metrics.errors import complain, sibling
 from rover_metrics.sheet.console import PlainConsole

@@ -7,10 +7,10 @@ from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.helm import Helm
 from harness.gym.course import Course
 from harness.gym.driven_rover import DrivenRover
-from harness.live.page import LivePage
-from harness.live.watch import Sight
 from harness.samples import LaserScan, Place, Truth
 from harness.spec.live import LiveOptions
+from harness.view.live.page import LivePage
+from harness.view.live.watch import Sight
 
 
 class LiveView:

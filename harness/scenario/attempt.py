@@ -11,7 +11,6 @@ from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.direct import run_direct, run_unlogged
 from harness.episode.result import Outputs
-from harness.live import watched
 from harness.scenario.case import SCRATCH, Case
 from harness.scenario.quantities import quantity_of
 from harness.scenario.series import SAMPLES
@@ -19,6 +18,7 @@ from harness.scenario.verdict import Attempt
 from harness.scenario.watch import WORDS, Watch, clear
 from harness.spec.live import NOWHERE, LiveOptions
 from harness.spec.ros import RosOptions
+from harness.view.live import watched
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,6 @@ from harness.base.interrupt import StopRequest
 from harness.base.workers import LOCAL, workers_of
 from harness.cli.console import counted
 from harness.cli.flags import from_flags
-from harness.live import load_page
 from harness.scenario.attempt import AttemptOptions
 from harness.scenario.baseline import write_baselines
 from harness.scenario.case import Selected, find_files, plan
@@ -21,6 +20,7 @@ from harness.scenario.suite import run_all
 from harness.scenario.terminal import print_verdicts
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.spec.live import LiveOptions
+from harness.view.live import load_page
 from rover_metrics.sheet.console import PlainConsole
 
 ENDS = {"plot": (".png", ".pdf", ".svg"), "page": PAGES}  # how the names of files may end

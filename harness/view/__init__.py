@@ -1,1 +1,1 @@
-"""How a run looks: a lit stage, where the camera stands, and what is drawn onto the ground."""
+"""How a run looks: a lit stage, a camera, what is drawn onto the ground; live/: as an open page."""

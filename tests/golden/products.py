@@ -16,8 +16,6 @@ from harness.episode.assembly import route_progress, world_of
 from harness.episode.batch import Batch
 from harness.episode.mission import MissionAccount
 from harness.episode.result import RunResult
-from harness.live.recording import read_tracks
-from harness.live.watch import Watch
 from harness.robots import find_rover
 from harness.robots.lidar import LidarSpec
 from harness.scenario.quantities import QUANTITIES
@@ -26,6 +24,8 @@ from harness.spec.run import Run
 from harness.tune.episodes.recompute import Collected, event_rows
 from harness.validate.recordings.bags import recording_of_bag
 from harness.view.camera import scale_of
+from harness.view.live.recording import read_tracks
+from harness.view.live.watch import Watch
 from harness.view.marks import path_marks, track_marks
 from harness.view.picture import chase
 from harness.view.states import StateWriter, read_states

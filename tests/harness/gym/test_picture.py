@@ -10,9 +10,9 @@ from gymnasium.error import ResetNeeded
 
 from harness.base.errors import UsageError
 from harness.gym import picture
-from harness.live.watch import Watch
 from harness.physics import opengl
 from harness.physics.opengl import gl_context
+from harness.view.live.watch import Watch
 from harness.view.marks import add_marks
 from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make

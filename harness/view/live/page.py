@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from harness.base.errors import UsageError
 from harness.episode.helm import Helm
-from harness.live.gate import Gate
-from harness.live.watch import Watch
 from harness.samples import Place
 from harness.spec.live import HERE, LiveOptions, address_of
 from harness.spec.run import Run
+from harness.view.live.gate import Gate
+from harness.view.live.watch import Watch
 from rover_metrics.errors import complain
 
 if TYPE_CHECKING:
-    from harness.live.recording import Player
+    from harness.view.live.recording import Player
 
 FRAME, SLOWLY = 0.04, 0.25  # [s] of wall time between two frames; between two of charts and paths
 PATIENCE = 5.0  # [s] for the last frame to be drawn
@@ -52,9 +52,9 @@ class LivePage(AbstractContextManager["LivePage"]):
     ) -> None:
         if importlib.util.find_spec("viser") is None:
             raise UsageError("--live needs viser; install it with pip install 'rover-harness[live]'")
-        from harness.live.panel import Panel  # noqa: PLC0415 - its extra may be missing
-        from harness.live.server import Server  # noqa: PLC0415
-        from harness.live.stage import Stage  # noqa: PLC0415
+        from harness.view.live.panel import Panel  # noqa: PLC0415 - its extra may be missing
+        from harness.view.live.server import Server  # noqa: PLC0415
+        from harness.view.live.stage import Stage  # noqa: PLC0415
 
         host, port = address_of(options.live or "")
         self.observers = [Watch(partial(helm.last_row, number)) for number in range(len(run.rovers))]

@@ -11,13 +11,13 @@ from harness.episode.direct import run_direct
 from harness.episode.helm import Helm
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Outputs
-from harness.live.recording import Player, manifests_near, read_tracks, run_of
-from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.play import main
 from harness.samples import Truth
 from harness.spec.fleet import parse_rovers
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from harness.view.live.recording import Player, manifests_near, read_tracks, run_of
+from harness.view.live.watch import MOST_POINTS, Sight, Watch
 from harness.view.states import PERIOD_NS
 
 SECOND = 1_000_000_000

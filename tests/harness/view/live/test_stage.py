@@ -14,15 +14,15 @@ from harness.base.interrupt import StopRequest
 from harness.episode.assembly import world_of
 from harness.episode.direct import run_direct
 from harness.episode.result import Outputs
-from harness.live.server import Server
-from harness.live.stage import Stage
-from harness.live.watch import Sight, Watch
 from harness.robots import find_rover
 from harness.samples import Place
 from harness.spec.ros import RosOptions
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run
 from harness.spec.world import WorldSpec
+from harness.view.live.server import Server
+from harness.view.live.stage import Stage
+from harness.view.live.watch import Sight, Watch
 
 
 def test_what_is_clicked_is_the_ground_there_wherever_the_followed_rover_is_and_a_goal_stands_on_it(

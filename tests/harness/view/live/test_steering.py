@@ -21,13 +21,13 @@ from harness.episode.direct import run_direct
 from harness.episode.fingerprint import StreamHash
 from harness.episode.helm import Helm, Order
 from harness.episode.result import Outputs
-from harness.live.keys import DIRECTIONS, HELD, STANDING, Keys
-from harness.live.wheel import GOAL, Wheel
 from harness.robots import find_rover
 from harness.samples import Place, Twist
 from harness.spec.ros import RosOptions
 from harness.spec.rover import CMD_VEL, RoverSetup
 from harness.spec.run import Run
+from harness.view.live.keys import DIRECTIONS, HELD, STANDING, Keys
+from harness.view.live.wheel import GOAL, Wheel
 from rover_metrics.core.thresholds import Thresholds
 
 PERIOD = 0.05  # [s]

@@ -19,10 +19,10 @@ from harness.base.message_types import read_message
 from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.assembly import actor_names
 from harness.episode.helm import Helm
-from harness.live.watch import MOST_POINTS, Sight, Watch
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Truth
 from harness.spec.run import Run
+from harness.view.live.watch import MOST_POINTS, Sight, Watch
 from harness.view.states import PERIOD_NS, people_row
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError

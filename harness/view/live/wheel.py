@@ -6,10 +6,10 @@ from threading import RLock
 from harness.drivers import takes_goals
 from harness.drivers.base import drivable
 from harness.episode.helm import Helm, Order
-from harness.live.keys import STANDING, Keys
 from harness.robots import find_rover
 from harness.samples import Place, Twist, Vector3
 from harness.spec.rover import CMD_VEL, RoverSetup
+from harness.view.live.keys import STANDING, Keys
 
 GOAL = "goal"  # the driver that goes to goals
 

@@ -12,8 +12,6 @@ import viser
 from numpy.typing import NDArray
 
 from harness.episode.assembly import scenery
-from harness.live.shapes import WORLD, gltf_of_bodies
-from harness.live.watch import Watch
 from harness.physics.scene import build_scenes
 from harness.physics.sky import HAZE
 from harness.physics.stage import FIELD_OF_VIEW, SUN_ELEVATION, Quality, dress
@@ -22,6 +20,8 @@ from harness.samples import Place
 from harness.spec.run import Run
 from harness.view.camera import SOLID_GROUPS, chase_view, scale_of
 from harness.view.ground import drawn
+from harness.view.live.shapes import WORLD, gltf_of_bodies
+from harness.view.live.watch import Watch
 from harness.view.marks import HIT_COLOR, PATH_COLOR
 from harness.view.posing import Posing
 

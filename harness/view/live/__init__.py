@@ -17,7 +17,7 @@ from harness.spec.live import LiveOptions
 from harness.spec.run import Run
 
 if TYPE_CHECKING:
-    from harness.live.recording import Track
+    from harness.view.live.recording import Track
 
 
 def load_page(options: LiveOptions) -> None:
@@ -26,7 +26,7 @@ def load_page(options: LiveOptions) -> None:
     What a StopRequest raises is swallowed by libraries of viser that are just being loaded.
     """
     if options.live is not None and find_spec("viser") is not None:  # else `watched` says so
-        import_module("harness.live.panel")
+        import_module("harness.view.live.panel")
 
 
 @contextmanager
@@ -51,7 +51,7 @@ def watched(
     if options.live is None:
         yield None, ()
         return
-    from harness.live.page import LivePage  # noqa: PLC0415 - its extra may be missing
+    from harness.view.live.page import LivePage  # noqa: PLC0415 - its extra may be missing
 
     helm = Helm(rate, stop)
     with LivePage(run, helm, options) as page:
@@ -71,8 +71,8 @@ def show_recording(run: Run, tracks: Sequence["Track"], options: LiveOptions, st
     Raises:
         UsageError: viser is missing, or it cannot be served there.
     """
-    from harness.live.page import LivePage  # noqa: PLC0415 - its extra may be missing
-    from harness.live.recording import FRAME, Player  # noqa: PLC0415
+    from harness.view.live.page import LivePage  # noqa: PLC0415 - its extra may be missing
+    from harness.view.live.recording import FRAME, Player  # noqa: PLC0415
 
     helm = Helm(1.0, stop)
     player = Player(max(track.poses.times[-1] for track in tracks))

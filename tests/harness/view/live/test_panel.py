@@ -16,12 +16,12 @@ from harness.base.interrupt import StopRequest
 from harness.episode.direct import run_direct
 from harness.episode.helm import Helm, Order
 from harness.episode.result import Outputs
-from harness.live.page import LivePage
 from harness.robots import find_rover
 from harness.spec.fleet import parse_rovers
 from harness.spec.live import LiveOptions
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from harness.view.live.page import LivePage
 from tests.support.visitor import Visitor
 from tests.support.waiting import PATIENCE, free_port, wait_until
 

@@ -10,7 +10,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from harness.base.errors import UsageError
-from harness.live.gate import Gate
+from harness.view.live.gate import Gate
 from tests.support.waiting import PATIENCE
 
 TOKEN = "a-secret-of-ours"  # noqa: S105 - of this test

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 import viser
 
 from harness.episode.helm import Helm
-from harness.live.charts import Charts
-from harness.live.keys import DIRECTIONS
-from harness.live.stage import Stage
-from harness.live.watch import Watch
-from harness.live.wheel import Wheel
 from harness.spec.run import Run
+from harness.view.live.charts import Charts
+from harness.view.live.keys import DIRECTIONS
+from harness.view.live.stage import Stage
+from harness.view.live.watch import Watch
+from harness.view.live.wheel import Wheel
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 
 if TYPE_CHECKING:
-    from harness.live.recording import Player
+    from harness.view.live.recording import Player
 
 RATES: dict[str, float | None] = {
     **{f"{rate:g}x": rate for rate in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)},

@@ -9,11 +9,11 @@ import trimesh
 from numpy.typing import NDArray
 
 from harness.episode.assembly import scenery
-from harness.live.shapes import WORLD, gltf_of_bodies
 from harness.physics.scene import build_scenes
 from harness.physics.stage import Quality, dress
 from harness.spec.run import Run
 from harness.view.camera import SOLID_GROUPS
+from harness.view.live.shapes import WORLD, gltf_of_bodies
 
 Triangles = NDArray[np.float64]
 QUALITY = Quality(width=64, height=64, samples=0, shadow_map=64, slices=8)

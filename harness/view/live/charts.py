@@ -6,7 +6,7 @@ import numpy as np
 import viser
 from viser import uplot
 
-from harness.live.watch import Watch
+from harness.view.live.watch import Watch
 
 HEIGHT = 120  # [pixels]
 INK = "#0d7f8c"
