@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 from harness.base.documents import read_yaml
 from harness.base.errors import UsageError
 from harness.scenario import bound, spec, steps
+from harness.scenario.consistency import problems
 from harness.scenario.spec import Scenario
 from harness.spec.complaint import foremost, not_valid, unknown_key
 
@@ -39,12 +40,15 @@ def read_scenario(path: Path) -> Scenario:
     try:
         # JSON's rules know no types of Python: a list is a tuple, but "3" and true are no numbers.
         given = {key: value for key, value in content.items() if value is not None}
-        return Scenario.model_validate_json(json.dumps(given, default=str), strict=True)
+        scenario = Scenario.model_validate_json(json.dumps(given, default=str), strict=True)
     except ValidationError as error:
         first = foremost(error)
-        location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
-        keys, place = _place_of(content, location)
+        keys, place = _place_of(content, first["loc"])
         raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
+    for location, problem in problems(scenario):
+        keys, place = _place_of(content, location)
+        raise UsageError(f"{path}{place}: {_named(keys, problem)}")
+    return scenario
 
 
 def _place_of(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel
@@ -76,7 +80,10 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
             return not_valid(error, key) if isinstance(key, str) else f"{keys} has too few values"
         case "union_tag_not_found":
             return f"{keys}: an event needs one of the keys {', '.join(steps.EVENTS)}"
-        case "value_error" | "beside":
-            message = error["ctx"].get("message") or error["ctx"]["error"]
-            return f"{keys}: {message}" if keys else str(message)
+        case "value_error":
+            return _named(keys, error["ctx"]["error"])
     return not_valid(error, keys, part.model_fields.get(str(location[-1])))
+
+
+def _named(keys: str, problem: object) -> str:
+    return f"{keys}: {problem}" if keys else str(problem)

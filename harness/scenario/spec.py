@@ -2,12 +2,11 @@
 
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, create_model
 
 from harness.scenario.bound import Bound, Measure, Point, Share, Text
-from harness.scenario.consistency import problems
 from harness.scenario.names import FORMS, MAP, OF_TARGET, PATTERN, POSE
 from harness.scenario.quantities import check_name, names
 from harness.scenario.steps import Event, Launched
@@ -207,9 +206,3 @@ class Scenario(RunKeys):
     def has_baseline(self) -> bool:
         """Whether runs are compared with recorded ones."""
         return self.same_bytes or any(bound.has_baseline for _, bound in self.bounds)
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        for problem in problems(self):
-            raise problem
-        return self
