@@ -112,6 +112,7 @@ class RouteProgress:
     reached: dict[int, float] = field(default_factory=dict)
     current: int | None = None  # the way point to go to; None when none is left
     done_s: float = math.nan  # when the last one was reached, if none was missed [s]; NaN before
+    stands: bool = False  # whether somebody has stood for STANDING_S
     _left: list[int] = field(init=False)
     _since_s: float = 0.0
     _before: Where | None = None
@@ -124,9 +125,9 @@ class RouteProgress:
         """Takes where somebody is, x and y in the world [m], at a time since the start [s]."""
         before, self._before = self._before or place, place
         due = list(self._left) if self.any_order else self._left[:1]
-        stands = self._standstill.observe(time_s, place)
+        self.stands = self._standstill.observe(time_s, place)
         near = [number for number in due if self.marks[number].is_reached(before, place)]
-        hit = [number for number in near if stands or not self.marks[number].stop]
+        hit = [number for number in near if self.stands or not self.marks[number].stop]
         late = time_s > self.limit
         if hit and not late:
             self.reached |= dict.fromkeys(hit, time_s)

@@ -49,6 +49,13 @@ def test_a_route_leads_through_a_gate_to_a_target_and_ends_before_it() -> None:
     assert batches[-1].truth.hazard_contacts == 0
 
 
+def test_who_came_round_a_gate_is_sent_back_through_it() -> None:
+    given: dict[str, object] = {"targets": ("gate:x=0,y=2,yaw=1.5707963",), "route": "3,1.5/gate"}
+    batches = driven(**given, duration=40.0)
+    assert list(reached(batches, Run.of(terrain="flat", **given)).reached) == [0, 1]
+    assert len([goal for batch in batches for goal in batch.goals]) == 3  # the gate's twice
+
+
 def towards_goals(file: Path) -> str:
     """Writes the policy that turns by the sine of the bearing and drives by its cosine."""
     weights = np.zeros((64 + BESIDE_LIDAR, 2), np.float32)
