@@ -84,19 +84,20 @@ class Episode:
         lidar_spec = LidarSpec(beams=self.setup.lidar_beams)
         lidar = Lidar(scene.model, lidar_spec, scene.own("lidar"), scene.others())
         parts = EpisodeParts(simulation=self.simulation, lidar=lidar, recorder=self._recorder)
-        self.description = None
+        self.description = install = None
         rows = sensor_rows(self.setup)
         optional = [row.given for row in rows if row.given is not None]
         if frame_options is not None or optional:
             frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
             install = partial(installed, run, number, frames, scene, lidar.surroundings)
-            parts = replace(parts, install=install)
         if frame_options is not None:
             self.description = describe(frames, frame_options)
             parts = replace(parts, frames=frames, frame_options=frame_options)
         noise = sensor_noise(self.setup.noise, run.own_seed(number), lidar_spec, rover.vibration)
         rates: dict[type[Sample], int] = {Imu: self.setup.imu_rate}
-        self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
+        self._sensors = SensorSuite(
+            parts, rover, rates, wanted=samples, noise=noise, rows=rows, install=install
+        )
         crowd, are_sampled = self.simulation.crowd, samples is None or ActorPoses in samples
         self._people = (
             PeopleSensor(self.simulation, crowd) if crowd is not None and are_sampled else None

@@ -1,12 +1,12 @@
 """What a sensor is: something that looks at the simulation every so many clock ticks."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from harness.samples import Sample, Source
 
 if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -16,7 +16,6 @@ if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     from harness.physics.truth.recorder import TruthRecorder
     from harness.robots.frames.rover_frames import RoverFrames
     from harness.sensors.lidar import Lidar
-    from harness.sensors.optional import Installation, SensorOptions
     from harness.spec.ros import FrameOptions
 
 
@@ -27,8 +26,6 @@ class EpisodeParts:
     simulation: "Simulation"
     lidar: "Lidar | None" = None  # the planar lidar that every rover has
     recorder: "TruthRecorder | None" = None  # knows contacts, slip and the way
-    # gives an optional sensor its place, its generator and its noise
-    install: "Callable[[SensorOptions], Installation[Any]] | None" = None
     frames: "RoverFrames | None" = None
     frame_options: "FrameOptions | None" = None  # which transforms are published
     # the sensors of the episode by source; those of later rows follow

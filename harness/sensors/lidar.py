@@ -12,10 +12,7 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import entry
 from harness.physics.aside import Errand
-from harness.physics.simulation import Simulation
 from harness.robots.lidar import LidarSpec, directions
-from harness.samples import LaserScan
-from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.rays.bundle import RayBundle, Surroundings, cast_rays_of
 
 
@@ -83,40 +80,3 @@ class ScanAside(Errand):
     def passed(self, data: mujoco.MjData) -> tuple[int, int]:
         """Returns the addresses of the kernel that casts the rays, and of what it takes."""
         return entry(cast_rays_of), self.rays.passed_at(self._site, self._model, data)
-
-
-class LidarSensor(Sensor):
-    """The lidar as a sensor of the episode.
-
-    Args:
-        simulation: Of the rover.
-        lidar: Casts the rays.
-        period_ticks: Clock ticks between two scans.
-    """
-
-    sees_ground = True
-
-    def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
-        super().__init__(simulation, period_ticks)
-        self._lidar = lidar
-        self._aside: ScanAside | None = None
-
-    @classmethod
-    def of(cls, parts: EpisodeParts, period_ticks: int) -> "LidarSensor | None":
-        """Returns the lidar of an episode; None without one."""
-        return None if parts.lidar is None else cls(parts.simulation, parts.lidar, period_ticks)
-
-    @property
-    def errand(self) -> ScanAside | None:
-        """The scan; None where meshes may be met."""
-        if self._aside is None and not self._lidar.surroundings.has_meshes:
-            self._aside = self._lidar.aside(self._simulation.model)
-        return self._aside
-
-    def read(self) -> LaserScan:
-        """Returns a scan from where the rover is now."""
-        simulation, aside = self._simulation, self._aside
-        if aside is not None and aside.is_done:
-            aside.is_done = False
-            return LaserScan(simulation.time_ns, self._lidar.coded(aside.rays.distances))
-        return LaserScan(simulation.time_ns, self._lidar.scan(simulation.data))

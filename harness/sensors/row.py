@@ -10,7 +10,10 @@ from harness.robots import RoverSpec
 from harness.samples import Sample, Source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.noise import NoisePreset
-from harness.sensors.optional import SensorOptions
+from harness.sensors.optional import Installation, SensorOptions
+
+# Gives an optional sensor its place, its generator and its noise.
+Install = Callable[[SensorOptions], Installation[Any]]
 
 
 @dataclass(frozen=True)
@@ -68,12 +71,12 @@ class SensorRow:
         """Returns the name of the frame on that rover."""
         return self.frame if isinstance(self.frame, str) else self.frame(rover)
 
-    def make(self, parts: EpisodeParts, rate: int) -> Sensor | None:
+    def make(self, parts: EpisodeParts, rate: int, install: Install | None) -> Sensor | None:
         """Returns the sensor of an episode, of a rate [Hz]; None if the episode lacks a part of it."""
         kind: Any = resolve_name(self.factory) if isinstance(self.factory, str) else self.factory
         made: Sensor | None = None
         if self.given is None:
             made = kind.of(parts, period_ticks(rate))
-        elif parts.install is not None:
-            made = kind(parts.simulation, parts.install(self.given), period_ticks(rate))
+        elif install is not None:
+            made = kind(parts.simulation, install(self.given), period_ticks(rate))
         return made

@@ -1,4 +1,4 @@
-"""Sensors that read the simulation's state: pose, IMU, true odometry, joint states, truth, people."""
+"""Sensors without options: pose, IMU, lidar, true odometry, joint states, truth, people."""
 
 import math
 
@@ -10,8 +10,9 @@ from harness.base.sim_time import HIGHEST_RATE
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
 from harness.physics.truth.recorder import TruthRecorder
-from harness.samples import ActorPoses, GroundTruth, Imu, JointStates, Pose, TruthState
+from harness.samples import ActorPoses, GroundTruth, Imu, JointStates, LaserScan, Pose, TruthState
 from harness.sensors.base import EpisodeParts, Sensor
+from harness.sensors.lidar import Lidar, ScanAside
 
 PEOPLE_RATE = 30  # [Hz]
 
@@ -60,6 +61,43 @@ class ImuSensor(Sensor):
         """Starts a new window; what is in the present one is never read."""
         self._sum = [0.0] * 6
         self._steps = 0
+
+
+class LidarSensor(Sensor):
+    """The lidar as a sensor of the episode.
+
+    Args:
+        simulation: Of the rover.
+        lidar: Casts the rays.
+        period_ticks: Clock ticks between two scans.
+    """
+
+    sees_ground = True
+
+    def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
+        super().__init__(simulation, period_ticks)
+        self._lidar = lidar
+        self._aside: ScanAside | None = None
+
+    @classmethod
+    def of(cls, parts: EpisodeParts, period_ticks: int) -> "LidarSensor | None":
+        """Returns the lidar of an episode; None without one."""
+        return None if parts.lidar is None else cls(parts.simulation, parts.lidar, period_ticks)
+
+    @property
+    def errand(self) -> ScanAside | None:
+        """The scan; None where meshes may be met."""
+        if self._aside is None and not self._lidar.surroundings.has_meshes:
+            self._aside = self._lidar.aside(self._simulation.model)
+        return self._aside
+
+    def read(self) -> LaserScan:
+        """Returns a scan from where the rover is now."""
+        simulation, aside = self._simulation, self._aside
+        if aside is not None and aside.is_done:
+            aside.is_done = False
+            return LaserScan(simulation.time_ns, self._lidar.coded(aside.rays.distances))
+        return LaserScan(simulation.time_ns, self._lidar.scan(simulation.data))
 
 
 class GroundTruthSensor(Sensor):

@@ -11,7 +11,7 @@ from harness.samples import Sample, Source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import chosen
 from harness.sensors.noise import SensorNoise
-from harness.sensors.table import SensorRow
+from harness.sensors.row import Install, SensorRow
 
 
 class SensorSuite:
@@ -24,6 +24,7 @@ class SensorSuite:
         wanted: Which samples; None for all that the parts suffice for.
         noise: What corrupts their readings; None for nothing.
         rows: The sensors; None for those of every rover.
+        install: Installs optional ones; None where there are none.
 
     Attributes:
         latest: The last sample of each kind.
@@ -39,6 +40,7 @@ class SensorSuite:
         wanted: Collection[type[Sample]] | None = None,
         noise: SensorNoise | None = None,
         rows: Iterable[SensorRow] | None = None,
+        install: Install | None = None,
     ) -> None:
         made: WeakValueDictionary[Source, Sensor] = WeakValueDictionary()  # one may know all, so itself
         self._kinds: dict[Sensor, type[Sample]] = {}
@@ -46,7 +48,7 @@ class SensorSuite:
         parts = replace(parts, sensors=made, wheel_scale=scale)
         for row in chosen(rover, ()) if rows is None else rows:
             if wanted is None or row.source in wanted:
-                sensor = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
+                sensor = row.make(parts, rates.get(row.sample, row.rate_on(rover)), install)
                 if sensor is not None:
                     made[row.source] = sensor
                     self._kinds[sensor] = row.sample

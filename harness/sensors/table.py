@@ -51,7 +51,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=samples.LaserScan,
-        factory="harness.sensors.lidar:LidarSensor",
+        factory="harness.sensors.state:LidarSensor",
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         rate=20,
         frame=attrgetter("lidar_frame"),

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import astuple, fields, is_dataclass
 from functools import cache
-from types import SimpleNamespace
 from typing import Any, Literal, get_args, get_origin
 from zlib import crc32
 
@@ -23,6 +22,7 @@ from harness.robots import REAL, ROVERS, equipped
 from harness.robots.frames.rover_frames import RoverFrames, rover_frames
 from harness.robots.lidar import LidarSpec
 from harness.robots.sections import FrameRow
+from harness.sensors.base import EpisodeParts
 from harness.sensors.choice import chosen, kinds
 from harness.sensors.rays.bundle import Surroundings
 from harness.soil.soils import Soil
@@ -124,8 +124,8 @@ def of_sensors() -> Iterator[str]:
                 continue
             given: Any = carried.given
             install = installed(episode.run, 0, frames_of(given.frames(LEO)), scene, surroundings, given)
-            parts: Any = SimpleNamespace(simulation=simulation, install={given: install}.get)
-            sensor: Any = carried.make(parts, 10)
+            parts = EpisodeParts(simulation=simulation)
+            sensor: Any = carried.make(parts, 10, {given: install}.__getitem__)
             reading = sensor.read()
             made = [filler(carried, topic, LEO, LidarSpec())(reading) for topic in carried.topics]
             sent = [(t.name, crc32(m or b"")) for t, m in zip(carried.topics, made, strict=True)]
