@@ -7,6 +7,8 @@ RUNS := .venv/.runs
 COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
 JOBS ?= 3
+# Where no bytecode may be kept, every process would compile the harness anew; it stays out of git.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: run test golden test-jazzy test-cluster test-clients mutants lint format bench soak docs dist smoke lock audit clean setup
 
