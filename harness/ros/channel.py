@@ -1,4 +1,8 @@
-"""One topic of the bridge: its publisher, what makes its messages, and how many there were."""
+"""One topic of the bridge: its publisher, what makes its messages, and how many there were.
+
+A message that nobody would get is counted, but not made: a writer keeps none for who listens later,
+unless the topic is latched.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,28 +28,33 @@ class Channel:
     Attributes:
         publisher: Of the topic.
         send: Publishes bytes by it; rclpy's own `publish` looks at their kind each time.
+        listeners: Returns how many subscriptions DDS has matched to it.
         fill: Makes a message of a sample.
         topic: The resolved name, which a publisher forgets at shutdown.
-        published: How many messages have been.
+        published: How many messages have been, whether or not anybody listened.
         size: Of the last one [bytes].
         record: Takes each message and returns the bytes to publish for it; None while nobody records.
         is_wanted: Returns whether anybody but listeners wants messages.
-        on_demand: Whether messages are made only while somebody listens or records.
+        latched: Whether who listens later gets the last messages.
+        on_demand: Whether only those messages count that somebody gets.
     """
 
     publisher: Publisher
     send: Callable[[bytes], object]
+    listeners: Callable[[], int]
     fill: Fill
     topic: str
     published: int = 0
     size: int = 0
     record: Callable[[Message], bytes] | None = None
     is_wanted: Callable[[], bool] = bool
+    latched: bool = False
     on_demand: bool = False
 
     def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
-        """Sends one sample, if it is wanted and there is a message of it."""
-        if self.on_demand and not (self.is_wanted() or self.publisher.get_subscription_count()):
+        """Sends one sample, if somebody gets it and there is a message of it."""
+        if not (self.listeners() or self.latched or self.is_wanted()):
+            self.published += not self.on_demand
             return
         message = self.fill(sample)
         if message is None:
@@ -74,6 +83,13 @@ def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
     qos = keep_last(topic.depth, reliability, latched=topic.latched)
     publisher = node.create_publisher(kind, topic.name, qos)
     forget_missing_definition()
+    handle = publisher.handle  # whose methods are not wrapped
     return Channel(
-        publisher, publisher.handle.publish_raw, fill, publisher.topic_name, on_demand=topic.on_demand
+        publisher,
+        handle.publish_raw,
+        handle.get_subscription_count,
+        fill,
+        publisher.topic_name,
+        latched=topic.latched,
+        on_demand=topic.on_demand,
     )

@@ -30,7 +30,7 @@ class Topic:
     latched: bool = False
     # the field of the sensor's options that must be true for the topic to be there, if any
     option: str = ""
-    on_demand: bool = False  # whether messages are made only while somebody listens or records
+    on_demand: bool = False  # whether only those messages count that somebody listens to or records
 
 
 @dataclass(frozen=True, kw_only=True)
