@@ -96,8 +96,8 @@ class DrivenRover:
         if self._motors is not None:
             self.energy = sum(self._motors.draw(sums)[1] for sums in counts) * TICK / HOUR
         touches = counts[:, self._touches].tolist()  # lists are faster than arrays as small as this
-        self.hazard_s = TICK * sum(tick[0] != 0.0 for tick in touches)
-        self.scrape_s = TICK * sum(any(tick[1:]) for tick in touches)
+        self.hazard_s = TICK * sum([tick[0] != 0.0 for tick in touches])
+        self.scrape_s = TICK * sum([any(tick[1:]) for tick in touches])
         self.soil = None if self._soil is None else self._soil.state()
         readings = self._suite.latest.copy()
         if self._camera is not None:

@@ -86,7 +86,7 @@ class ContactWatch:
     @property
     def any(self) -> bool:
         """Whether anything was touched since `begin`."""
-        return self.watched is self._all and np.count_nonzero(self._all[-1][..., 0]) > 0
+        return self.watched is self._all and bool(np.count_nonzero(self._all[-1][..., 0]))
 
     def are_known(self) -> bool:
         """Returns whether it is known where MuJoCo keeps contacts, which the first one tells."""

@@ -34,12 +34,14 @@ class WheelOdometry(Sensor):
         self._rover = simulation.scene.rover
         model, own = simulation.model, simulation.scene.own
         drive, steered = self._rover.drive, self._rover.steered_wheels
+        self._qpos, self._steers = simulation.data.qpos, self._rover.steers
         read = self._rover.wheel_joints if self._rover.steers else drive.driven
         self._read = [name for name in read if name not in steered]
         self._left = [place for place, name in enumerate(self._read) if name in drive.left]
         self._right = [place for place, name in enumerate(self._read) if name in drive.right]
         self._angles = np.array([int(model.joint(own(n)).qposadr[0]) for n in self._read])
         self._steering = np.array([int(model.joint(own(n)).qposadr[0]) for n in drive.steering], int)
+        self._counts_per_radian = self._rover.encoder_ticks / math.tau
         self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
         self._left_scale, self._right_scale = wheel_scale
         self._period = period_ticks * TICK_NS / NANOSECONDS
@@ -52,8 +54,7 @@ class WheelOdometry(Sensor):
         return cls(parts.simulation, period_ticks, parts.wheel_scale)
 
     def _encoders(self) -> list[int]:
-        counts_per_radian = self._rover.encoder_ticks / math.tau
-        angles = self._simulation.data.qpos[self._angles].tolist()
+        counts_per_radian, angles = self._counts_per_radian, self._qpos[self._angles].tolist()
         return [math.floor(angle * counts_per_radian) for angle in angles]
 
     def before_reset(self) -> None:
@@ -80,14 +81,14 @@ class WheelOdometry(Sensor):
 
     def _rolled(self, counts: list[int]) -> tuple[float, float]:
         """The way [m] and the turn [rad] since the last reading."""
-        since = zip(counts, self._counts, strict=True)
-        rolled = [(now - before) * self._metres_per_count for now, before in since]
-        left = sum(rolled[place] for place in self._left) / len(self._left) / self._left_scale
-        right = sum(rolled[place] for place in self._right) / len(self._right) / self._right_scale
+        since, metres = zip(counts, self._counts, strict=True), self._metres_per_count
+        rolled = [(now - before) * metres for now, before in since]
+        left = sum([rolled[place] for place in self._left]) / len(self._left) / self._left_scale
+        right = sum([rolled[place] for place in self._right]) / len(self._right) / self._right_scale
         distance, separation = (left + right) / 2, self._rover.controller_separation
-        if not self._rover.steers:
+        if not self._steers:
             return distance, (right - left) / separation
-        angles = self._simulation.data.qpos[self._steering].tolist()
+        angles = self._qpos[self._steering].tolist()
         return distance, distance * curvature_of(angles, self._rover.wheelbase, separation)
 
     def _moved(self, distance: float, turn: float) -> tuple[float, float, float]:

@@ -122,14 +122,14 @@ class JointSensor(Sensor):
         super().__init__(simulation, period_ticks)
         scene = simulation.scene
         joints = [simulation.model.joint(name) for name in scene.all_own(scene.rover.joints)]
-        self._qpos = np.array([int(joint.qposadr[0]) for joint in joints])
-        self._dofs = np.array([int(joint.dofadr[0]) for joint in joints])
+        data, dofs = simulation.data, np.array([int(joint.dofadr[0]) for joint in joints])
+        angles = np.array([int(joint.qposadr[0]) for joint in joints])
+        self._values = (data.qpos, angles), (data.qvel, dofs), (data.qfrc_actuator, dofs)
 
     def read(self) -> JointStates:
         """Returns positions [rad], velocities [rad/s] and efforts [N m]."""
-        data = self._simulation.data
-        values = data.qpos[self._qpos], data.qvel[self._dofs], data.qfrc_actuator[self._dofs]
-        return JointStates(self._simulation.time_ns, *(tuple(each.tolist()) for each in values))
+        values = [tuple(array[places].tolist()) for array, places in self._values]
+        return JointStates(self._simulation.time_ns, *values)
 
 
 class TruthSensor(Sensor):

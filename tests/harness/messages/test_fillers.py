@@ -4,6 +4,7 @@ What a healthy drive says in every field is held to raw simulator states by the 
 (tests/e2e/test_topic_oracle.py).
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +22,7 @@ from harness import samples
 from harness.base.message_types import GRID_MAP, typestore
 from harness.episode.assembly import sensor_rows
 from harness.episode.topics import painter
-from harness.messages.blank import blank
+from harness.messages.blank import blank, cdr
 from harness.messages.fillers import filler, person
 from harness.messages.optional import Draw, grid_map_fill, image_fill, lens_info
 from harness.robots.lidar import LidarSpec
@@ -218,6 +219,31 @@ def test_an_image_is_drawn_and_sent_while_somebody_wants_it(
     for _ in range(2):
         channel.publish(SEEN)
     assert channel.published == sent
+
+
+def test_what_nobody_gets_is_counted_but_not_made_unless_it_is_latched(ros: Ros) -> None:
+    made: list[object] = []
+    topics = [
+        Topic(name, "sensor_msgs/msg/Image", latched=name == "latched") for name in ("a", "latched")
+    ]
+    volatile, latched = (open_channel(ros.node(t.name), t, _noting(made)) for t in topics)
+    for channel in (volatile, latched, volatile):
+        channel.publish(channel)
+    assert (volatile.published, latched.published, made) == (2, 1, [latched])
+    heard: list[Image] = []
+    ros.node("viewer").create_subscription(Image, "a", heard.append, 1)
+    ros.until(volatile.publisher.get_subscription_count)
+    volatile.publish(volatile)
+    ros.until(lambda: heard)
+    assert (volatile.published, made) == (3, [latched, volatile])
+
+
+def _noting(made: list[object]) -> Callable[[object], bytes]:
+    def fill(sample: object) -> bytes:
+        made.append(sample)
+        return cdr(blank("sensor_msgs/msg/Image"))
+
+    return fill
 
 
 def test_a_run_has_a_painter_of_its_cameras_alone() -> None:
