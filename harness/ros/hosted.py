@@ -120,8 +120,8 @@ class HostedMetrics:
             self._looked_ns = self._bridge.time_ns
             self.take_all()
             self.wait_for_samples()
-        else:
-            self.wait_for_samples((self._clock_channel,))
+        elif not self._handles_one(self._clock_channel):
+            self.wait_for_samples()
 
     def take_all(self) -> None:
         """Has the node handle all that has come, also what this run has not sent."""

@@ -18,6 +18,7 @@ from rover_metrics.topics import Message
 START = 4  # [B]: the encapsulation, from behind which alignment counts
 PLAIN_CDR = b"\x00\x01"  # its beginning
 STAMP = struct.Struct("<iI")
+HEADER = struct.Struct("<iII")  # its stamp, the length of its frame's name
 LENGTH = struct.Struct("<I")
 VECTOR = struct.Struct("<3d")
 IMU = struct.Struct("<5d64x3d72x3d")  # orientation, first covariance; rates, accelerations
@@ -92,7 +93,8 @@ class _Odometry(NamedTuple):
 
 def _header(data: bytes) -> tuple[_Header, int]:
     """The header and where the next field may begin."""
-    return _Header(_Stamp(*STAMP.unpack_from(data, START))), _behind_text(data, START + STAMP.size)
+    sec, nanosec, length = HEADER.unpack_from(data, START)
+    return _Header(_Stamp(sec, nanosec)), START + HEADER.size + length
 
 
 def _behind_text(data: bytes, at: int) -> int:
