@@ -28,14 +28,32 @@ with _kept_out("coverage", "scipy.linalg", "yaml"):
     import llvmlite.binding as llvm
     import numba
     import numba.np.arraymath
-    from numba.core import cgutils
+    from numba.core import cgutils, event
 numba.np.arraymath._HAVE_BLAS = True  # noqa: SLF001 - kernels of others find it when they need it
 
+COMPILE = "numba:compile"
 IS_COMPILED = not numba.config.DISABLE_JIT
 
 _kept: list[object] = []  # as long as C may call them
 
 F = TypeVar("F", bound=Callable[..., object])
+
+
+class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types for mypy
+    """Says on a terminal why nothing is to be seen: a kernel that is in no cache is being compiled."""
+
+    def on_start(self, event: Any) -> None:  # noqa: ANN401 - numba's
+        """Is called when a compilation begins; the first one of a kernel is told."""
+        if event.data["dispatcher"].py_func.__module__.startswith("harness."):
+            numba.core.event.unregister(COMPILE, self)
+            if sys.stderr is not None and sys.stderr.isatty():
+                print("harness: compiling its kernels, once after each update", file=sys.stderr)
+
+    def on_end(self, event: Any) -> None:  # noqa: ANN401 - numba's
+        """Is called when a compilation ends."""
+
+
+event.register(COMPILE, _Notice())
 
 
 def kernel(signature: str | None = None) -> Callable[[F], F]:
