@@ -1,5 +1,6 @@
 """One episode of an entry: the project's own loop, a client that commands, a referee that watches."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,21 +10,22 @@ import numpy as np
 
 from harness.base.errors import RunFailed
 from harness.base.streams import EPISODE, seeded
-from harness.course.client import Client
 from harness.course.entry import Entry, unpack
 from harness.course.referee import Referee
 from harness.course.result import EpisodeResult, result_of
 from harness.course.task import Case, Task
 from harness.course.tracks import find_track
 from harness.drivers import find_driver
-from harness.drivers.base import Driver, DriverContext
+from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals, drivable
 from harness.drivers.policy import PolicyDriver, read_policy
 from harness.episode.assembly import injector
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Route, drive
 from harness.episode.together import together
 from harness.robots.lidar import LidarSpec
-from harness.samples import ActorPoses, JointStates, Pose, Sample
+from harness.samples import ActorPoses, GoalPose, JointStates, LaserScan, Pose, Sample, Tick, source
+from rover_metrics.core import rotation
 
 D = TypeVar("D", bound=Driver)
 MEASURED: frozenset[type[Sample]] = frozenset((Pose, JointStates, ActorPoses))
@@ -80,3 +82,38 @@ def _context(episode: Episode) -> DriverContext:
     bearings = LidarSpec(beams=run.rover.lidar_beams).bearings(scene.rover.lidar_yaw)
     rng = np.random.default_rng(seeded(run.seed, EPISODE).spawn(1)[0])
     return DriverContext(scene.rover, half_size, bearings, rng, middle=middle)
+
+
+class Client:
+    """Drives an episode by a driver that hears what is published: a sink, and an observer of batches.
+
+    Faults have acted on it: a driver of this process and a node of another one know the same.
+    """
+
+    def __init__(self, driver: Driver, episode: Episode) -> None:
+        self._driver, self._episode = driver, episode
+        self._rover = episode.simulation.scene.rover
+        self._readings: dict[type[Sample], Sample] = {}
+
+    def hear(self, _: Tick, sent: Tick) -> None:
+        """Takes the samples that faults leave of a tick; the last pose that says where it is holds."""
+        for sample in sent.samples:
+            if isinstance(sample, GoalPose) and isinstance(self._driver, TakesGoals):
+                x, y, _height = sample.position
+                self._driver.head_for(x, y, rotation.yaw(sample.orientation))
+            is_lost = isinstance(sample, Pose) and (
+                sample.empty or not all(map(math.isfinite, sample.position))
+            )
+            if isinstance(source(sample), type) and not is_lost:
+                self._readings[type(sample)] = sample
+
+    def take(self, batch: Batch) -> None:
+        """Commands the next control period."""
+        pose, scan = self._readings.get(Pose), self._readings.get(LaserScan)
+        if not isinstance(pose, Pose):
+            return
+        x, y, _ = pose.position
+        ranges = scan.ranges if isinstance(scan, LaserScan) else None
+        yaw = rotation.yaw(pose.orientation)
+        observation = Observation(batch.truth.time_ns, x, y, yaw, ranges, readings=self._readings)
+        self._episode.command(drivable(self._driver.command(observation), self._rover))

@@ -3,6 +3,7 @@
 import json
 import platform
 import re
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
@@ -14,13 +15,20 @@ from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
 from harness.base.version import __version__
+from harness.drivers import DRIVERS
 from harness.episode.mission import MissionOutcome
-from harness.episode.plugins import plugins_of
 from harness.episode.result import RunResult
-from harness.robots import IDEAL
+from harness.faults.kinds import FAULTS
+from harness.robots import IDEAL, find_rover
 from harness.samples import ContactEvent
+from harness.sensors.table import OPTIONAL
+from harness.soil.soils import SOILS
+from harness.spec.rover import RoverSetup
 from harness.world.files import is_terrain_file
+from harness.world.terrains import TERRAINS
+from rover_metrics.extended.further import FURTHER
 from rover_metrics.log.files import json_safe
+from rover_metrics.plugins import Table
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
 # Options that stand in the manifest only where they are given.
@@ -62,7 +70,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "truth": _truth(result),
         }
     )
-    plugins = plugins_of(result)
+    plugins = _plugins_of(result)
     return values | ({"plugins": plugins} if plugins else {})
 
 
@@ -139,3 +147,32 @@ def _versions() -> dict[str, str | None]:
         with suppress(PackageNotFoundError):
             installed[package] = version(package)
     return own | installed
+
+
+def _plugins_of(result: RunResult) -> dict[str, dict[str, str]]:
+    """By "TABLE NAME", where each plug-in of a rover's part of a run is from, and its hash."""
+    plugins = {}
+    for table, name in _asked(result):
+        source = table.source(name) if name in table else None
+        if source is not None:
+            plugins[f"{table.name} {name}"] = {"from": source[0], "sha256": source[1]}
+    return plugins
+
+
+def _asked(result: RunResult) -> Iterator[tuple[Table[Any], str]]:
+    world, rover = result.run.world, result.rover
+    yield TERRAINS, world.terrain
+    yield SOILS, world.soil
+    yield DRIVERS, rover.driver
+    yield from ((OPTIONAL, kind) for kind in _sensors(rover))
+    yield from ((FAULTS, fault.kind) for fault in rover.faults)
+    yield from ((FURTHER, name) for name in result.columns)
+
+
+def _sensors(rover: RoverSetup) -> Iterator[str]:
+    """The kinds of the optional sensors that a rover carries, those of its rover.yaml too."""
+    listed = {
+        str(each.get("name", each["kind"])): each["kind"] for each in find_rover(rover.robot).sensors
+    }
+    names = listed if rover.sensors is None else [choice.name for choice in rover.sensors]
+    yield from (str(listed.get(name, name)) for name in names)

@@ -1,22 +1,97 @@
-"""The tracks over named terrains."""
+"""The tracks on named terrains: to points that are drawn out of sight of the start, if it can be."""
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
-from harness.course.planner import Planner
-from harness.course.task import Point
-from harness.course.tracks.ground import START, Ground
+from harness.base.errors import UsageError
+from harness.base.streams import COURSE, generator
+from harness.course.planner import RESOLUTION, Planner
+from harness.course.task import Case, Point, Rule, Task
+from harness.course.tracks.base import Track, to
+from harness.episode.assembly import world_of
+from harness.robots import find_rover
 from harness.spec.world import DEFAULT_DATUM
 from harness.world.geodesy import Datum
 
+MARGIN = 0.3  # [m] of free ground around a rover that stands at a goal
+START: Point = (0.0, 0.0)
+TRIES = 40  # places that are looked at for one behind something
 SAND_LIMIT = math.radians(15.0)  # of a way over sand: a steeper one costs more than its detour
 # [m]: a post from its coordinates, and how near to these the rover has to stop: within URC's 2 m.
 ASIDE, NEAR = 1.2, 0.7
 GATE_ROOM = 1.2  # [m] of free ground around the middle of a gate
 GNSS = "gnss=rtk"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground(Track):
+    """A named terrain with a goal of its own for each seed.
+
+    Attributes:
+        world: Fields of the run that say where, beside the seed.
+        faults: What fails; the seeds take them in turn.
+        distance: From the start, and from one way point to the next, at least and at most [m].
+        slope_limit: Steepest slope of the shortest way [rad]; None for the rover's own.
+    """
+
+    name: str
+    summary: str
+    world: Mapping[str, object]
+    faults: Sequence[tuple[str, ...]] = ((),)
+    distance: tuple[float, float] = (9.0, 12.0)
+    slope_limit: float | None = None
+    rule: Rule = field(default_factory=Rule)
+    robot: str = "leo"
+
+    def task(self, case: Case, folder: Path) -> Task:  # noqa: ARG002 - it reads no file
+        """Returns the task of a seed: its world, and goals that can be reached."""
+        faults = self.faults[case.seed % len(self.faults)]
+        run = self.run(**self.world, seed=case.seed, faults=faults)
+        rover, rng = find_rover(self.robot), generator(case.seed, COURSE, self.name)
+        planner = Planner(world_of(run), rover, self.slope_limit)
+        way, plan = self._mission(planner, rover.reach + MARGIN, rng)
+        yaw = math.atan2(way[1][1], way[1][0])
+        run = run.alone(start=(*START, round(yaw, 3)), **plan)
+        return self.asked(run, planner.length(way), rover.top_speed)
+
+    def _mission(
+        self, planner: Planner, room: float, rng: np.random.Generator
+    ) -> tuple[Sequence[Point], Mapping[str, object]]:
+        """The way from the start through all goals, and the fields of the run that ask for it."""
+        goal = self.place(planner, [START], room, rng)
+        return (START, goal), {"route": to(goal)}
+
+    def place(
+        self, planner: Planner, way: Sequence[Point], room: float, rng: np.random.Generator
+    ) -> Point:
+        """Returns a place that can be reached, out of sight of the one before if possible.
+
+        Args:
+            planner: Of the world.
+            way: The places before it; it is as far from the last one as `distance` says, and not
+                nearer to any other [m].
+            room: Free ground around it [m].
+            rng: Draws it.
+
+        Raises:
+            UsageError: There is none.
+        """
+        low, high = self.distance
+        lengths, apart = planner.lengths(way[-1]), planner.distances(way[-1])
+        ring = (apart > low - RESOLUTION) & (apart < high + RESOLUTION)
+        rows, columns = np.nonzero(np.isfinite(lengths) & (planner.clearance > room) & ring)
+        cells = zip(rows.tolist(), columns.tolist(), strict=True)
+        places = [planner.middle(row, column) for row, column in cells]
+        far = [place for place in places if all(math.dist(place, other) >= low for other in way)]
+        fit = [place for place in far if math.dist(place, way[-1]) <= high]
+        if not fit:
+            raise UsageError(f"track {self.name}: there is no place for a goal; take another seed")
+        drawn = [fit[int(rng.integers(len(fit)))] for _ in range(TRIES)]
+        return next((place for place in drawn if not planner.is_open(way[-1], place)), drawn[0])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.course.client import Client
+from harness.course.attempt import Client
 from harness.drivers.base import Observation
 from harness.episode.assembly import injector
 from harness.episode.episode import Episode
