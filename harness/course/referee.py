@@ -100,17 +100,14 @@ class Referee:
     def _sense(self, batch: Batch) -> None:
         """Sums up energy and tilt."""
         for tick in batch.ticks:
-            for sample in tick.samples:
-                if isinstance(sample, JointStates):
-                    power = math.fsum(
-                        abs(e * v) for e, v in zip(sample.effort, sample.velocity, strict=True)
-                    )
-                    self._energy += power * (sample.stamp_ns - self._joints_ns) / NANOSECONDS
-                    self._joints_ns = sample.stamp_ns
-                elif isinstance(sample, Pose):
-                    self._tilts.append(rotation.tilt(sample.orientation))
-                elif isinstance(sample, ActorPoses):
-                    self._people = sample
+            if (joints := tick.of(JointStates)) is not None:
+                turning = zip(joints.effort, joints.velocity, strict=True)
+                power = math.fsum(abs(effort * speed) for effort, speed in turning)
+                self._energy += power * (joints.stamp_ns - self._joints_ns) / NANOSECONDS
+                self._joints_ns = joints.stamp_ns
+            if (pose := tick.of(Pose)) is not None:
+                self._tilts.append(rotation.tilt(pose.orientation))
+            self._people = tick.of(ActorPoses) or self._people
 
     def _is_at_risk(self, x: float, y: float) -> bool:
         """Whether a hazard or a person is near; hazards are looked for where the rover has moved."""

@@ -89,17 +89,15 @@ class Scene:
         return sorted(set(colliding) - set(self.geoms()))
 
 
-def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | None = None) -> Scene:
+def build_scene(world: World, rover: RoverSpec, timestep: float) -> Scene:
     """Returns the rover compiled into the world.
 
     Args:
         world: Ground and obstacles.
         rover: Which rover.
         timestep: Of the physics [s].
-        dress: Adds colours and light to what is to be looked at. Without it, the geoms that are only
-            to be seen are left out: a step is 5 % faster, and the physics is the same.
     """
-    (scene,) = build_scenes(world, (Member("", rover, world.start),), timestep, dress)
+    (scene,) = build_scenes(world, (Member("", rover, world.start),), timestep)
     return scene
 
 
@@ -112,7 +110,8 @@ def build_scenes(
         world: Ground and obstacles.
         fleet: The rovers; gravity and MuJoCo's options are those of the first one's model.
         timestep: Of the physics [s].
-        dress: Adds colours and light; None leaves out what is only seen.
+        dress: Adds colours and light to what is to be looked at. Without it, the geoms that are only
+            to be seen are left out: a step is 5 % faster, and the physics is the same.
     """
     rovers = [member.rover for member in fleet]
     specs = [

@@ -62,11 +62,9 @@ class TruthSeries:
         """Takes the next batch."""
         tilts = []
         for tick in batch.ticks:
-            for sample in tick.samples:
-                if isinstance(sample, TruthState):
-                    self._state = sample
-                elif isinstance(sample, Pose):
-                    tilts.append(rotation.tilt(sample.orientation))
+            self._state = tick.of(TruthState) or self._state
+            if (pose := tick.of(Pose)) is not None:
+                tilts.append(rotation.tilt(pose.orientation))
         self._tilt = max(tilts, default=self._tilt)
         time_s = batch.truth.time_ns / NANOSECONDS
         distance = self._distance(batch.truth.position)

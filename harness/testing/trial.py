@@ -307,9 +307,8 @@ class Trial(LeavesEvidence):
     def _take_tick(self, tick: Tick, sent: Tick) -> None:
         self._pending = tick, sent
         self.now_ns, self.clock_ns = tick.stamp_ns, sent.stamp_ns
-        for sample in tick.samples:
-            if isinstance(sample, GroundTruth):
-                self.speed = sample.linear_velocity[0]
+        if (truth := tick.of(GroundTruth)) is not None:
+            self.speed = truth.linear_velocity[0]
         self._listener.tick(tick, sent)
 
     def take(self, batch: Batch) -> None:

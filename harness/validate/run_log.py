@@ -102,9 +102,8 @@ class Agent:
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
         for tick in batch.ticks:
-            for sample in tick.samples:
-                if isinstance(sample, LaserScan):
-                    self._ranges = sample.ranges
+            if (scan := tick.of(LaserScan)) is not None:
+                self._ranges = scan.ranges
         simulation, (x, y, _) = self._episode.simulation, self._episode.simulation.position
         seen = Observation(simulation.time_ns, x, y, simulation.yaw, self._ranges)
         self._episode.command(self._agent.command(seen))

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from harness.physics import stage
-from harness.physics.scene import Dress, Scene, build_scene
+from harness.physics.berths import Member
+from harness.physics.scene import Dress, Scene, build_scene, build_scenes
 from harness.robots import ROVERS, RoverSpec
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
@@ -39,7 +40,7 @@ DRESS = partial(stage.dress, quality=QUALITY)
 
 def scene_of(rover: RoverSpec = LEO, timestep: float = 0.002, dress: Dress | None = None) -> Scene:
     world = World("w", Heightfield(HEIGHTS, cell=2.0), OBSTACLES, 0, 0.5)
-    return build_scene(world, rover, timestep, dress)
+    return build_scenes(world, (Member("", rover, world.start),), timestep, dress)[0]
 
 
 @pytest.fixture(scope="module")
