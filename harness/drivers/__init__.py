@@ -1,7 +1,8 @@
 """Drivers by name: what chooses the commands of an episode."""
 
-from functools import partial
+from collections.abc import Collection
 from pathlib import Path
+from typing import Any
 
 from harness.base.errors import find_named
 from harness.drivers.base import OF_POLICY, Driver, DriverContext, Observation, TakesGoals
@@ -42,11 +43,20 @@ SHIPPED = Shipped[type[Driver]](
         "pass_by": ".encounters:PassBy",
     },
 )
+
+
+def _is_driver(value: Any) -> bool:  # noqa: ANN401 - whatever a plug-in is
+    if not isinstance(value, type) or not all(hasattr(value, name) for name in OF_A_DRIVER):
+        return False
+    senses = getattr(value, "senses", None)
+    return isinstance(senses, Collection) and all(isinstance(kind, type) for kind in senses)
+
+
 DRIVERS = Table[type[Driver]](
     "drivers",
     SHIPPED,
-    lambda value: isinstance(value, type) and all(map(partial(hasattr, value), OF_A_DRIVER)),
-    f"a class with {', '.join(OF_A_DRIVER)}, as harness.drivers.base.Driver",
+    _is_driver,
+    f"a class with {', '.join(OF_A_DRIVER)} (senses: types of samples), as harness.drivers.base.Driver",
 )
 
 

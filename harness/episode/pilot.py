@@ -28,6 +28,7 @@ from harness.samples import GoalPose, LaserScan, Place, Sample, Twist
 from harness.spec.run import Run
 from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World
+from rover_metrics.plugins import misfit
 
 Latest = Mapping[type[Sample], Sample]
 Act = Callable[["Pilot"], None]
@@ -188,6 +189,8 @@ class Pilot:
     def _commanded(self, latest: Latest) -> Twist:
         """What the driver wants; commands from elsewhere and of policies are taken as they are."""
         twist = self._driver.command(self._observe(latest))
+        if not (isinstance(twist, Twist) and hasattr(twist.linear, "__float__")):
+            raise misfit(self._driver, twist, "a Twist of two numbers")
         if self._is_aborted:
             return Twist()
         if isinstance(self._driver, CmdVel | PolicyDriver):

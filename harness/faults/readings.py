@@ -11,6 +11,7 @@ from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Effect, Fault, Readings, SensorAct
 from harness.samples import JointStates, LaserScan, Pose, Sample, Twist
 from harness.sensors import table
+from rover_metrics.plugins import misfit
 
 SPIKE_SHARE = 0.1
 
@@ -37,6 +38,12 @@ def each(change: Change) -> SensorAct:
 def measured(hit: Hit) -> SensorAct:
     """Returns the act of a fault of all that a sensor measures, or of its attitude."""
 
+    def shaped(values: Values, value: float, rng: np.random.Generator) -> Values:
+        result = hit(values, value, rng)
+        if np.shape(result) != values.shape:
+            raise misfit(hit, result, f"{values.size} numbers")
+        return np.asarray(result)
+
     def act(fault: Fault[SensorAct], rng: np.random.Generator) -> Effect:
         fields = "attitude" if fault.sensor.endswith(table.ATTITUDE) else "measured"
 
@@ -44,7 +51,7 @@ def measured(hit: Hit) -> SensorAct:
             # Kinds of sensors that share a sample have the same fields.
             row = table.row_of(type(reading))
             names = getattr(row, fields)
-            changed = {n: _changed(getattr(reading, n), lambda v: hit(v, value, rng)) for n in names}
+            changed = {n: _changed(getattr(reading, n), lambda v: shaped(v, value, rng)) for n in names}
             return (replace(reading, **changed),)
 
         return each(change)(fault, rng)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from rosbags.interfaces import Nodetype
 
+from harness.base.errors import UsageError, unknown
 from harness.base.message_types import typestore
 
 Message = Any  # rosbags makes its classes
@@ -19,7 +20,10 @@ PLAIN = {"bool": False, "string": ""}
 
 def blank(name: str) -> Message:
     """Returns a message of a type such as sensor_msgs/msg/Imu: zeros, empty texts and lists, no turn."""
-    fields = typestore().fielddefs[name][1]
+    known = typestore().fielddefs
+    if name not in known:
+        raise UsageError(unknown("message type", name, known))
+    fields = known[name][1]
     own = DEFAULTS.get(name, {})
     return typestore().types[name](*(own.get(field, _default(node)) for field, node in fields))
 

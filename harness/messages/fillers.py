@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness import samples
+from harness.base.errors import UsageError
 from harness.base.message_types import made
 from harness.messages import optional
 from harness.messages.blank import Message, blank, kind_of
@@ -107,6 +108,10 @@ def goal() -> Fill:
 def by_names(message: Message, sample_type: type, **others: str) -> Fill:
     """Returns a filler of the stamp and of every field whose name the sample has too, and of others."""
     names = {item.name: item.name for item in fields(sample_type) if hasattr(message, item.name)}
+    if not names and not others and not sample_type.__module__.startswith("harness."):
+        text = f"{kind_of(message)} has none of the fields of {sample_type.__qualname__}"
+        theirs = (name for name in vars(message) if not name.startswith("_"))
+        raise UsageError(f"{text}; call them as the message does: {', '.join(theirs)}")
     return refilled(message, {path: attrgetter(name) for path, name in (names | others).items()})
 
 

@@ -10,6 +10,7 @@ from harness import samples
 from harness.base.sim_time import NANOSECONDS
 from harness.messages.blank import Message, cdr, kind_of
 from harness.messages.cdr import Template, places
+from rover_metrics.plugins import misfit
 
 Fill = Callable[[Any], bytes | None]  # a sample of the topic's kind -> its message, or None for none
 STAMPS = ("header.stamp", "clock")
@@ -32,7 +33,12 @@ def refilled(message: Message, sources: Mapping[str, Callable[[Any], Any]]) -> C
 
     def fill(sample: Any) -> bytes:  # noqa: ANN401 - the kind of sample that the topic has
         nonlocal template
-        numbers = [each(sample) for each in numbers_of]
+        try:
+            numbers = [each(sample) for each in numbers_of]
+        except (AttributeError, TypeError, ValueError) as error:
+            if type(sample).__module__.startswith("harness."):
+                raise
+            raise misfit(type(sample), sample, f"what a {kind_of(message)} holds") from error
         if template is None or not template.fits(numbers):
             for put, value_of in setters:
                 put(value_of(sample))

@@ -12,6 +12,7 @@ from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import chosen
 from harness.sensors.noise import SensorNoise
 from harness.sensors.row import Install, SensorRow
+from rover_metrics.plugins import misfit
 
 
 class SensorSuite:
@@ -109,6 +110,8 @@ class SensorSuite:
         if sensor in self._early:
             return self._early.pop(sensor)
         sample = sensor.read() if self._noise is None else self._noise.corrupt(sensor.read())
+        if not isinstance(sample, self._kinds[sensor]):
+            raise misfit(sensor, sample, f"a {self._kinds[sensor].__name__}")
         self.latest[type(sample)] = sample
         return sample
 

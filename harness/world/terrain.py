@@ -4,6 +4,7 @@ Each terrain is a frozen dataclass of its own in harness.world.terrains. A param
 and what it is at the easiest, the default and the hardest difficulty.
 """
 
+import dataclasses
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Self, TypeVar
@@ -76,7 +77,11 @@ class Terrain(ABC):
         axis = np.linspace(-half_size, half_size, vertices)
         x, y = np.meshgrid(axis, axis)
         heights = np.asarray(self._heights(x, y, rng))
-        if heights.shape != x.shape or not np.isfinite(heights).all():
+        if (
+            heights.shape != x.shape
+            or heights.dtype.kind not in "biuf"
+            or not np.isfinite(heights).all()
+        ):
             text = f"terrain {self.name}: its _heights give no {vertices} x {vertices} finite numbers"
             raise UsageError(text)
         if self.has_level_spawn:
@@ -91,7 +96,7 @@ class Terrain(ABC):
     def at_difficulty(cls, difficulty: float) -> Self:
         """Returns the terrain with all parameters at a difficulty of 0 (easiest) to 1 (hardest)."""
         values: dict[str, Any] = {}
-        for item in fields(cls):
+        for item in _parameters(cls):
             value = float(np.interp(difficulty, DIFFICULTIES, item.metadata["values"]))
             values[item.name] = round(value) if isinstance(item.default, int) else value
         return cls(**values)
@@ -101,8 +106,13 @@ class Terrain(ABC):
         """Returns every parameter with its unit, as 'default (easiest..hardest)' where it varies."""
         return ", ".join(
             f"{item.name} {_spread(*item.metadata['values'])} {item.metadata['unit']}".rstrip()
-            for item in fields(cls)
+            for item in _parameters(cls)
         )
+
+
+def _parameters(kind: type[Terrain]) -> list[dataclasses.Field[Any]]:
+    """The fields of a terrain that have a unit and follow the difficulty."""
+    return [item for item in fields(kind) if "values" in item.metadata]
 
 
 def _spread(easiest: float, default: float, hardest: float) -> str:

@@ -18,6 +18,7 @@ from harness.world.obstacles import Obstacle
 from harness.world.soil_map import Soils
 from harness.world.targets.placing import Target, placed_targets
 from harness.world.terrains import TERRAINS
+from rover_metrics.plugins import misfit
 
 Start = tuple[float, float, float]  # x, y [m], yaw [rad] of the rover's model frame in the world
 
@@ -78,7 +79,9 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
     # independent of each other and of how much each one draws.
     ground_rng, obstacle_rng = np.random.default_rng([seed, *name.encode()]).spawn(2)
     ground = terrain.ground(ground_rng)
-    obstacles = terrain.obstacles(ground, obstacle_rng)
+    obstacles = tuple(terrain.obstacles(ground, obstacle_rng))
+    if not all(isinstance(obstacle, Obstacle) for obstacle in obstacles):
+        raise misfit(kind, obstacles, "Obstacles")
     return World(name, ground, obstacles, seed, difficulty)
 
 

@@ -11,13 +11,14 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from operator import attrgetter
 from pathlib import Path
 from pkgutil import resolve_name
 from traceback import extract_tb
 from types import ModuleType
 from typing import Any, Generic, TypeVar
 
-from rover_metrics.errors import BLAMES, RoverMetricsError, printable
+from rover_metrics.errors import BLAMES, RoverMetricsError, printable, shown
 
 GROUP = "rover_harness."
 KINDS = (  # the tables there are
@@ -31,6 +32,25 @@ T = TypeVar("T")
 
 class PluginError(RoverMetricsError):
     """A plug-in that cannot be loaded, or is not what its table holds; the message names it."""
+
+
+class MisfitError(TypeError):
+    """A plug-in that has given what its table's contract does not allow; the message names both."""
+
+
+def misfit(part: object, given: object, wanted: str) -> MisfitError:
+    """Returns the error of a plug-in that gives what it must not.
+
+    Args:
+        part: The plug-in: a class, a function or an instance.
+        given: By it.
+        wanted: What it should have given.
+    """
+    kind: Any = part if hasattr(part, "__qualname__") else type(part)
+    file = getattr(sys.modules.get(kind.__module__), "__file__", kind.__module__)
+    return MisfitError(
+        printable(f"{file}: {kind.__qualname__} gives {shown(repr(given))}, not {wanted}")
+    )
 
 
 class Shipped(Mapping[str, T], Generic[T]):
@@ -116,7 +136,7 @@ class Table(Mapping[str, T], Generic[T]):
         where = f"{self.name}: '{name}'" + ("" if point is None else f" of {_package(point)}")
         try:
             value = _in_file(name) if point is None else point.load()
-        except Exception as error:  # whatever a plug-in raises
+        except (Exception, SystemExit) as error:  # whatever a plug-in raises
             reason = printable(f"{type(error).__name__}: {error}")
             raise PluginError(f"{where} cannot be loaded: {reason}") from error
         if not self.fits(value):
@@ -126,18 +146,35 @@ class Table(Mapping[str, T], Generic[T]):
 
 
 def blamed(error: BaseException) -> str:
-    """Returns the last line of a plug-in that led to an error, and the error; "" if none did."""
+    """Returns the last line of a plug-in that led to an error, and the error; "" if none did.
+
+    A function of a plug-in that takes other arguments than it is given leads to an error, too.
+    """
+    if isinstance(error, MisfitError):
+        return str(error)
     modules = tuple(f"{point.module}." for kind in KINDS for point in _installed(kind).values())
     files = {
-        getattr(module, "__file__", None)
+        getattr(module, "__file__", None): module
         for name, module in [*sys.modules.items()]
         if name.startswith(MODULE) or f"{name}.".startswith(modules)
     }
     frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename in files]
+    if not frames and isinstance(error, TypeError):
+        called = str(error).partition("()")[0]  # "Mine.command() takes 1 positional argument but ..."
+        theirs = [file for file, module in files.items() if _has(module, called)]
+        return printable(f"{theirs[-1]}: {error}") if theirs else ""
     if not frames:
         return ""
     place = f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}"
     return printable(f"{place}: {frames[-1].line}: {type(error).__name__}: {error}")
+
+
+def _has(module: ModuleType, path: str) -> bool:
+    """Whether a module makes something of that name, or of NAME.NAME."""
+    try:
+        return bool(attrgetter(path)(module).__module__ == module.__name__)
+    except AttributeError:
+        return False
 
 
 BLAMES.append(blamed)

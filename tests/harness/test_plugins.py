@@ -152,6 +152,21 @@ def test_a_plugin_that_does_not_fit_is_one_line(
 
 
 @pytest.mark.parametrize(
+    ("line", "instead", "told"),
+    [
+        ('"std_msgs/msg/Float64"', '"std_msgs/msg/Float46"', "did you mean 'std_msgs/msg/Float64'"),
+        ("data: float", "tilt: float", "call them as the message does: data"),
+    ],
+)
+def test_a_sensor_whose_samples_fill_no_message_is_one_line(
+    line: str, instead: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (file := tmp_path / "parts.py").write_text(PARTS.read_text().replace(line, instead))
+    words = ["--sensors", f"{file}:INCLINOMETER", "--record", str(tmp_path / "run.mcap")]
+    assert told in complaint(main, ["--direct", *words, "--log-dir", str(tmp_path)], capsys)
+
+
+@pytest.mark.parametrize(
     ("option", "value", "line"),
     [
         ("--driver", "{}:Weave", "rate = 0.5 *"),
@@ -180,6 +195,51 @@ def test_a_plugin_that_raises_fails_the_run_in_one_line_that_names_its_own(
     assert (outcome["status"], outcome["reason"] in told) == ("failed", True)
 
 
+@pytest.mark.parametrize(
+    ("option", "value", "line", "instead", "told"),
+    [
+        ("--driver", "{}:Weave", "return Twist(", "return (", "Weave gives ("),
+        (
+            "--driver",
+            "{}:Weave",
+            "def command(self, observation",
+            "def command(self, *, o",
+            "Weave.command()",
+        ),
+        ("--sensors", "{}:INCLINOMETER", "return Tilt(", "return (", "Inclinometer gives ("),
+        ("--sensors", "{}:INCLINOMETER", "math.acos(", "(lambda a: [a])(", "Tilt gives Tilt("),
+        ("--columns", "{}:Climb", "return (self._climb,", "return (self._climb, 1.0", "Climb gives ("),
+        ("--columns", "{}:Climb", "return (self._climb,)", "return self._climb", "Climb gives 0"),
+        ("--columns", "{}:Climb", "stamp_ns: int, position", "position", "Climb.add_pose()"),
+        ("--fault", "imu:{}:HALVED", "0.5 * v", "None", "<lambda> gives None, not 3 numbers"),
+        ("--terrain", "{}:Crater", "rng: np.random.Generator, /", "/", "Crater._heights()"),
+        (
+            "--terrain",
+            "{}:Crater",
+            "def _heights",
+            "obstacles = lambda s, *_: [1]\n    def _heights",
+            "Crater gives (1,)",
+        ),
+    ],
+)
+def test_a_plugin_that_gives_or_takes_what_it_must_not_is_one_line(
+    option: str,
+    value: str,
+    line: str,
+    instead: str,
+    told: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    text = PARTS.read_text()
+    assert line in text
+    (file := tmp_path / "parts.py").write_text(text.replace(line, instead))
+    words = ["--direct", "--terrain=flat", "--duration=1", "--log-dir", str(tmp_path)]
+    assert main([*words, "--record", str(tmp_path / "run.mcap"), option, value.format(file)]) == 1
+    (row,) = [row for row in capfd.readouterr().err.splitlines() if "a plug-in failed" in row]
+    assert f"{file}: {told}" in row
+
+
 def test_a_plugin_that_raises_in_any_other_program_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -195,9 +255,10 @@ def test_a_plugin_that_raises_in_any_other_program_is_one_line(
 def test_a_file_that_breaks_is_named_and_loaded_anew(tmp_path: Path) -> None:
     file = tmp_path / "mine.py"
     table = Table[int]("numbers", {"one": 1}, lambda value: isinstance(value, int), "a number")
-    file.write_text("raise RuntimeError('two\\nlines')")
-    with pytest.raises(PluginError, match=r"cannot be loaded: RuntimeError: two[?]lines$"):
-        table[f"{file}:two"]
+    for wrong in ("RuntimeError('two\\nlines')", "SystemExit('two\\nlines')"):
+        file.write_text(f"raise {wrong}")
+        with pytest.raises(PluginError, match=r"cannot be loaded: \w+: two[?]lines$"):
+            table[f"{file}:two"]
     file.write_text("two = 2")
     assert table[f"{file}:two"] == 2
     assert (list(table), table["one"], table.source("one")) == (["one"], 1, None)

@@ -58,9 +58,14 @@ class Columns:
         raise NotImplementedError
 
 
+def _are_named(columns: type[Columns]) -> bool:
+    names = [column.name for column in columns.COLUMNS]
+    return all(name.strip() and name.isprintable() for name in names) and len({*names}) == len(names)
+
+
 FURTHER = Table[type[Columns]](
     "columns",
     {},
-    lambda value: isinstance(value, type) and issubclass(value, Columns),
-    "a subclass of rover_metrics.extended.further.Columns",
+    lambda value: isinstance(value, type) and issubclass(value, Columns) and _are_named(value),
+    "a subclass of rover_metrics.extended.further.Columns whose COLUMNS have a name each, in a line",
 )

@@ -1,12 +1,15 @@
 """Extended metrics: the samples that TraversalMetrics has judged in, the cells after the twelve out."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
+from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.columns import COLUMNS, Column, Row
+from rover_metrics.core.columns import COLUMNS, Cell, Column, Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.rotation import Quaternion, Vector3
 from rover_metrics.errors import ParameterError, unknown
@@ -18,7 +21,10 @@ from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic, TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_columns
+from rover_metrics.plugins import misfit
 from rover_metrics.timing import NANOSECONDS
+
+OF_A_CELL = (Real, str, np.bool_, type(None))  # what a cell of somebody's columns may be
 
 
 def extended_columns(
@@ -136,7 +142,20 @@ class ExtendedMetrics:
             *self._traffic.cells(now_ns, reported_lost),
             *self.truth.cells(),
             *(() if self.energy is None else self.energy.cells(self._metrics.total_distance)),
-            *(cell for each in self._further for cell in each.cells()),
+            *(cell for each in self._further for cell in _cells_of(each)),
         )
         twelve = self._metrics.row(now_ns // NANOSECONDS)
         return replace(twelve, extended=dict(zip(self._headers, cells, strict=True)))
+
+
+def _cells_of(further: Columns) -> Iterator[Cell]:
+    """Yields the cells of somebody's columns as plain values; MisfitError if they are none."""
+    given: Any = further.cells()
+    cells = tuple(given) if isinstance(given, Iterable) else ()
+    if len(cells) != len(further.COLUMNS) or not all(isinstance(cell, OF_A_CELL) for cell in cells):
+        raise misfit(
+            further, given, f"a number, a text or None for each of {len(further.COLUMNS)} columns"
+        )
+    for cell in cells:
+        plain = cell.item() if isinstance(cell, np.generic) else cell
+        yield int(plain) if isinstance(plain, bool) else plain
