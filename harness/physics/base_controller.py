@@ -7,8 +7,8 @@ are not those of the model (facts: models/README.md).
 
 import math
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,18 @@ class BaseController(ABC):
 
     def ahead(self, periods: int) -> NDArray[np.float64]:
         """Returns what `Simulation.command_ahead` takes, for so many periods."""
-        return np.array([self.commands() for _ in range(periods)])
+        rows = list[Sequence[float]]()
+        while len(rows) < periods:
+            holds = self.holds
+            rows.append(self.commands())
+            if holds:
+                rows += rows[-1:] * (periods - len(rows))
+        return np.array(rows)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the next commands are those of all periods after it, too, until another twist."""
+        return False
 
     def wheel_speeds(self) -> NDArray[np.float64]:
         """Returns what `Simulation.command_wheels` takes, once per period."""
@@ -68,6 +79,11 @@ class DiffDrive(BaseController):
         left = (self._linear - half_difference) / self._radius
         right = (self._linear + half_difference) / self._radius
         return [left if on_left else right for on_left in self._on_left]
+
+    @property
+    def holds(self) -> bool:
+        """Whether it has come to what is commanded."""
+        return self._linear == self._target.linear and self._angular == self._target.angular
 
 
 class Ackermann(BaseController):
@@ -152,7 +168,7 @@ class LaggingController(BaseController):
         self._left = [n for n, is_left in enumerate(on_left) if is_left]
         self._right = [n for n, is_left in enumerate(on_left) if not is_left]
         ticks, self._part = divmod(actuators.delay / period, 1.0)
-        self._late = deque([controller.commands()] * (int(ticks) + 1))
+        self._late = [list(controller.commands())] * (int(ticks) + 1)
         self._dead = actuators.dead_band / self._radius
         self._turn = (actuators.turn_limit or math.inf) / self._radius
         self._keep = float(np.exp(-2.0 * period / actuators.lag)) if actuators.lag else 0.0
@@ -160,20 +176,33 @@ class LaggingController(BaseController):
 
     def commands(self) -> list[float]:
         """Returns the present wheel commands, in the order of the controller of its kind of drive."""
+        return self._rows(1)[0]
+
+    def ahead(self, periods: int) -> NDArray[np.float64]:
+        """Returns what `Simulation.command_ahead` takes, for so many periods."""
+        return np.array(self._rows(periods))
+
+    def _rows(self, periods: int) -> list[list[float]]:
+        """The next periods' commands: those of a delay ago, between two periods, limited and late."""
         self._controller.command(self._target)
-        commanded, keep = self._delayed(), self._keep
-        wanted = self._limited(commanded[: self._driven])
+        made = [*self._late, *self._controller.ahead(periods).tolist()]
+        self._late = made[periods:]
+        rows, part = list[list[float]](), self._part
+        for n, (earlier, later) in enumerate(pairwise(made[: periods + 1])):
+            if not n or earlier != made[n - 1] or later != earlier:  # else it is as a period ago
+                commanded = [b + part * (a - b) for a, b in zip(earlier, later, strict=True)]
+                wanted = self._limited(commanded[: self._driven])
+            rows.append([*self._lagged(wanted), *commanded[self._driven :]])
+        return rows
+
+    def _lagged(self, wanted: Sequence[float]) -> Sequence[float]:
+        """Speeds of the wheels [rad/s], a period later."""
+        keep = self._keep
         self._half_way = [w + keep * (h - w) for w, h in zip(wanted, self._half_way, strict=True)]
         self._there = [h + keep * (t - h) for h, t in zip(self._half_way, self._there, strict=True)]
         if not any(wanted) and all(abs(speed) < STILL for speed in self._there):
             self._half_way = self._there = [0.0] * self._driven
-        return [*self._there, *commanded[self._driven :]]
-
-    def _delayed(self) -> Sequence[float]:
-        """What the controller made of commands a delay ago, between those of two periods."""
-        self._late.append(self._controller.commands())
-        earlier, later, part = self._late.popleft(), self._late[0], self._part
-        return [after + part * (before - after) for before, after in zip(earlier, later, strict=True)]
+        return self._there
 
     def _limited(self, speeds: Sequence[float]) -> Sequence[float]:
         """Speeds [rad/s] as the motors' drivers take them."""

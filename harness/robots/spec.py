@@ -2,6 +2,7 @@
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -202,8 +203,12 @@ class RoverSpec(RoverFile, ModelFacts):
 
 def schema() -> str:
     """Returns the JSON schema of rover.yaml as text, for editors."""
-    rules = RoverFile.model_json_schema() | {"title": "rover.yaml"}
-    return json.dumps(rules, indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(_rules(), indent=1, ensure_ascii=False) + "\n"
+
+
+@cache
+def _rules() -> dict[str, Any]:
+    return RoverFile.model_json_schema() | {"title": "rover.yaml"}
 
 
 def _named(count: int, side: str) -> tuple[str, ...]:
