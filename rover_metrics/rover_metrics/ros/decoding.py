@@ -9,9 +9,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
 
 from rover_metrics.topics import Message
 
@@ -24,10 +24,6 @@ VECTOR = struct.Struct("<3d")
 IMU = struct.Struct("<5d64x3d72x3d")  # orientation, first covariance; rates, accelerations
 SCAN = struct.Struct("<7fI")
 POSE_SIZE = (7 + 36) * 8  # [B] of a pose with its covariance
-
-
-class _Clock(NamedTuple):
-    clock: Time  # rclpy's own, as its time source takes no other
 
 
 class _Stamp(NamedTuple):
@@ -134,9 +130,11 @@ def _odometry(data: bytes) -> _Odometry:
     return _Odometry(header, _StampedTwist(twist))
 
 
-def _clock(data: bytes) -> _Clock:
-    sec, nanosec = STAMP.unpack_from(data, START)
-    return _Clock(Time(sec=sec, nanosec=nanosec))
+def _clock(data: bytes) -> Clock:
+    """A message of rclpy's own, as its time source takes no other."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = STAMP.unpack_from(data, START)
+    return message
 
 
 READERS: dict[str, Callable[[bytes], Message]] = {
