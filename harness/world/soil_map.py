@@ -82,7 +82,9 @@ def _map_of(text: str) -> SoilMap | None:
     if not values.keys() & SoilMap.model_fields.keys():
         return None
     stated = made(SoilMap, values, where=text)
-    soils = tuple(str(folder / soil) if _is_file(soil) else soil for soil in stated.soils)
+    soils = tuple(
+        str(folder / soil) if FILE in soil or _is_file(soil) else soil for soil in stated.soils
+    )
     return stated.model_copy(update={"soils": soils, "map": str(folder / stated.map)})
 
 

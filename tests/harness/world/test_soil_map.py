@@ -22,6 +22,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     (tmp_path / "own.yaml").write_text(OWN)
+    values = OWN.strip().replace(": ", "=").replace("\n", ", ")
+    (tmp_path / "own.py").write_text(f"from harness.soil.soils import Soil\nMUD = Soil({values})\n")
     patches = np.zeros((30, 40), np.uint8)
     patches[:5] = 1
     np.save(tmp_path / "map.npy", patches)
@@ -29,16 +31,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("name", ["map.npy", "map.png"])
-def test_a_map_and_its_soils_are_found_beside_their_file(folder: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "own"), [("map.npy", "own.yaml"), ("map.png", "own.yaml"), ("map.npy", "own.py:MUD")]
+)
+def test_a_map_and_its_soils_are_found_beside_their_file(folder: Path, name: str, own: str) -> None:
     file = folder / "soils.yaml"
-    file.write_text(f"soils: [firm, own.yaml]\nmap: {name}\n")
+    file.write_text(f"soils: [firm, {own}]\nmap: {name}\n")
     soils = soils_on(str(file), GROUND, "flat")
     assert soils.kinds[0] == SOILS["firm"]
     assert soils.kinds[1].k_phi == 1.5e6
     assert (soils.patches[-5:] == 1).all()  # north is up
     assert (soils.patches[:-5] == 0).all()
-    assert set(soil_files(str(file))) == {file, folder / "own.yaml", folder / name}
+    assert set(soil_files(str(file))) == {file, folder / own.partition(":")[0], folder / name}
 
 
 def test_what_is_no_map_is_one_line(folder: Path) -> None:
