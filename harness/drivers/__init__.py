@@ -16,6 +16,7 @@ __all__ = [
     "Observation",
     "TakesGoals",
     "find_driver",
+    "goal_takers",
     "sensed_by",
     "takes_goals",
 ]
@@ -74,6 +75,11 @@ def find_driver(name: str) -> type[Driver]:
 def takes_goals(name: str) -> bool:
     """Returns whether the driver of that name takes goals; UsageError if there is none."""
     return issubclass(find_driver(name), TakesGoals)
+
+
+def goal_takers() -> str:
+    """Returns the names of the drivers that take goals, for a message."""
+    return ", ".join([*(name for name in SHIPPED if takes_goals(name)), f"{OF_POLICY}FILE"])
 
 
 def sensed_by(name: str) -> frozenset[type[Sample]]:

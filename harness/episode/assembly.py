@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from harness.base.errors import UsageError, find_named
 from harness.base.made_of_files import Files, made_of_files
-from harness.drivers import find_driver, takes_goals
+from harness.drivers import find_driver, goal_takers, takes_goals
 from harness.drivers.encounters import StagedEncounter
 from harness.faults.actuation import WHEEL, ActuatorFaults
 from harness.faults.injector import FaultInjector
@@ -286,7 +286,7 @@ def _check_rover(rover: RoverSetup) -> None:
             named = ", ".join(WHEEL + wheel for wheel in wheels)
             raise UsageError(f"there is no '{fault.sensor}'; available: {named}")
     if rover.goal_area is not None and not takes_goals(rover.driver):
-        raise UsageError("a goal area gives goals by itself: it needs driver 'goal' or a policy")
+        raise UsageError(f"a goal area needs a driver that takes goals; give one of: {goal_takers()}")
     if rover.cmd_vel_timeout is not None and rover.driver != CMD_VEL:
         raise UsageError("--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on")
 
@@ -312,8 +312,8 @@ def _check_route(run: Run, route: Route) -> None:
             check_target(point.target, target_names(run.world.targets))
     if not any(follows_route(rover.driver) for rover in run.rovers):
         raise UsageError(
-            f"driver '{run.rover.driver}' follows no route; give 'goal', a policy, or '{CMD_VEL}' with "
-            "a node that takes /goal_pose"
+            f"driver '{run.rover.driver}' follows no route; give one of: {goal_takers()}, or "
+            f"{CMD_VEL} with a node that takes /goal_pose"
         )
     if run.plan.goals or any(rover.goal_area is not None for rover in run.rovers):
         raise UsageError("a route gives goals by itself: leave out goals and goal areas")

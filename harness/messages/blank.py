@@ -1,12 +1,13 @@
 """Messages to be filled in: objects of rosbags, with the defaults that rclpy gives their fields."""
 
+from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
 import numpy as np
 from rosbags.interfaces import Nodetype
 
-from harness.base.errors import UsageError, unknown
+from harness.base.errors import UsageError
 from harness.base.message_types import typestore
 
 Message = Any  # rosbags makes its classes
@@ -22,7 +23,8 @@ def blank(name: str) -> Message:
     """Returns a message of a type such as sensor_msgs/msg/Imu: zeros, empty texts and lists, no turn."""
     known = typestore().fielddefs
     if name not in known:
-        raise UsageError(unknown("message type", name, known))
+        near = (get_close_matches(name, known, 1, 0.5) or ["std_msgs/msg/Float64"])[0]
+        raise UsageError(f"there is no message type '{name}'; give one such as {near}")
     fields = known[name][1]
     own = DEFAULTS.get(name, {})
     return typestore().types[name](*(own.get(field, _default(node)) for field, node in fields))

@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # a process that only publishes does without MuJoCo
     from harness.sensors.rays.bundle import Surroundings
 
 WORD = r"[A-Za-z][A-Za-z0-9_]*"
+OF_TOPIC = re.compile(f"{WORD}(/{WORD})*")
 Rate = Annotated[int, AfterValidator(checked(period_ticks))]  # [Hz], whole ticks of the clock apart
 
 
@@ -37,7 +38,7 @@ def _check_name(name: str) -> None:
 
 
 def _check_topic(topic: str) -> None:
-    if topic and not re.fullmatch(f"{WORD}(/{WORD})*", topic):
+    if topic and not OF_TOPIC.fullmatch(topic):
         raise UsageError(f"topic '{topic}' is not valid; give e.g. front/points, no slash before it")
 
 

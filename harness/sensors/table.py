@@ -20,6 +20,7 @@ from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.magnetometer import MagneticField, MagnetometerOptions, MagnetometerSensor
+from harness.sensors.optional import OF_TOPIC
 from harness.sensors.ranging import RangeReading, RangeSensor
 from harness.sensors.row import SensorRow, Topic
 from rover_metrics.plugins import Table
@@ -211,8 +212,12 @@ SENSORS: tuple[SensorRow, ...] = (
 OPTIONAL = Table[SensorRow](
     "sensors",
     {str(row.fault): row for row in SENSORS if row.options is not None},
-    lambda value: isinstance(value, SensorRow) and None not in (value.options, value.fault),
-    "a harness.sensors.table.SensorRow with `options` and `fault`",
+    lambda value: (
+        isinstance(value, SensorRow)
+        and None not in (value.options, value.fault)
+        and all(OF_TOPIC.fullmatch(topic.name) for topic in value.topics)
+    ),
+    "a harness.sensors.table.SensorRow with `options`, `fault` and topics as points or front/points",
 )
 
 

@@ -72,6 +72,11 @@ def parse_route(text: str) -> dict[str, Any]:
     match = TEXT.fullmatch(text.strip())
     if match is None:
         raise UsageError(f"route '{text}' is not valid; give {FORM}")
+    if "/" in (match["options"] or ""):
+        raise UsageError(
+            f"route '{text}': keys stand behind the last way point and hold for all; "
+            "in a file (docs/missions.md) each can have its own"
+        )
     given = words_of(match["options"] or "", (*OF_POINTS, *OF_ROUTE), f"route '{text}': ")
     shared = {key: given[key] for key in OF_POINTS if key in given}
     points = [_point(text, word) | shared for word in match["points"].split("/")]

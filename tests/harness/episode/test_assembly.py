@@ -61,7 +61,7 @@ def several(*texts: str, **shared: Any) -> Run:  # noqa: ANN401 - fields of a ru
         ({"commands": [(1.0, 0.3, 0.0)]}, "this needs driver 'cmd_vel'"),
         ({"goals": [(0.0, 1.0, 2.0, 0.0)]}, "this needs driver 'goal'"),
         ({"cmd_vel_timeout": 1.0}, "other drivers go on"),
-        ({"goal_area": (0, 1, 0, 1)}, "it needs driver 'goal' or a policy"),
+        ({"goal_area": (0, 1, 0, 1)}, "goal, beeline, gap, dwa, mppi, policy:FILE"),
         ({"driver": "goal", "goal_area": (0, 1, 0, 1), "goals": [(0, 1, 2, 0)]}, "leave out the goals"),
         ({"terrain": "a.npy", "difficulty": 0.6}, "leave out --difficulty"),
         ({"terrain": "a.npy", "mesh_unit": "cm"}, "applies to SDF worlds and meshes only"),

@@ -173,6 +173,7 @@ def test_a_way_point_that_takes_too_long_is_missed_and_the_next_one_is_next() ->
         ({"route": "3,4/tree"}, "no targets"),
         ({"route": "3,4/tree", "targets": ["post"]}, "available: post"),
         ({"route": "3;4"}, "X,Y"),
+        ({"route": "3,4:radius=2/5,6"}, "behind the last way point"),
         ({"route": "3,4:speed=2"}, "radius"),
         ({"route": [{"at": [1, 2], "target": "a"}]}, "one place"),
         ({"route": []}, "at least 1"),
