@@ -56,7 +56,8 @@ def test_a_ply_is_the_surface_of_its_faces_or_without_any_its_points(tmp_path: P
     )
     of_obj, of_ply = (of_file(write_mesh(tmp_path / f"m{end}", slope)) for end in (".obj", ".ply"))
     np.testing.assert_array_equal(of_ply.ground.heights, of_obj.ground.heights)
-    long = of_file(write_mesh(tmp_path / "cm.obj", Mesh(150 * slope.vertices, slope.faces)))
+    in_cm = write_mesh(tmp_path / "cm.obj", Mesh(150 * slope.vertices, slope.faces))
+    long = of_file(in_cm, terrain_cell=10.0)
     assert [any("--mesh-unit" in note for note in world.notes) for world in (of_obj, long)] == [0, 1]
     points = [f"{x} {y} {0.1 * x}" for x in np.arange(0.0, 20.0, 0.25) for y in range(15)]
     properties = "".join(f"property float {axis}\n" for axis in "xyz")
