@@ -40,12 +40,15 @@ F = TypeVar("F", bound=Callable[..., object])
 
 
 class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types for mypy
-    """Says on a terminal why nothing is to be seen: a kernel that is in no cache is being compiled."""
+    """Says on a terminal, once a process, what takes so long: a kernel in no cache is being compiled."""
+
+    _is_due = True  # a listener that unregisters itself makes numba skip the next one
 
     def on_start(self, event: Any) -> None:  # noqa: ANN401 - numba's
-        """Is called when a compilation begins; the first one of a kernel is told."""
-        if event.data["dispatcher"].py_func.__module__.startswith("harness."):
-            numba.core.event.unregister(COMPILE, self)
+        """Is called when a compilation begins, of kernels and of functions of users."""
+        module = event.data["dispatcher"].py_func.__module__  # None of a function that exec has made
+        if self._is_due and module is not None and module.startswith("harness."):
+            self._is_due = False
             if sys.stderr is not None and sys.stderr.isatty():
                 print("harness: compiling its kernels, once after each update", file=sys.stderr)
 

@@ -4,7 +4,9 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from types import FunctionType
 
+import numba
 import numpy as np
 import pytest
 
@@ -46,6 +48,10 @@ def test_where_nothing_can_be_written_kernels_are_kept_in_a_temporary_folder_of_
     assert done.stderr.startswith(TOLD.format(f"compiled kernels are kept in {folder}"))
     assert folder.stat().st_mode & 0o777 == 0o700
     assert len(list(folder.rglob("*.nbc"))) == 1
+
+
+def test_a_function_of_nobody_compiles_beside_the_kernels() -> None:
+    assert numba.njit(FunctionType((lambda x: 2 * x).__code__, {}))(2) == 4
 
 
 def scans() -> str:
