@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from operator import itemgetter
+from typing import Any
 from weakref import WeakMethod
 
 from harness.base.sim_time import NANOSECONDS, TICK, TICK_NS
@@ -189,7 +190,7 @@ class Pilot:
     def _commanded(self, latest: Latest) -> Twist:
         """What the driver wants; commands from elsewhere and of policies are taken as they are."""
         twist = self._driver.command(self._observe(latest))
-        if not (isinstance(twist, Twist) and hasattr(twist.linear, "__float__")):
+        if not (isinstance(twist, Twist) and _is_number(twist.linear) and _is_number(twist.angular)):
             raise misfit(self._driver, twist, "a Twist of two numbers")
         if self._is_aborted:
             return Twist()
@@ -233,6 +234,10 @@ class Pilot:
         """Gives the present goal or way point to a new driver, or to one that was held."""
         if self._course is not None:
             self._course.again()
+
+
+def _is_number(value: Any) -> bool:  # noqa: ANN401 - whatever a driver gives
+    return hasattr(value, "__float__") and not getattr(value, "ndim", 0)
 
 
 def _is_due(time_s: float, tick: int) -> bool:

@@ -14,6 +14,7 @@ from harness.sensors import table
 from rover_metrics.plugins import misfit
 
 SPIKE_SHARE = 0.1
+NUMBERS = "biuf"  # the kinds of numpy's types that are real numbers
 
 Values = NDArray[np.float64]
 Change = Callable[[Sample, float, np.random.Generator], Readings]  # what is sent, by the fault's value
@@ -39,10 +40,10 @@ def measured(hit: Hit) -> SensorAct:
     """Returns the act of a fault of all that a sensor measures, or of its attitude."""
 
     def shaped(values: Values, value: float, rng: np.random.Generator) -> Values:
-        result = hit(values, value, rng)
-        if np.shape(result) != values.shape:
-            raise misfit(hit, result, f"{values.size} numbers")
-        return np.asarray(result)
+        result = np.asarray(given := hit(values, value, rng))
+        if result.shape != values.shape or result.dtype.kind not in NUMBERS:
+            raise misfit(hit, given, f"{values.size} numbers")
+        return result
 
     def act(fault: Fault[SensorAct], rng: np.random.Generator) -> Effect:
         fields = "attitude" if fault.sensor.endswith(table.ATTITUDE) else "measured"

@@ -31,6 +31,7 @@ from harness.sensors.table import POINT_CLOUD, SensorRow, Topic
 from rover_metrics.extended.truth_columns import traversal_names
 from rover_metrics.topics import UNKNOWN
 
+IN_ANY = {"stamp_ns", "sensor"}  # the fields that every plug-in's sample has
 POSE, POSES = "geometry_msgs/msg/Pose", "geometry_msgs/msg/PoseArray"
 SCAN, IMU, ODOMETRY = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry"
 JOINTS, FIX, BATTERY = (
@@ -108,7 +109,8 @@ def goal() -> Fill:
 def by_names(message: Message, sample_type: type, **others: str) -> Fill:
     """Returns a filler of the stamp and of every field whose name the sample has too, and of others."""
     names = {item.name: item.name for item in fields(sample_type) if hasattr(message, item.name)}
-    if not names and not others and not sample_type.__module__.startswith("harness."):
+    own = {item.name for item in fields(sample_type)} - IN_ANY
+    if own and not names and not others and not sample_type.__module__.startswith("harness."):
         text = f"{kind_of(message)} has none of the fields of {sample_type.__qualname__}"
         theirs = (name for name in vars(message) if not name.startswith("_"))
         raise UsageError(f"{text}; call them as the message does: {', '.join(theirs)}")

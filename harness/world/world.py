@@ -1,9 +1,10 @@
 """Name + seed + difficulty -> a world: the ground and what stands on it, as plain values."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
@@ -79,9 +80,10 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
     # independent of each other and of how much each one draws.
     ground_rng, obstacle_rng = np.random.default_rng([seed, *name.encode()]).spawn(2)
     ground = terrain.ground(ground_rng)
-    obstacles = tuple(terrain.obstacles(ground, obstacle_rng))
-    if not all(isinstance(obstacle, Obstacle) for obstacle in obstacles):
-        raise misfit(kind, obstacles, "Obstacles")
+    given: Any = terrain.obstacles(ground, obstacle_rng)
+    obstacles = tuple(given) if isinstance(given, Iterable) else ()
+    if not (isinstance(given, Iterable) and all(isinstance(one, Obstacle) for one in obstacles)):
+        raise misfit(kind, given, "Obstacles")
     return World(name, ground, obstacles, seed, difficulty)
 
 

@@ -9,6 +9,7 @@ import hashlib
 import importlib.util
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from operator import attrgetter
@@ -139,10 +140,11 @@ class Table(Mapping[str, T], Generic[T]):
         except (Exception, SystemExit) as error:  # whatever a plug-in raises
             reason = printable(f"{type(error).__name__}: {error}")
             raise PluginError(f"{where} cannot be loaded: {reason}") from error
-        if not self.fits(value):
-            raise PluginError(f"{where} is not {self.form} (docs/extend.md)")
-        fitting: T = value
-        return fitting
+        with suppress(Exception):  # whatever `fits` meets in it
+            if self.fits(value):
+                fitting: T = value
+                return fitting
+        raise PluginError(f"{where} is not {self.form} (docs/extend.md)")
 
 
 def blamed(error: BaseException) -> str:

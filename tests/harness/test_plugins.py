@@ -200,6 +200,7 @@ def test_a_plugin_that_raises_fails_the_run_in_one_line_that_names_its_own(
     ("option", "value", "line", "instead", "told"),
     [
         ("--driver", "{}:Weave", "return Twist(", "return (", "Weave gives ("),
+        ("--driver", "{}:Weave", "cruise_speed, rate", "cruise_speed, None", "Weave gives Twist("),
         (
             "--driver",
             "{}:Weave",
@@ -218,8 +219,8 @@ def test_a_plugin_that_raises_fails_the_run_in_one_line_that_names_its_own(
             "--terrain",
             "{}:Crater",
             "def _heights",
-            "obstacles = lambda s, *_: [1]\n    def _heights",
-            "Crater gives (1,)",
+            "obstacles = lambda s, *_: None\n    def _heights",
+            "Crater gives None",
         ),
     ],
 )
@@ -255,12 +256,14 @@ def test_a_plugin_that_raises_in_any_other_program_is_one_line(
 
 def test_a_file_that_breaks_is_named_and_loaded_anew(tmp_path: Path) -> None:
     file = tmp_path / "mine.py"
-    table = Table[int]("numbers", {"one": 1}, lambda value: isinstance(value, int), "a number")
+    table = Table[int]("numbers", {"one": 1}, lambda value: value > 0, "a number")
     for wrong in ("RuntimeError('two\\nlines')", "SystemExit('two\\nlines')"):
         file.write_text(f"raise {wrong}")
         with pytest.raises(PluginError, match=r"cannot be loaded: \w+: two[?]lines$"):
             table[f"{file}:two"]
-    file.write_text("two = 2")
+    file.write_text("two, three = 2, '3'")
     assert table[f"{file}:two"] == 2
+    with pytest.raises(PluginError, match="is not a number"):
+        table[f"{file}:three"]
     assert (list(table), table["one"], table.source("one")) == (["one"], 1, None)
     assert "three" not in table

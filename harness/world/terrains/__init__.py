@@ -12,7 +12,7 @@ SHIPPED = (Flat, Slope, Rolling, Gravel, Rocky, Washboard, Dunes, Posts, Maze, M
 TERRAINS = Table[type[Terrain]](
     "terrains",
     {terrain.name: terrain for terrain in SHIPPED},
-    lambda value: isinstance(value, type) and issubclass(value, Terrain) and hasattr(value, "name"),
+    lambda value: isinstance(value, type) and issubclass(value, Terrain) and isinstance(value.name, str),
     "a subclass of harness.world.terrain.Terrain with a name",
 )
 WITH_HAZARDS = tuple(name for name, terrain in TERRAINS.shipped.items() if terrain.has_hazards)
