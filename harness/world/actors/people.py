@@ -5,6 +5,7 @@ import unicodedata
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -142,10 +143,22 @@ def _people_of(spec: ActorSpec, folders: tuple[str, ...]) -> tuple[Pedestrian, .
         raise UsageError(
             f"actor '{text}': {spec.file} has {len(trajectories)} actors with names; leave out '{name}='"
         )
+    names = [name] if name else _of_topics([one.name for one in trajectories])
     return tuple(
-        Pedestrian(text, _checked(text, name or _of_topic(one.name)), options, one)
-        for one in trajectories
+        Pedestrian(text, _checked(text, short), options, one)
+        for short, one in zip(names, trajectories, strict=True)
     )
+
+
+def _of_topics(names: Sequence[str]) -> list[str]:
+    """Returns people's names as topics can have them; a changed one that is taken gets a number."""
+    taken, found = set(names), list[str]()
+    for name in names:
+        if (short := _of_topic(name)) != name:
+            short = next(n for n in chain([short], (f"{short}_{i}" for i in count(2))) if n not in taken)
+            taken.add(short)
+        found.append(short)
+    return found
 
 
 def _of_topic(name: str) -> str:

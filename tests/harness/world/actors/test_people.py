@@ -90,10 +90,11 @@ def test_a_file_names_its_people_unless_the_text_does(tmp_path: Path) -> None:
     found = parse_actors([str(one), f"g={one}:speed=2", str(two)])
     assert [p.full_name for p in found] == ["diag_actor", "g_actor", "a_actor", "b_actor"]
     named = "".join(
-        f"<actor name='{name}'/>" for name in ("c d", "Jürgen", "9", "人", "行人2", "e_actor")
+        f"<actor name='{name}'/>"
+        for name in ("c d", "Jürgen", "9", "人", "行人2", "行人", "c_d_2", "e_actor")
     )
     written(tmp_path, f"<sdf>{named}</sdf>")  # read anew, as it has changed
-    names = ["c_d", "Jurgen", "person_9", "person", "person_2", "e"]
+    names = ["c_d", "Jurgen", "person_9", "person", "person_2", "person_3", "c_d_2", "e"]
     assert [person.name for person in parse_actors([str(one)])] == names
 
 
