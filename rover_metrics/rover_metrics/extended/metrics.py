@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,8 @@ from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_col
 from rover_metrics.plugins import misfit
 from rover_metrics.timing import NANOSECONDS
 
-OF_A_CELL = (Real, str, np.bool_, type(None))  # what a cell of somebody's columns may be
+# What a cell of somebody's columns may be; each goes into a CSV and into JSON.
+OF_A_CELL = (int, float, str, np.integer, np.floating, np.bool_, type(None))
 
 
 def extended_columns(
