@@ -32,12 +32,12 @@ TIME = re.compile(r"([\d.]+) s of 600 s")
 MIDDLE = 125, 300  # of the scene [pixels]
 SMALL, SCALE = {"width": 600, "height": 360}, 0.5  # few points to draw: a processor does
 # A processor draws: neither shadows nor the light of the sky, which are not on the screen, and nothing
-# once the scene has been seen.
+# but while the scene is looked at.
 SHORT = """window.isSeen = false
 for (const name in WebGL2RenderingContext.prototype) if (/^draw(Arrays|Elements)/.test(name)) {
   const draw = WebGL2RenderingContext.prototype[name]
   WebGL2RenderingContext.prototype[name] = function (...all) {
-    if (!window.isSeen && !this.getParameter(this.FRAMEBUFFER_BINDING)) draw.apply(this, all)
+    if (window.isSeen && !this.getParameter(this.FRAMEBUFFER_BINDING)) draw.apply(this, all)
   }
 }"""
 COLLISION = DEFAULT_THRESHOLDS.collision_threshold
@@ -105,8 +105,9 @@ def time_on(page: "Page") -> float:
 def test_a_page_draws_pauses_drives_and_survives_being_closed(webgl: "Browser", tmp_path: Path) -> None:
     with watched(webgl, tmp_path) as seen:
         page = seen.open()
-        wait_until(lambda: colours_of(page) > 200)  # ground in the sun: in the dark it has four
         page.evaluate("window.isSeen = true")
+        wait_until(lambda: colours_of(page) > 200)  # ground in the sun: in the dark it has four
+        page.evaluate("window.isSeen = false")
         before = time_on(page)
         wait_until(lambda: time_on(page) > before + 1.0)
         page.get_by_role("button", name="Pause").click()
