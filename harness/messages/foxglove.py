@@ -87,7 +87,8 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
             if endpoint.topic == CLOCK.name:
                 self._server.broadcast_time(time_ns)
 
-        return Intake(take, channel.has_sinks)
+        # The time goes to all clients, also to those that do not subscribe to /clock.
+        return Intake(take, (lambda: True) if endpoint.topic == CLOCK.name else channel.has_sinks)
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Sends a late subscriber the last message of a latched topic, on a thread of the server."""

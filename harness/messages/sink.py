@@ -47,7 +47,7 @@ class Intake(NamedTuple):
 
     Attributes:
         take: Takes each message, with its simulation time [ns].
-        is_wanted: Returns whether it would go anywhere: images are drawn only if somebody looks at them.
+        is_wanted: Returns whether it would go anywhere: messages are made only if somebody gets them.
     """
 
     take: Callable[[int, bytes], object]

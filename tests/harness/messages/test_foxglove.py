@@ -26,6 +26,7 @@ from harness.base.message_types import read_message
 from harness.messages.foxglove import Foxglove
 from harness.messages.outlets import CLOCK
 from harness.messages.sink import endpoint
+from harness.sensors.table import Topic
 from tests.support.waiting import PATIENCE, free_port
 
 WORDS = ("--terrain", "flat", "--duration", "600", "--rate", "3", "--lidar-beams", "45")
@@ -165,3 +166,12 @@ def test_a_port_that_is_taken_since_it_was_tried_is_named() -> None:
     taken = pytest.raises(UsageError, match=f"--foxglove {where} cannot be served")
     with Foxglove(where) as served, socket.create_server((host, int(port))), taken:
         served.open(endpoint(CLOCK, CLOCK.name)).take(0, b"")
+
+
+def test_the_time_goes_out_though_no_client_subscribes_to_it() -> None:
+    with Foxglove(f"127.0.0.1:{free_port()}") as served:
+        topics = CLOCK, Topic("scan", "sensor_msgs/msg/LaserScan")
+        assert [served.open(endpoint(topic, topic.name)).is_wanted() for topic in topics] == [
+            True,
+            False,
+        ]
