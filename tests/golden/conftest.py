@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.golden.drive import make_files
+from tests.support.once import made_once
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -14,4 +15,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture(scope="session")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """The worlds, rovers and parameters that the runs name."""
-    return make_files(tmp_path_factory.mktemp("golden"))
+    return made_once(
+        tmp_path_factory, "golden_files", lambda: make_files(tmp_path_factory.mktemp("golden"))
+    )
