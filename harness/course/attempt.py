@@ -16,7 +16,7 @@ from harness.course.result import EpisodeResult, result_of
 from harness.course.task import Case, Task
 from harness.course.tracks import find_track
 from harness.drivers import find_driver
-from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals, drivable
+from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals, commanded, drivable
 from harness.drivers.policy import PolicyDriver, read_policy
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
@@ -116,4 +116,4 @@ class Client:
         ranges = scan.ranges if isinstance(scan, LaserScan) else None
         yaw = rotation.yaw(pose.orientation)
         observation = Observation(batch.truth.time_ns, x, y, yaw, ranges, readings=self._readings)
-        self._episode.command(drivable(self._driver.command(observation), self._rover))
+        self._episode.command(drivable(commanded(self._driver, observation), self._rover))

@@ -15,6 +15,7 @@ from harness.course.board import board_of, page_of, read_folder
 from harness.course.drive import cases_of, check_origin, differences, drawn, drive_all
 from harness.course.entry import find_entry
 from harness.course.receipt import read_receipt, receipt_of, sheet_of, write_receipt
+from harness.course.referee import ENDINGS
 from harness.course.tracks import SEEDS, TRACKS, find_track
 from rover_metrics.sheet.render import terminal
 
@@ -38,6 +39,10 @@ def run(options: argparse.Namespace, console: Console) -> int:
     write_receipt(receipt, target)
     write_sheets(files, f"Course: {entry.name}", [sheet_of(receipt)])
     console.print(*terminal((sheet_of(receipt),), console.width), sep="\n")
+    broken = [one for ones in results.values() for one in ones if one.ending not in ENDINGS]
+    if broken:
+        first = f"the first, seed {broken[0].seed} of {broken[0].track}: {broken[0].ending}"
+        console.print(f"{how_many(len(broken), 'episode')} broke off; {first}", soft_wrap=True)
     console.print(f"score {receipt.score:.4f}; receipt: {target}", soft_wrap=True)
     return 0
 

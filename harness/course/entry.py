@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from harness.base.documents import read_bytes, read_mapping
 from harness.base.errors import UsageError, unknown
-from harness.drivers import DRIVERS, find_driver
+from harness.drivers import DRIVERS, takes_goals
 from harness.drivers.base import OF_POLICY
 from harness.spec.value import Value, made
 
@@ -103,8 +103,10 @@ def find_entry(name: str) -> Entry:
     for key, file in (("lock", about.lock), ("policy", about.policy), ("driver", about.driver)):
         if file and file.rpartition(":")[0 if key == "driver" else 2] not in known:
             raise UsageError(f"{folder / FILE}: {key} '{file}' names no file of the folder")
-    if not about.launch:
-        find_driver(entry.driver("", folder))
+    if not about.launch and not takes_goals(entry.driver("", folder)):
+        raise UsageError(
+            f"{folder / FILE}: {about.driver} has no head_for(x, y, yaw): it hears of no goal"
+        )
     return entry
 
 

@@ -15,7 +15,7 @@ from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World
 from rover_metrics.core import rotation
 
-REACHED, CONTACT, TIPPED, LATE = "reached", "contact", "tipped", "time"
+ENDINGS = REACHED, CONTACT, TIPPED, LATE = "reached", "contact", "tipped", "time"
 RISK_DISTANCE = 0.5  # [m], RoboTerrain's, from the rover's middle to the nearest hazard or person
 SAME_PLACE = RESOLUTION  # [m] the rover moves between two looks for hazards
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.robots import RoverSpec
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle
+from rover_metrics.plugins import misfit
 
 OF_POLICY = "policy:"  # of a driver's name, before that of a file
 BACKWARDS, SLOWEST = 0.6, 0.4  # of the cruising speed, of rovers that cannot turn in place
@@ -99,6 +100,14 @@ def turning(error: float, rover: RoverSpec, gain: float = 2.0) -> float:
     return max(-1.0, min(1.0, gain * error)) * rover.cruise_yaw_rate
 
 
+def commanded(driver: Driver, observation: Observation) -> Twist:
+    """Returns what a driver wants; MisfitError of a plug-in's that gives no Twist of two numbers."""
+    twist = driver.command(observation)
+    if not (isinstance(twist, Twist) and _is_number(twist.linear) and _is_number(twist.angular)):
+        raise misfit(driver, twist, "a Twist of two numbers")
+    return twist
+
+
 def drivable(twist: Twist, rover: RoverSpec) -> Twist:
     """Returns a twist that the rover can follow, nearest to what a driver wants.
 
@@ -112,3 +121,7 @@ def drivable(twist: Twist, rover: RoverSpec) -> Twist:
         return Twist(-min(needed, BACKWARDS * rover.cruise_speed), twist.angular)
     slowest = min(needed, SLOWEST * rover.cruise_speed)
     return Twist(math.copysign(max(abs(twist.linear), slowest), twist.linear), twist.angular)
+
+
+def _is_number(value: Any) -> bool:  # noqa: ANN401 - whatever a driver gives
+    return hasattr(value, "__float__") and not getattr(value, "ndim", 0)

@@ -6,13 +6,12 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from operator import itemgetter
-from typing import Any
 from weakref import WeakMethod
 
 from harness.base.sim_time import NANOSECONDS, TICK, TICK_NS
 from harness.base.streams import GOALS, generator
 from harness.drivers import Driver, DriverContext, Observation, TakesGoals, find_driver, takes_goals
-from harness.drivers.base import drivable
+from harness.drivers.base import commanded, drivable
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.policy import PolicyDriver
 from harness.drivers.route_course import RouteCourse
@@ -29,7 +28,6 @@ from harness.samples import GoalPose, LaserScan, Place, Sample, Twist
 from harness.spec.run import Run
 from harness.world.actors.free_space import FreeSpace
 from harness.world.world import World
-from rover_metrics.plugins import misfit
 
 Latest = Mapping[type[Sample], Sample]
 Act = Callable[["Pilot"], None]
@@ -189,9 +187,7 @@ class Pilot:
 
     def _commanded(self, latest: Latest) -> Twist:
         """What the driver wants; commands from elsewhere and of policies are taken as they are."""
-        twist = self._driver.command(self._observe(latest))
-        if not (isinstance(twist, Twist) and _is_number(twist.linear) and _is_number(twist.angular)):
-            raise misfit(self._driver, twist, "a Twist of two numbers")
+        twist = commanded(self._driver, self._observe(latest))
         if self._is_aborted:
             return Twist()
         if isinstance(self._driver, CmdVel | PolicyDriver):
@@ -234,10 +230,6 @@ class Pilot:
         """Gives the present goal or way point to a new driver, or to one that was held."""
         if self._course is not None:
             self._course.again()
-
-
-def _is_number(value: Any) -> bool:  # noqa: ANN401 - whatever a driver gives
-    return hasattr(value, "__float__") and not getattr(value, "ndim", 0)
 
 
 def _is_due(time_s: float, tick: int) -> bool:

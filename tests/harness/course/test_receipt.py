@@ -16,6 +16,8 @@ from harness.drivers.policy import Policy, write_policy
 
 DRIVER = """
 from harness.drivers.beeline import Beeline
+class Deaf:
+    summary, senses, command = "", (), print
 class Mine(Beeline):
     pass
 """
@@ -83,7 +85,9 @@ def own_entry(folder: Path, said: str = "driver: mine.py:Mine\nlock: requirement
     return folder
 
 
-def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Path, kept: Path) -> None:
+def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(
+    tmp_path: Path, kept: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     entry = own_entry(tmp_path / "own")
     words = ["--track", "blind", "--seeds", "2", "--jobs", "1", "--out", str(tmp_path)]
     files = ["--json", str(tmp_path / "t.json"), "--page", str(tmp_path / "t.html")]
@@ -97,6 +101,14 @@ def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(tmp_path: Pat
     assert receipt.entry_hash != baseline.entry_hash
     (entry / "mine.py").write_text(DRIVER + "# changed")
     assert main(["verify", str(tmp_path / "own.json"), "--entry", str(entry)]) == 2
+    assert "broke off" not in capsys.readouterr().out
+    (entry / "mine.py").write_text(
+        f"{DRIVER}    def command(self, observation):\n        return 0.3, 0.0\n"
+    )
+    assert main(["run", str(entry), *words, "--overwrite"]) == 0
+    told = capsys.readouterr().out
+    assert "2 episodes broke off; the first, seed 0 of blind: a plug-in failed" in told
+    assert "Mine gives (0.3, 0.0), not a Twist of two numbers" in told
 
 
 def test_a_policy_drives_every_track_with_the_lidar_that_it_was_made_for(tmp_path: Path) -> None:
@@ -115,6 +127,7 @@ def test_a_policy_drives_every_track_with_the_lidar_that_it_was_made_for(tmp_pat
         ("driver: mine.py:Mine\n", "lock"),
         ("driver: mine.py:Mine\nlock: none.txt\n", "none.txt"),
         ("driver: mine.py:Yours\nlock: requirements.txt\n", "Yours"),
+        ("driver: mine.py:Deaf\nlock: requirements.txt\n", "head_for"),
         ("driver: other.py:Mine\nlock: requirements.txt\n", "other.py"),
         ("policy: none.npz\nlock: requirements.txt\n", "none.npz"),
         ("launch: [python3, node.py]\nlock: requirements.txt\n", "node"),
