@@ -1,1 +1,1 @@
-"""Recordings of rovers: CSV files -> series of commands, wheels, IMU and poses."""
+"""Recordings of real rovers: CSV files and bags -> series of commands, wheels, IMU and poses."""
