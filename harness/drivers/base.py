@@ -101,7 +101,7 @@ def turning(error: float, rover: RoverSpec, gain: float = 2.0) -> float:
 
 
 def commanded(driver: Driver, observation: Observation) -> Twist:
-    """Returns what a driver wants; MisfitError of a plug-in's that gives no Twist of two numbers."""
+    """Returns what a driver wants; a MisfitError names one that gives no Twist of two numbers."""
     twist = driver.command(observation)
     if not (isinstance(twist, Twist) and _is_number(twist.linear) and _is_number(twist.angular)):
         raise misfit(driver, twist, "a Twist of two numbers")
