@@ -133,8 +133,9 @@ def build_scenes(
     if len(specs) == 1:  # it hangs together: to look for islands takes 2 % of a step
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     add_world(spec, world)
-    for prefix, other in zip(prefixes[1:], specs[1:], strict=True):
-        spec.attach(other, prefix=prefix, frame=spec.worldbody.add_frame())
+    with warnings.catch_warnings(action="ignore"):  # of assets by name: ours are files
+        for prefix, other in zip(prefixes[1:], specs[1:], strict=True):
+            spec.attach(other, prefix=prefix, frame=spec.worldbody.add_frame())
     _keep_constraints_soft(spec, timestep)
     solid = [(BODY, actor.name) for actor in world.people if actor.spec.options.push]
     for prefix, root, rover in zip(prefixes, roots, rovers, strict=True):

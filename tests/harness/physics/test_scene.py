@@ -13,7 +13,7 @@ import pytest
 from harness.physics import stage
 from harness.physics.berths import Member
 from harness.physics.scene import Dress, Scene, build_scene, build_scenes
-from harness.robots import ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec, find_rover
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, convex, orientation, surface
@@ -189,3 +189,22 @@ def test_the_lesser_of_the_worlds_friction_and_the_rovers_counts(priority: int, 
     mujoco.mj_forward(model, data)
     kinds = {model.geom(contact.geom[1]).name[:5]: contact.friction[0] for contact in data.contact}
     assert kinds == {"body_": 0.3, "wheel": 0.5}
+
+
+def test_rovers_whose_meshes_are_called_alike_have_each_its_own(tmp_path: Path) -> None:
+    rovers = []
+    for name, size in (("one", 0.1), ("other", 0.2)):
+        folder = shutil.copytree(LEO.folder, tmp_path / name)
+        model = folder / "leo.xml"
+        text = model.read_text().replace("<asset>", '<asset><mesh name="hull" file="hull.obj"/>', 1)
+        geom = '<body name="rover"><geom type="mesh" mesh="hull" pos="0 0 0.4" mass="0.1"/>'
+        model.write_text(text.replace('<body name="rover">', geom, 1))
+        corners = [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)]
+        lines = [f"v {x} {y} {z}" for x, y, z in corners] + ["f 1 3 2", "f 1 2 4", "f 1 4 3", "f 2 3 4"]
+        (folder / "hull.obj").write_text("\n".join(lines))
+        rovers.append(find_rover(str(folder)))
+    fleet = [Member(of.folder.name, of, (3.0 * i, 0.0, 0.0)) for i, of in enumerate(rovers)]
+    world = World("w", Heightfield(np.zeros((41, 41)), cell=0.5), (), 0, 0.5)
+    model = build_scenes(world, fleet, 0.002)[0].model
+    extents = [np.ptp(vertices) for vertices in np.split(model.mesh_vert, model.mesh_vertadr[1:])]
+    assert extents[1] == pytest.approx(2.0 * extents[0])
