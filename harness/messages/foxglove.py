@@ -72,6 +72,7 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
     def open(self, endpoint: Endpoint) -> Intake:
         """Returns where the messages of a topic go."""
         kind = endpoint.message_type
+        is_clock = kind == CLOCK.message_type  # under whatever name
         schema = foxglove.Schema(name=kind, encoding="ros2msg", data=full_definition(kind).encode())
         channel = foxglove.Channel(
             endpoint.topic, schema=schema, message_encoding="cdr", context=self._context
@@ -84,11 +85,11 @@ class Foxglove(ServerListener, AbstractContextManager["Foxglove"]):
             if endpoint.latched:
                 self._latched[channel.id()] = channel, time_ns, sent
             channel.log(sent, log_time=time_ns)
-            if endpoint.topic == CLOCK.name:
+            if is_clock:
                 self._server.broadcast_time(time_ns)
 
         # The time goes to all clients, also to those that do not subscribe to /clock.
-        return Intake(take, (lambda: True) if endpoint.topic == CLOCK.name else channel.has_sinks)
+        return Intake(take, (lambda: True) if is_clock else channel.has_sinks)
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Sends a late subscriber the last message of a latched topic, on a thread of the server."""

@@ -170,8 +170,5 @@ def test_a_port_that_is_taken_since_it_was_tried_is_named() -> None:
 
 def test_the_time_goes_out_though_no_client_subscribes_to_it() -> None:
     with Foxglove(f"127.0.0.1:{free_port()}") as served:
-        topics = CLOCK, Topic("scan", "sensor_msgs/msg/LaserScan")
-        assert [served.open(endpoint(topic, topic.name)).is_wanted() for topic in topics] == [
-            True,
-            False,
-        ]
+        topics = (CLOCK, "/clock"), (CLOCK, "/a/clock"), (Topic("a", "sensor_msgs/msg/Imu"), "/a")
+        assert [served.open(endpoint(*each)).is_wanted() for each in topics] == [True, True, False]
