@@ -9,6 +9,7 @@ Parses, calls, prints; the work is in harness.validate.
 """
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -29,7 +30,7 @@ from rover_metrics.errors import complain
 from rover_metrics.parser import OneLineParser
 from rover_metrics.sheet.console import PlainConsole
 from rover_metrics.sheet.render import terminal
-from rover_metrics.sheet.sheet import Sheet
+from rover_metrics.sheet.sheet import NONE, Sheet
 
 Outcome = tuple[Sequence[Sheet], Sequence[str]]  # tables, and what was missed
 
@@ -139,8 +140,8 @@ def _rig(options: argparse.Namespace, console: Console) -> Outcome:
         raise UsageError(f"no trial of {options.trials} has a slip angle of up to {steepest} degrees")
     rows = (  # at 80 columns, too
         {
-            "wheel": f"{e.wheel} {e.trials}", "n": f"{e.n}", "sinkage [mm]": f"{1e3 * e.sinkage:.2f}",
-            "tractive [N]": f"{e.tractive:.2f}", "lateral [N]": f"{e.lateral:.2f}", "sunk": f"{e.sunk}",
+            "wheel": f"{e.wheel} {e.trials}", "n": f"{e.n}", "sinkage [mm]": _rmse(1e3 * e.sinkage),
+            "tractive [N]": _rmse(e.tractive), "lateral [N]": _rmse(e.lateral), "sunk": f"{e.sunk}",
         }
         for e in errors
     )  # fmt: skip
@@ -149,6 +150,11 @@ def _rig(options: argparse.Namespace, console: Console) -> Outcome:
     if options.plot:
         single_wheel.plot(options.plot, soil, trials)
     return [sheet], ()
+
+
+def _rmse(error: float) -> str:
+    """An error of one quantity as a cell; a dash of what no trial has measured."""
+    return NONE if math.isnan(error) else f"{error:.2f}"
 
 
 def _parser() -> argparse.ArgumentParser:

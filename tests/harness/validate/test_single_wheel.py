@@ -1,5 +1,6 @@
 """A wheel drawn through soil beside trials: what a file may lack, and what the soil is worth."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -56,7 +57,9 @@ def test_what_was_predicted_has_no_error(trials: Path) -> None:
     assert {round(errors.sinkage, 9) for errors in judge(table, found)} == {0.002}
 
 
-def test_the_sand_is_that_of_the_trials(trials: Path, tmp_path: Path) -> None:
+def test_the_sand_is_that_of_the_trials(
+    trials: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     table, _ = read_trials(trials)
     for errors in judge(table, predict(SAND, table)):
         assert errors.sinkage < 0.0035
@@ -65,6 +68,9 @@ def test_the_sand_is_that_of_the_trials(trials: Path, tmp_path: Path) -> None:
     picture = tmp_path / "soil.png"
     assert main(["--rig", "--trials", str(trials), "--plot", str(picture)]) == 0
     assert picture.stat().st_size > 10_000
+    table.head(3).assign(lateral=math.nan).to_csv(tmp_path / "no.csv", index=False)
+    assert main(["--rig", "--trials", str(tmp_path / "no.csv")]) == 0
+    assert "nan" not in capsys.readouterr().out
 
 
 def test_a_file_that_is_not_of_trials_is_refused_in_a_line(tmp_path: Path) -> None:
