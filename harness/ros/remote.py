@@ -28,6 +28,7 @@ from rover_metrics.metrics_node import HOLDS, KEEPS_ORDER, LISTENS_ANEW
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
 FIRST_ANSWER_PATIENCE = 3.0  # [s] until the first question is put again
+FIRST_QUESTIONS = round(ANSWER_PATIENCE / FIRST_ANSWER_PATIENCE)
 BARRIER = GetParameters.Request(names=["use_sim_time"])  # not changed by being sent
 
 
@@ -93,7 +94,7 @@ class RemoteNode:
     def _runs_on_sim_time(self) -> bool:
         # A service is seen before it has matched this client: what it answers until then is lost.
         asked: list[Future] = []
-        for _ in range(round(ANSWER_PATIENCE / FIRST_ANSWER_PATIENCE)):
+        for _ in range(FIRST_QUESTIONS):
             asked.append(self.ask())
             if spin_until(self._executor, lambda: any(f.done() for f in asked), FIRST_ANSWER_PATIENCE):
                 values = next(f for f in asked if f.done()).result().values
