@@ -33,7 +33,7 @@ from harness.tune.episodes.sweep import sweep
 from tests.support.waiting import free_port, wait_until
 
 HERE = Path(__file__).parent
-ROOT = HERE.parents[2]
+ROOT = HERE.parents[3]
 PATIENCE = 60.0  # [s]
 PLANNED = plan(("leo", "rover_zero4wd"), 4, 0, 2.0)
 MATRIX = """
