@@ -31,7 +31,6 @@ with _kept_out("coverage", "scipy.linalg", "yaml"):
     from numba.core import cgutils, event
 numba.np.arraymath._HAVE_BLAS = True  # noqa: SLF001 - kernels of others find it when they need it
 
-COMPILE = "numba:compile"
 IS_COMPILED = not numba.config.DISABLE_JIT
 
 _kept: list[object] = []  # as long as C may call them
@@ -56,7 +55,7 @@ class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types for m
         """Is called when a compilation ends."""
 
 
-event.register(COMPILE, _Notice())
+event.register("numba:compile", _Notice())
 
 
 def kernel(signature: str | None = None) -> Callable[[F], F]:

@@ -32,10 +32,10 @@ class Channel:
         fill: Makes a message of a sample.
         topic: The resolved name, which a publisher forgets at shutdown.
         published: How many messages have been, whether or not anybody listened.
-        size: Of the last one [bytes].
+        size: Of the last one that was made [bytes].
         record: Takes each message and returns the bytes to publish for it; None while nobody records.
         is_wanted: Returns whether anybody but listeners wants messages.
-        latched: Whether who listens later gets the last messages.
+        latched: Whether a subscription that is matched later gets the last messages.
         on_demand: Whether only those messages count that somebody gets.
     """
 

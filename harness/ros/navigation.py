@@ -74,7 +74,7 @@ class Navigation:
     def look_around(self) -> None:
         """Publishes each map, once, if somebody listens or records."""
         for channel in self.maps:
-            is_wanted = channel.record or channel.publisher.get_subscription_count()
+            is_wanted = channel.record or channel.listeners()
             if channel.published == 0 and is_wanted:
                 is_graded = channel is self.graded
                 channel.publish(graded_world(self._run, self._number) if is_graded else self.occupancy)
