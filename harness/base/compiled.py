@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, partial
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -39,7 +40,7 @@ F = TypeVar("F", bound=Callable[..., object])
 
 
 class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types for mypy
-    """Says on a terminal, once a process, what takes so long: a kernel in no cache is being compiled."""
+    """Says on a terminal, once a program, what takes so long: a kernel in no cache is being compiled."""
 
     _is_due = True  # a listener that unregisters itself makes numba skip the next one
 
@@ -48,7 +49,8 @@ class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types for m
         module = event.data["dispatcher"].py_func.__module__  # None of a function that exec has made
         if self._is_due and module is not None and module.startswith("harness."):
             self._is_due = False
-            if sys.stderr is not None and sys.stderr.isatty():
+            is_worker = parent_process() is not None  # whose program has said so
+            if not is_worker and sys.stderr is not None and sys.stderr.isatty():
                 print("harness: compiling its kernels, once after each update", file=sys.stderr)
 
     def on_end(self, event: Any) -> None:  # noqa: ANN401 - numba's

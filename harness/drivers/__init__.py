@@ -49,8 +49,10 @@ SHIPPED = Shipped[type[Driver]](
 def _is_driver(value: Any) -> bool:  # noqa: ANN401 - whatever a plug-in is
     if not isinstance(value, type) or not all(hasattr(value, name) for name in OF_A_DRIVER):
         return False
-    senses = getattr(value, "senses", None)
-    return isinstance(senses, Collection) and all(isinstance(kind, type) for kind in senses)
+    senses, command = getattr(value, "senses", None), getattr(value, "command", None)
+    if not (isinstance(senses, Collection) and callable(command)):
+        return False
+    return all(isinstance(kind, type) for kind in senses)
 
 
 DRIVERS = Table[type[Driver]](

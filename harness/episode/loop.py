@@ -79,7 +79,7 @@ def drive(
                 return
     except KnownError:
         raise
-    except Exception as error:  # whatever a plug-in raises
+    except (Exception, SystemExit) as error:  # whatever a plug-in raises
         if reason := blamed(error):
             now = now_ns / NANOSECONDS
             raise RunFailed(f"a plug-in failed after {now:.2f} s: {reason}") from error

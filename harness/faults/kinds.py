@@ -12,7 +12,7 @@ from harness.faults.clock import ClockAct, drift, freeze, jump, reset, silence
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
 from harness.faults.streams import decimated, frozen, late, repeat
 from harness.spec.fault import LONGEST
-from rover_metrics.plugins import Table
+from rover_metrics.plugins import Table, takes
 
 SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
 WEAK = Value("SHARE", "a share of the torque from 0 up, below 1", lambda x: 0.0 <= x < 1.0, default=0.0)
@@ -50,8 +50,8 @@ OF_SENSORS: tuple[Kind[SensorAct], ...] = (
 FAULTS = Table[Kind[SensorAct]](
     "faults",
     {kind.name: kind for kind in OF_SENSORS},
-    lambda value: isinstance(value, Kind),
-    "a harness.faults.base.Kind",
+    lambda value: isinstance(value, Kind) and takes(value.act, 2),
+    "a harness.faults.base.Kind with an `act` (fault, rng)",
 )
 OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind(

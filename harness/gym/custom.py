@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from harness.base.errors import UsageError, find_named
 from harness.gym.observation import Part
 from rover_metrics.core import rotation
-from rover_metrics.plugins import Table
+from rover_metrics.plugins import Table, takes
 
 if TYPE_CHECKING:
     from harness.gym.driven_rover import DrivenRover
@@ -74,11 +74,17 @@ class Sight:
 
 
 REWARDS = Table[RewardFn](
-    "rewards", {}, callable, "a function (truth, action) -> number, or terms by name"
+    "rewards",
+    {},
+    lambda value: takes(value, 2),
+    "a function (truth, action) -> number, or terms by name",
 )
-ENDINGS = Table[TerminateFn]("endings", {}, callable, "a function (truth) -> bool")
+ENDINGS = Table[TerminateFn]("endings", {}, lambda value: takes(value, 1), "a function (truth) -> bool")
 OBSERVATIONS = Table[Sight](
-    "observations", {}, lambda value: isinstance(value, Sight), "a harness.gym.custom.Sight"
+    "observations",
+    {},
+    lambda value: isinstance(value, Sight) and takes(value.of, 1),
+    "a harness.gym.custom.Sight with a function (truth) -> numbers",
 )
 
 

@@ -10,7 +10,7 @@ from harness import samples
 from harness.base.sim_time import NANOSECONDS
 from harness.messages.blank import Message, cdr, kind_of
 from harness.messages.cdr import Template, places
-from rover_metrics.plugins import misfit
+from rover_metrics.plugins import blamed, misfit
 
 Fill = Callable[[Any], bytes | None]  # a sample of the topic's kind -> its message, or None for none
 STAMPS = ("header.stamp", "clock")
@@ -36,7 +36,7 @@ def refilled(message: Message, sources: Mapping[str, Callable[[Any], Any]]) -> C
         try:
             numbers = [each(sample) for each in numbers_of]
         except (AttributeError, TypeError, ValueError) as error:
-            if type(sample).__module__.startswith("harness."):
+            if type(sample).__module__.startswith("harness.") or blamed(error):  # by what it says
                 raise
             raise misfit(type(sample), sample, f"what a {kind_of(message)} holds") from error
         if template is None or not template.fits(numbers):

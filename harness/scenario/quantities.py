@@ -14,7 +14,7 @@ from harness.samples import ContactKind, SoilState, Truth, TruthState
 from harness.scenario.names import FORMS, OF_TARGET, check_heard
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import ALL_COLUMNS
-from rover_metrics.plugins import Table
+from rover_metrics.plugins import Table, takes
 
 NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
@@ -173,8 +173,8 @@ SHIPPED: dict[str, Quantity] = {
 QUANTITIES = Table[Quantity](
     "expectations",
     SHIPPED,
-    lambda value: isinstance(value, Quantity),
-    "a harness.scenario.quantities.Quantity",
+    lambda value: isinstance(value, Quantity) and takes(value.value, 1),
+    "a harness.scenario.quantities.Quantity with a function (snapshot) -> number",
 )
 
 GOAL = "truth.goal"  # how the names of those begin that need a goal

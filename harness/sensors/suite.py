@@ -7,7 +7,7 @@ from weakref import WeakValueDictionary
 from harness.base.sim_time import HIGHEST_RATE, TICKS_PER_CONTROL
 from harness.physics.aside import Errand
 from harness.robots import RoverSpec
-from harness.samples import Sample, Source
+from harness.samples import Sample, Source, source
 from harness.sensors.base import EpisodeParts, Sensor
 from harness.sensors.choice import chosen
 from harness.sensors.noise import SensorNoise
@@ -45,6 +45,7 @@ class SensorSuite:
     ) -> None:
         made: WeakValueDictionary[Source, Sensor] = WeakValueDictionary()  # one may know all, so itself
         self._kinds: dict[Sensor, type[Sample]] = {}
+        self._sources: dict[Sensor, Source] = {}
         scale = (1.0, 1.0) if noise is None else noise.wheel_scale
         parts = replace(parts, sensors=made, wheel_scale=scale)
         for row in chosen(rover, ()) if rows is None else rows:
@@ -52,7 +53,7 @@ class SensorSuite:
                 sensor = row.make(parts, rates.get(row.sample, row.rate_on(rover)), install)
                 if sensor is not None:
                     made[row.source] = sensor
-                    self._kinds[sensor] = row.sample
+                    self._kinds[sensor], self._sources[sensor] = row.sample, row.source
         self._sensors = tuple(self._kinds)
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
@@ -110,8 +111,9 @@ class SensorSuite:
         if sensor in self._early:
             return self._early.pop(sensor)
         sample = sensor.read() if self._noise is None else self._noise.corrupt(sensor.read())
-        if not isinstance(sample, self._kinds[sensor]):
-            raise misfit(sensor, sample, f"a {self._kinds[sensor].__name__}")
+        kind, known_by = self._kinds[sensor], self._sources[sensor]
+        if not isinstance(sample, kind) or source(sample) != known_by:
+            raise misfit(sensor, sample, f"a {kind.__name__} of its own `name`, as `sensor`")
         self.latest[type(sample)] = sample
         return sample
 

@@ -96,7 +96,7 @@ def run_program(name: str, work: Callable[[], int]) -> int:
         if code is None:
             raise
         return code
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         if not (reason := next(filter(None, (blame(error) for blame in BLAMES)), "")):
             raise
         complain(name, f"a plug-in failed: {reason}")

@@ -5,18 +5,19 @@ is named where a name of the table is, e.g. `--terrain moon.py:Moon`. docs/exten
 each table.
 """
 
+import gc
 import hashlib
 import importlib.util
+import inspect
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from operator import attrgetter
 from pathlib import Path
 from pkgutil import resolve_name
 from traceback import extract_tb
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any, Generic, TypeVar
 
 from rover_metrics.errors import BLAMES, RoverMetricsError, printable, shown
@@ -161,25 +162,35 @@ def blamed(error: BaseException) -> str:
         if name.startswith(MODULE) or f"{name}.".startswith(modules)
     }
     frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename in files]
-    if not frames and isinstance(error, TypeError):
-        called = str(error).partition("()")[0]  # "Mine.command() takes 1 positional argument but ..."
-        theirs = [file for file, module in files.items() if _has(module, called)]
-        return printable(f"{theirs[-1]}: {error}") if theirs else ""
+    if not frames and isinstance(error, TypeError) and "() " in str(error) and files:
+        called = str(error).partition("() ")[0]  # "Mine.command() takes 1 positional argument but ..."
+        makers = {each.__module__ for each in _made(called)}
+        theirs = [file for file, module in files.items() if module.__name__ in makers]
+        return printable(f"{theirs[-1]}: {error}; docs/extend.md has what it is given") if theirs else ""
     if not frames:
         return ""
     place = f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}"
     return printable(f"{place}: {frames[-1].line}: {type(error).__name__}: {error}")
 
 
-def _has(module: ModuleType, path: str) -> bool:
-    """Whether a module makes something of that name, or of NAME.NAME."""
-    try:
-        return bool(attrgetter(path)(module).__module__ == module.__name__)
-    except AttributeError:
-        return False
+def _made(name: str) -> Iterator[Any]:
+    """Yields the functions and classes of that name, also those that no module has by it."""
+    gc.unfreeze()  # what was loaded before a run is out of the collector's sight
+    for each in gc.get_objects():
+        if issubclass(type(each), FunctionType | type) and each.__qualname__ == name:
+            yield each
 
 
 BLAMES.append(blamed)
+
+
+def takes(function: object, count: int) -> bool:
+    """Returns whether something can be called with so many arguments by position."""
+    try:
+        inspect.signature(function).bind(*range(count))  # type: ignore[arg-type]
+    except (TypeError, ValueError):  # it cannot, or is no function
+        return False
+    return True
 
 
 def installed(tables: Iterable[Table[Any]]) -> Iterator[str]:

@@ -7,6 +7,8 @@ from functools import partial
 from typing import Self, TypeVar
 
 from harness.base.errors import RunFailed
+from rover_metrics.errors import KnownError
+from rover_metrics.plugins import blamed
 
 Key = TypeVar("Key")
 Item = TypeVar("Item")
@@ -83,4 +85,16 @@ def work_off(
 
 
 def _keyed(work: Callable[[Item], Outcome], item: tuple[Key, Item]) -> tuple[Key, Outcome]:
-    return item[0], work(item[1])
+    """The outcome of an item with its key.
+
+    What a plug-in raises is told here, as a RunFailed: errors get to whoever gave the work without the
+    lines that led to them.
+    """
+    try:
+        return item[0], work(item[1])
+    except KnownError:
+        raise
+    except (Exception, SystemExit) as error:
+        if reason := blamed(error):
+            raise RunFailed(f"a plug-in failed: {reason}") from error
+        raise
